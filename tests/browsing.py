@@ -1,4 +1,4 @@
-"""What tests of pages share: a headless Chromium that writes down what pages ask for and complain about."""
+"""Shared by tests of pages: a headless Chromium that records a page's requests and complaints."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Chromium", "Visit", "axe", "chromium"]
 
 _PROGRAMS: Final = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
-"""The first, Debian's Chromium without windows, takes a third of the processor time to open a page."""
+"""The first, Debian's Chromium without windows, needs a third of the processor time to open a page."""
 _FLAGS: Final = (
     "--no-sandbox",
     "--disable-gpu",
@@ -37,14 +37,14 @@ _FLAGS: Final = (
     "--disable-sync",
 )
 _SECONDS: Final = 60
-"""What a test does with a page, on an idle machine."""
+"""Time limit in seconds of a test's work with a page, on an idle machine."""
 _STEP: Final = 30
-"""What a page takes to do one thing."""
+"""Time limit in seconds of one step on a page."""
 _LAST: Final = 5
-"""What a page takes to be told about, and to be closed."""
+"""Time limit in seconds for diagnosing and closing a page."""
 _IDLE: Final = "new Promise((done) => requestIdleCallback(() => done(), { timeout: 5000 }))"
 _IDLE_TIMES: Final = 2
-"""The first idle time may lie between the arrival of an answer and what the page does with it."""
+"""The page may be idle once between the arrival of a response and its processing."""
 _WATCHING: Final = """
 window.kgViolations = [];
 document.addEventListener("securitypolicyviolation", (event) =>
@@ -55,9 +55,9 @@ _Found = TypeVar("_Found")
 
 @dataclass
 class Visit:
-    """A page that is open: the addresses that it asked for, and what it said to the console or by dialogs.
+    """An open page: the addresses it requested, its console messages and its dialogs.
 
-    `asking` are the requests that are not answered yet.
+    `asking` holds the pending requests.
     """
 
     page: Page
@@ -68,7 +68,7 @@ class Visit:
     asking: set[Request] = field(default_factory=set)
 
     def listen(self) -> None:
-        """Write down from now on what the page asks for and says."""
+        """Start recording the page's requests and messages."""
         self.page.on("request", self.ask)
         self.page.on("requestfinished", self.answered)
         self.page.on("requestfailed", self.answered)
@@ -78,27 +78,27 @@ class Visit:
         self.page.on("dialog", self.dismiss)
 
     def ask(self, request: Request) -> None:
-        """Write down a request; one that listens is never answered whole."""
+        """Record a request; an event stream never completes."""
         self.requests.append(request.url)
         if request.resource_type != "eventsource" and request.url.startswith("http"):
             self.asking.add(request)
 
     def answered(self, request: Request) -> None:
-        """Note that a request has its answer, or none."""
+        """Record that a request completed or failed."""
         self.asking.discard(request)
 
     def hear(self, message: ConsoleMessage) -> None:
-        """Write down an error of the console, with where it came from."""
+        """Record a console error with its source."""
         if message.type == "error":
             self.complaints.append(f"{message.text} ({message.location.get('url')})")
 
     async def dismiss(self, dialog: Dialog) -> None:
-        """Write down a dialog and close it: until then the page stands still, and so does all that is asked of it."""
+        """Record a dialog and close it, because an open dialog blocks the page and every call to it."""
         self.complaints.append(f"dialog: {dialog.message}")
         await dialog.dismiss()
 
     async def rest(self, *, scripts: bool = True) -> None:
-        """Wait until the page is busy with nothing, is owed no answer, and has processed those that came.
+        """Wait until the page is not busy, has no pending request, and has processed all responses.
 
         Playwright's `networkidle` is weaker and more expensive: a slow page is as quiet between two requests, and a
         browser without a graphics card computes half a second of processor time in the half second of the wait.
@@ -118,7 +118,7 @@ class Visit:
             await asyncio.sleep(0.02)
 
     async def told(self) -> str:
-        """Return what is known of a page on which something went wrong: how it answered, and how it begins."""
+        """Describe a failing page: its response and the start of its text."""
         try:
             async with asyncio.timeout(patient(_LAST)):
                 text = await self.page.evaluate("document.documentElement.innerText")
@@ -130,14 +130,14 @@ class Visit:
         return f"{head}:\n{str(text)[:2_000]}"
 
     async def troubles(self) -> list[str]:
-        """Return what went wrong by now: errors, dialogs, violations of the policy, requests to others."""
+        """Return the problems so far: errors, dialogs, policy violations, requests to other hosts."""
         violations = await self.page.evaluate("window.kgViolations")
         origin = "/".join(self.address.split("/")[:3])
         elsewhere = [one for one in self.requests if not one.startswith((f"{origin}/", "data:", "blob:"))]
         return [*self.complaints, *(f"policy: {one}" for one in violations), *(f"asked {one}" for one in elsewhere)]
 
     async def violations(self) -> list[str]:
-        """Return what axe finds wrong, each with the first element that it is about."""
+        """Return the violations that axe reports, each with its first element."""
         found = await self.page.evaluate("axe.run(document, {resultTypes: ['violations']})")
         return [f"{one['id']} ({one['impact']}): {one['help']}: {json.dumps(one['nodes'][0]['target'])} "
                 f"{one['nodes'][0]['html'][:150]}" for one in found["violations"]]  # fmt: skip
@@ -145,18 +145,18 @@ class Visit:
 
 @dataclass(frozen=True, slots=True)
 class Chromium:
-    """A browser that runs in a thread of its own, so that other tests can have event loops."""
+    """A browser in a thread of its own, which leaves event loops to the tests."""
 
     browser: Browser
     loop: asyncio.AbstractEventLoop
 
     def run(self, work: Coroutine[Any, Any, _Found]) -> _Found:
-        """Return what a coroutine returns that runs beside the browser."""
+        """Run a coroutine in the thread of the browser and return its result."""
         return _result(work, self.loop)
 
     @asynccontextmanager
     async def visit(self, address: str, *, tools: bool = False, **options: Any) -> AsyncIterator[Visit]:
-        """Open a page and wait until it is at rest, with nothing busy.
+        """Open a page and wait until it is idle.
 
         `options` are those of a context, such as `color_scheme`. With `tools` the page has axe, for `Visit.violations`.
         """
@@ -168,7 +168,7 @@ class Chromium:
             try:
                 answer = await visit.page.goto(address, wait_until="load")
                 visit.status = answer.status if answer else 0
-                # In a sandbox without scripts nothing is called back.
+                # In a sandbox without scripts, no callback arrives.
                 sealed = "sandbox" in (answer.headers if answer else {}).get("content-security-policy", "")
                 await visit.rest(scripts=options.get("java_script_enabled", True) and not sealed)
                 yield visit
@@ -181,7 +181,7 @@ class Chromium:
 
 
 async def _opened(context: BrowserContext, address: str, *, tools: bool) -> Visit:
-    """Return an empty page that is listened to."""
+    """Return an empty page whose events are recorded."""
     await context.add_init_script(_WATCHING)
     for script in axe() if tools else ():
         await context.add_init_script(path=script)
@@ -192,14 +192,14 @@ async def _opened(context: BrowserContext, address: str, *, tools: bool) -> Visi
 
 
 def axe() -> list[Path]:
-    """Return the script of axe-core; nothing where the tools of the pages were not installed."""
+    """Return the script of axe-core, or an empty text if the tools of the pages are not installed."""
     script = ROOT / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
     return [script] if script.is_file() else []
 
 
 @contextmanager
 def chromium() -> Iterator[Chromium]:
-    """Run a browser; the test is skipped where there is none."""
+    """Run a browser; skip the test if none is installed."""
     program = next((found for name in _PROGRAMS if (found := shutil.which(name))), None)
     if program is None:
         pytest.skip("Chromium is not installed")
@@ -227,9 +227,10 @@ def chromium() -> Iterator[Chromium]:
 
 
 def _result(work: Coroutine[Any, Any, _Found], loop: asyncio.AbstractEventLoop) -> _Found:
-    """Return what a coroutine returns in a loop that runs in a thread.
+    """Return the result of a coroutine run in the loop of another thread.
 
-    What takes too long is ended, and the error shows where it was; where it does not end, what the loop does.
+    A coroutine that takes too long is cancelled, and the error shows where it waited. If cancelling fails, the error
+    shows the state of the loop.
     """
     seconds = patient(_SECONDS)
     running = asyncio.run_coroutine_threadsafe(_within(seconds, work), loop)
@@ -247,12 +248,12 @@ async def _within(seconds: float, work: Coroutine[Any, Any, _Found]) -> _Found:
     try:
         async with asyncio.timeout(seconds):
             return await work
-    except TimeoutError as error:  # which would lose where it was on its way to the other thread
+    except TimeoutError as error:  # which would lose its position on the way to the other thread
         raise AssertionError(f"it is not done within {seconds:.0f} s") from error
 
 
 def _doing(loop: asyncio.AbstractEventLoop) -> str:
-    """Return where the threads of this process and the tasks of a loop are."""
+    """Return the positions of this process's threads and of a loop's tasks."""
     told = io.StringIO()
     for name, frame in sys._current_frames().items():
         traceback.print_stack(frame, file=told)

@@ -1,4 +1,4 @@
-"""What holds for all tests: a program that is lacking makes them skip, a machine that is busy does not fail them."""
+"""Rules for all tests: a missing program skips them, and a busy machine does not fail them."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ if TYPE_CHECKING:
 
 PROGRAMS: Final = {"git", "java"}
 _MEMORY: Final = Path("/dev/shm")  # noqa: S108 - tempfile makes the folders in it
-"""A file system in memory, on Linux."""
+"""In-memory file system of Linux."""
 _MEMORY_BYTES: Final = 4 << 30
-"""Free space that a run may need: containers often have 64 MB there."""
+"""Free space that a run may need; containers often have 64 MB."""
 
 ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-"""Read by libraries of linear algebra when they are loaded, here and in the processes that tests start.
+"""Read by linear algebra libraries when they are loaded, here and in the processes started by tests.
 
 With their threads a process that a build forks takes four times as long, and workers of pytest-xdist take turns anyway.
 """
 QUICK_JAVA: Final = "-XX:+UseSerialGC -XX:TieredStopAtLevel=1"
-"""Options of Java for programs that run for a second: with its usual ones the reasoner takes twice the time."""
+"""Options of Java for short programs: with the defaults, the reasoner takes twice as long."""
 _MANY: Final = 1000
-"""Tests of a run of which dozens build workspaces."""
+"""Number of tests from which a run includes dozens that build workspaces."""
 
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
 
 def _use_memory() -> None:
-    """Put temporary files into memory: a store writes through to the disk, which takes longer than what is tested."""
+    """Create temporary files in memory: a store writes through to the disk, which takes longer than the tested work."""
     if "TMPDIR" in os.environ or not os.access(_MEMORY, os.W_OK):
         return
     system = os.statvfs(_MEMORY)
@@ -57,9 +57,9 @@ for _number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Collect without garbage collections, then exempt what the tests consist of from all later ones.
+    """Collect the tests with the garbage collector disabled, then exempt their objects from later collections.
 
-    It lives until the end, and tests that fork would copy it and those that collect garbage would visit it.
+    These objects live until the end. Otherwise forks would copy them, and each collection would visit them.
     """
     gc.disable()
     try:
@@ -78,7 +78,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def _prepared(request: pytest.FixtureRequest) -> None:
-    """Load what reads packages once where many tests run: otherwise each process that their builds start loads it."""
+    """Load the package readers once in large runs; otherwise each process forked by a build loads them."""
     if len(request.session.items) > _MANY:
         from workspaces import prepare_builds  # noqa: PLC0415 - other runs do without it
 
@@ -96,11 +96,11 @@ def _skipping() -> Generator[None, object, object]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup() -> Generator[None, object, object]:
-    """Skip a test whose fixtures need a program that is not there."""
+    """Skip a test whose fixtures need a missing program."""
     return (yield from _skipping())
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call() -> Generator[None, object, object]:
-    """Skip a test that needs a program that is not there."""
+    """Skip a test that needs a missing program."""
     return (yield from _skipping())

@@ -1,9 +1,9 @@
-"""Reads launch files that mean harm in a process of its own, and prints what it did meanwhile, as JSON.
+"""Program that reads hostile launch files in a process of its own, and prints their side effects as JSON.
 
     python hostile_launches.py FOLDER_OF_PACKAGES FOLDER_OF_INSTALLED_PACKAGES
 
 Each folder of the first is a package `odd` with a launch file `launch/main.*`. An audit hook of the interpreter sees
-every file that is opened, every process and connection that is begun, and every piece of code that is run.
+every opened file, every started process and connection, and all executed code.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _FORBIDDEN = ("subprocess.", "os.system", "os.exec", "os.fork", "os.posix_spawn"
 
 
 class Watch:
-    """What happened while a file was read."""
+    """Side effects of reading a file."""
 
     def __init__(self) -> None:
         self.on = False
@@ -34,7 +34,7 @@ class Watch:
         self.begun: list[str] = []
 
     def see(self, event: str, arguments: tuple[object, ...]) -> None:
-        """Note what matters."""
+        """Record a relevant audit event."""
         if not self.on:
             return
         if event == "open" and isinstance(arguments[0], str):
@@ -45,7 +45,7 @@ class Watch:
 
 def main(packages: Path, installed: Path) -> None:
     """Read the launch file of each package."""
-    import_module("kg.launch.files.ros2.python.reading")  # which is loaded late, before anything is watched
+    import_module("kg.launch.files.ros2.python.reading")  # loaded lazily, so load it before auditing begins
     watch, found = Watch(), {}
     sys.addaudithook(watch.see)
     for folder in sorted(packages.iterdir()):

@@ -1,4 +1,4 @@
-"""The pages that are tested, by name: a page that is added gets a line here."""
+"""The tested pages, by name; add a line here for each new page."""
 
 from __future__ import annotations
 
@@ -58,11 +58,11 @@ PAGES: Final = {
     "resource": "/resource?iri=ros:Publisher",
     "resource, one property": "/resource?iri=ros:Publisher&predicate=rdf:type&direction=in&limit=5&offset=5",
 }
-"""Name to path; what stands in braces is a key of `Shown`."""
+"""Name to path; braces enclose a key of `Shown`."""
 
 _PHONE: Final = 390
 _MOST: Final = 60
-"""So many things are reached by Tab; lists that are longer go on alike."""
+"""Number of elements reached by Tab; longer lists only repeat."""
 _FOCUSABLE: Final = "a[href], button, input:not([type=hidden]), select, textarea, summary, [tabindex='0']"
 _LISTEN: Final = f"""() => {{
   const all = [...document.querySelectorAll("{_FOCUSABLE}")].filter((one) =>
@@ -85,18 +85,17 @@ _WALKED: Final = """() => {
 
 
 class Shown(TypedDict):
-    """Things of the example workspace, quoted for addresses."""
+    """Entities of the example workspace, quoted for addresses."""
 
     node: str
 
 
 @dataclass(frozen=True, slots=True)
 class Examined:
-    """What was found out about a page.
+    """The findings about a page.
 
-    `status`, what went wrong (`Visit.troubles`), what axe says in light, and in dark on a phone, how many links lead
-    to the page as JSON, what cannot be reached by Tab, what does not show that it has the focus, how wide the page is
-    on a phone.
+    `status`, problems (`Visit.troubles`), axe violations in light, and in dark on a phone, the number of links to the
+    page as JSON, elements unreachable by Tab, elements without a visible focus, the width of the page on a phone.
     """
 
     status: int
@@ -110,19 +109,19 @@ class Examined:
 
 
 def shown(client: httpx.Client | TestClient) -> Shown:
-    """Return the things that pages are shown about, asked of the server."""
+    """Ask the server for the entities shown by the pages."""
     (hit, *_) = client.get("/api/find", params={"text": "scan_filter"}).raise_for_status().json()["hits"]
     return {"node": quote(hit["iri"], safe="")}
 
 
 async def examine(browser: Chromium, address: str) -> Examined:
-    """Open a page and find out about it."""
+    """Open a page and examine it."""
     async with browser.visit(address, tools=True, color_scheme="light") as visit:
         return await inspect(visit)
 
 
 async def inspect(visit: Visit) -> Examined:
-    """Find out about a page that is open, with tools and in light."""
+    """Examine an open page, loaded with tools and in light."""
     light = await _accessible(visit)
     twins = await visit.page.locator("footer a[type='application/json']").count()
     missed, ringless = await _walked(visit.page)
@@ -138,7 +137,7 @@ async def _accessible(visit: Visit) -> list[str]:
 
 
 async def _walked(page: Page) -> tuple[list[str], list[str]]:
-    """Press Tab from the top on; return what was not reached, and what has no ring while it has the focus."""
+    """Press Tab from the top; return the elements never reached, and those without a ring when focused."""
     for _ in range(await page.evaluate(_LISTEN) + 2):
         await page.keyboard.press("Tab")
     missed, ringless = await page.evaluate(_WALKED)

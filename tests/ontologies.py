@@ -1,4 +1,4 @@
-"""The ontologies that `kg` ships, parsed once for all tests; they are only read."""
+"""The ontologies shipped with `kg`, parsed once for all tests and read-only."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ __all__ = ["named", "together"]
 
 @cache
 def named() -> dict[str, Graph]:
-    """Return each ontology by the name of its file, without the ending."""
+    """Return each ontology by its file name without the suffix."""
     return {path.stem: Graph().parse(path) for path in default_ontologies()}
 
 
 @cache
 def together(beginning: str = "") -> Graph:
-    """Return the triples of all ontologies whose names begin so."""
+    """Return the triples of all ontologies whose names begin with a prefix."""
     found = Graph()
     for name, graph in named().items():
         if name.startswith(beginning):

@@ -1,4 +1,4 @@
-"""Ports of this machine for programs that cannot be started on port 0."""
+"""Ports of this machine for programs that cannot start on port 0."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 __all__ = ["own_port"]
 
 _PORTS: Final = range(20_000, 32_000, 2)
-"""Below the range from which the system takes ports for port 0 and for outgoing connections (Linux: from 32768)."""
+"""Below the range used by the system for port 0 and outgoing connections (Linux: from 32768)."""
 
 
 @contextmanager
 def own_port() -> Iterator[int]:
-    """Yield a free TCP port that no other test takes before the block ends: the port above it is held as a lock."""
+    """Yield a free TCP port reserved for this block: the port above it is held as a lock."""
     for port in random.sample(_PORTS, len(_PORTS)):
         with socket.socket() as lock:
             try:

@@ -1,4 +1,4 @@
-"""What tests of the page of queries share: it is opened, written to, and waited for."""
+"""Shared by tests of the query page: opening, typing, waiting."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NAMES: Final = "SELECT ?name { ?n a rnkg:NodeType ; rnkg:name ?name }"
 
 
 def visited(browser: Chromium, site: str, work: Work, **parameters: str) -> Any:
-    """Return what `work` returns of the page of queries; nothing goes wrong on it meanwhile."""
+    """Return the result of `work` on the query page; the page must report no problem."""
 
     async def visit() -> Any:
         async with browser.visit(f"{site}/query?{urlencode(parameters)}") as opened:
@@ -41,7 +41,7 @@ def visited(browser: Chromium, site: str, work: Work, **parameters: str) -> Any:
 
 
 async def typed(visit: Visit, text: str) -> None:
-    """Write a text into the editor in place of what is there, without its help."""
+    """Replace the text of the editor, without its completions."""
     await visit.page.locator(".cm-content").click()
     await visit.page.keyboard.press("Control+a")
     await visit.page.keyboard.press("Delete")
@@ -49,19 +49,19 @@ async def typed(visit: Visit, text: str) -> None:
 
 
 async def ran(visit: Visit) -> str:
-    """Wait until a query has ended; return what is told of it."""
+    """Wait until a query has ended; return its status text."""
     return await told(visit, r" in [\d.]+ s, snapshot|failed|cancelled")
 
 
 async def told(visit: Visit, pattern: str) -> str:
-    """Wait until what is told of a query matches a pattern; return it."""
+    """Wait until the status of a query matches a pattern; return it."""
     progress = visit.page.locator("#progress").filter(has_text=re.compile(pattern))
     await progress.wait_for()
     return str(await progress.text_content())
 
 
 def idle(site: str) -> list[Any]:
-    """Wait until nothing runs on a server; return what still does after a while."""
+    """Wait until a server runs nothing; return the work still running after a while."""
     end = time.monotonic() + patient(10)
     while (jobs := _jobs(site)) and time.monotonic() < end:
         time.sleep(0.1)

@@ -1,4 +1,4 @@
-"""What tests of the whole repository share: which files it has, and the shape of its Python code."""
+"""Shared by tests of the whole repository: its files and the shape of its Python code."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NOT_OURS: Final = {"dist", "node_modules", "vendor", "__pycache__"}
 
 @cache
 def files() -> tuple[Path, ...]:
-    """Return the files of the repository: those that git knows or would add, or all where there is no git."""
+    """Return the files of the repository: those tracked by git or not ignored, or all files without git."""
     command = ["git", "-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     try:
         listed = subprocess.run(command, capture_output=True, check=True).stdout.decode().split("\0")
@@ -58,7 +58,7 @@ class Module:
 
 
 def modules(*folders: str) -> Iterator[Module]:
-    """Yield the Python files below the folders, without the cases of extraction; all trees together take 600 MB."""
+    """Yield the Python files below the folders, except the extraction cases; all trees together take 600 MB."""
     for path in files():
         parts = path.relative_to(ROOT).parts
         if path.suffix == ".py" and parts[0] in folders and "cases" not in parts:

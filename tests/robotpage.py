@@ -1,4 +1,4 @@
-"""What tests of the robot page share: it is opened with a robot, written to, and waited for."""
+"""Shared by tests of the robot page: opening it with a robot, typing, waiting."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ needs_blocks = pytest.mark.skipif(not libraries(), reason=HELP)
 
 @asynccontextmanager
 async def opened(browser: Chromium, site: str, address: str = "/robot", **options: Any) -> AsyncIterator[Visit]:
-    """Log in and open the page; wait until the robot is connected. At the end nothing may have gone wrong."""
+    """Log in and open the page; wait until the robot is connected. The page must report no problem at the end."""
     async with browser.visit(f"{site}/login", **options) as visit:
         await log_in(visit.page, site)
         visit.complaints.clear()
-        # A page that listens is never at rest.
+        # A page with an event stream is never idle.
         await visit.page.goto(site + address, wait_until="load")
         await said(visit.page, "#connection", "^Connected", 60)
         if libraries():
             await visit.page.locator("#abilities [id$=-add]").first.wait_for(state="attached")
-        # What the robot can do was just offered as blocks, with which the program is judged and shown anew.
+        # The capabilities just arrived as blocks, which checks and redraws the program.
         await visit.page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
         await unfold(visit.page)
         yield visit
@@ -44,16 +44,16 @@ async def opened(browser: Chromium, site: str, address: str = "/robot", **option
 
 
 async def log_in(page: Page, site: str) -> None:
-    """Log in on the page that asks for the token; return when the server has answered."""
+    """Log in on the page that asks for the token; return after the response of the server."""
     await page.locator("input[name=token]").fill(TOKEN)
     await page.get_by_role("button", name="Log in").click()
     await page.wait_for_url(f"{site}/")
 
 
 async def still(page: Page, milliseconds: int = 200) -> None:
-    """Return when the page has drawn what was done, and what it does after so long by itself.
+    """Return when the page has drawn the last change and its effects within so many milliseconds.
 
-    By its own clock: one that is slow has not done in a time of ours what it does in that time otherwise.
+    Measured by the clock of the page: a slow page does less in the same time.
     """
     await page.evaluate(
         """(wait) => new Promise((done) => {
@@ -64,7 +64,7 @@ async def still(page: Page, milliseconds: int = 200) -> None:
 
 
 def visited(browser: Chromium, site: str, work: Work, address: str = "/robot", **options: Any) -> Any:
-    """Return what `work` returns of the page; the robot stands still afterwards."""
+    """Return the result of `work` on the page; the robot does not move afterwards."""
 
     async def visit() -> Any:
         async with opened(browser, site, address, **options) as found:
@@ -77,22 +77,22 @@ def visited(browser: Chromium, site: str, work: Work, address: str = "/robot", *
 
 
 async def said(page: Page, selector: str, pattern: str, seconds: float = 10) -> str:
-    """Wait until an element says something; return what."""
+    """Wait until an element has text; return it."""
     found = page.locator(selector).filter(has_text=re.compile(pattern)).first
     await found.wait_for(timeout=patient(seconds) * 1000)
     return str(await found.text_content())
 
 
 async def wrote(page: Page, text: str) -> None:
-    """Write the program as text, and wait until it was judged."""
+    """Write the program as text, and wait until it was checked."""
     await unfold(page)
-    await page.evaluate("document.getElementById('text').focus()")  # which is not folded any more
+    await page.evaluate("document.getElementById('text').focus()")  # no longer folded
     await page.locator("#text").fill(text)
     await page.locator("#text-state[aria-busy=false]").wait_for(state="attached")
 
 
 async def unfold(page: Page) -> None:
-    """Show the text of the program, which is folded where there are blocks; at once, for the page folds it itself."""
+    """Show the text of the program, which is folded next to blocks; at once, because the page folds it itself."""
     await page.evaluate("""() => {
       if (document.getElementById("text-part").hidden) document.getElementById("show-text").click();
     }""")
@@ -107,7 +107,7 @@ async def reads(page: Page, pattern: str) -> str:
 
 
 async def dragged(page: Page, block: Locator, x: float, y: float, meanwhile: Awaitable[None] | None = None) -> None:
-    """Drag a block from where blocks are offered to a point of the program; `meanwhile` it is held there."""
+    """Drag a block from the palette to a point of the program; `meanwhile` runs before the drop."""
     box = await block.bounding_box()
     assert box is not None
     await page.mouse.move(box["x"] + 16, box["y"] + 8)
@@ -121,7 +121,7 @@ async def dragged(page: Page, block: Locator, x: float, y: float, meanwhile: Awa
 
 
 async def offered(page: Page, category: str, block: str) -> Locator:
-    """Return a block as its category offers it."""
+    """Return a block of the palette by its category."""
     await page.locator(".blocklyToolboxCategory", has_text=category).click()
     found = page.locator(".blocklyFlyout .blocklyDraggable", has_text=block).first
     await found.wait_for()

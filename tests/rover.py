@@ -1,4 +1,4 @@
-"""A robot of a few lines that tests of the robot page drive, in memory: `rover://NAME`, made when it is asked for.
+"""A small in-memory robot for tests of the robot page: `rover://NAME`, created on first use.
 
 A test names `kg.robot.connecting.SCHEMES["rover"] = "rover"`, in its own process or in that of a server.
 """
@@ -25,23 +25,23 @@ sys.path.insert(0, {str(ROOT / "tests")!r})
 from kg.robot.connecting import SCHEMES
 SCHEMES["rover"] = "rover"
 """
-"""What a process of a server runs first, so that it knows addresses of rovers."""
+"""Code that a server process runs first to register the addresses of rovers."""
 
 PICTURE: Final = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9" data-left="0" data-top="9" data-scale="1">'
     "<style>rect{fill:#2563eb}</style>"
     '<rect width="9" height="9"/><script>top.owned = true</script></svg>'
 )
-"""What it shows of itself, with something in it that nobody should run."""
+"""The rover's picture of itself, with content that must never be executed."""
 PLACES: Final = '"the desk" = { x = 2.5, y = 1, heading = 90 }'
-"""The places that it tells, as a file of places has them."""
+"""The places reported by the rover, in the format of a file of places."""
 _STEP: Final = 0.02
 
 
 class Rover:
-    """A base that takes velocities, is at once where it is sent to, and tells where it is.
+    """A base that takes velocities, reaches goals at once, and reports its position.
 
-    `commands` are the velocities that it got, as (forward, turn).
+    `commands` are the velocities received, as (forward, turn).
     """
 
     known: Final[dict[str, Rover]] = {}
@@ -53,7 +53,7 @@ class Rover:
         self._tasks: list[asyncio.Task[None]] = []
 
     async def start(self) -> None:
-        """Let its nodes join."""
+        """Start its nodes."""
         base, simulator = self.bus.join("/base"), self.bus.join("/simulator")
         subscription = await base.subscribe("/cmd_vel", "geometry_msgs/Twist", queue=100)
         goals = await base.subscribe("/move_base_simple/goal", "geometry_msgs/PoseStamped", queue=10)
@@ -96,7 +96,7 @@ class Rover:
         }
 
     async def stop(self) -> None:
-        """Let its nodes leave."""
+        """Stop its nodes."""
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
@@ -105,7 +105,7 @@ class Rover:
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> Connection:
-    """Become a node of the system of a rover."""
+    """Join the system of a rover as a node."""
     known = urlsplit(address).netloc
     if known not in Rover.known:
         Rover.known[known] = Rover(known)

@@ -1,4 +1,4 @@
-"""What tests of the server share: an application in this process, and a server in one of its own."""
+"""Shared by tests of the server: an application in this process, and a server in a process of its own."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ if TYPE_CHECKING:
 __all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "UNASKED", "Serving", "application", "robot_told", "served"]
 
 ADDRESS: Final = "http://127.0.0.1:7878"
-"""What an application in this process is asked as."""
+"""The address of an application in this process."""
 EVERYWHERE: Final = "0.0.0.0"  # noqa: S104 - given to options; no test listens there
-"""A host that other machines reach."""
+"""A host reachable from other machines."""
 TOKEN: Final = "correct-horse-battery-staple"  # noqa: S105 - of a test
-"""The token of servers that have one."""
+"""The token of servers that require one."""
 UNASKED: Final = "from kg.query.readers import pool\npool._PREPARE_SECONDS = 3600.0\n"
-"""Run before a server, it keeps readers from work that nobody asked for, where tests look for who is at work."""
+"""Code run before a server to disable the background work of readers, for tests that count running work."""
 
 _SECONDS: Final = 30
-"""The deadline of queries, which is that of a server of which nothing is said where the machine is idle."""
+"""The deadline of queries in seconds: the default of a server, on an idle machine."""
 
 _BEGINNING: Final = 30
-"""What a server takes until it tells its address."""
+"""Time limit in seconds until a server prints its address."""
 
 _PROGRAM: Final = """
 import faulthandler, json, sys
@@ -61,9 +61,9 @@ serve(load({{"store": sys.argv[1]}}), Options(**named), lambda address: print(ad
 
 @contextmanager
 def application(store: Path | str, address: str = ADDRESS, **options: Any) -> Iterator[TestClient]:
-    """Yield a client of an application in this process, which serves a folder or what another server has.
+    """Yield a client of an application in this process, which serves a folder or the data of another server.
 
-    Queries have time on a busy machine.
+    The deadline of queries allows for a busy machine.
     """
     named = {"seconds": patient(_SECONDS), **options}
     app = create_app(load({"store": str(store)}, environment={}), Options(**named))
@@ -73,7 +73,7 @@ def application(store: Path | str, address: str = ADDRESS, **options: Any) -> It
 
 @dataclass(frozen=True, slots=True)
 class Serving:
-    """A server that runs: its address without the last slash, its port, its process and its standard error."""
+    """A running server: its address without the last slash, its port, its process and its standard error."""
 
     address: str
     port: int
@@ -81,7 +81,7 @@ class Serving:
     said: IO[str]
 
     def stop(self, seconds: float = 30) -> tuple[int, str]:
-        """Tell the server to stop; return its exit code and what it said on standard error."""
+        """Stop the server; return its exit code and its standard error."""
         self.process.send_signal(signal.SIGTERM)
         return self.process.wait(patient(seconds)), _read(self.said)
 
@@ -90,10 +90,10 @@ class Serving:
 def served(
     store: Path, *, before: str = "", environment: Mapping[str, str] | None = None, **options: Any
 ) -> Iterator[Serving]:
-    """Run a server on a free port, as `application`; `before` is Python that its process runs first."""
+    """Run a server on a free port, as `application`; `before` is Python code that its process runs first."""
     given = {"port": 0, "seconds": patient(_SECONDS), **options}
     named = {name: str(value) if hasattr(value, "parts") else value for name, value in given.items()}
-    # Into a file, since a pipe that nobody reads is full one day: whoever writes to it then stands still.
+    # Into a file: an unread pipe fills up and blocks its writer.
     with tempfile.TemporaryFile("a+", encoding="utf-8") as said, subprocess.Popen(
         [sys.executable, "-c", _PROGRAM.format(before=before), str(store), json.dumps(named)],
         stdout=subprocess.PIPE,
@@ -109,7 +109,7 @@ def served(
 
 
 def _address(process: subprocess.Popen[str], said: IO[str]) -> str:
-    """Return the address that a server tells; where it tells none, what it said, and where it is."""
+    """Return the address that a server prints; without one, its output and its state."""
     assert process.stdout is not None
     seconds = patient(_BEGINNING)
     waited = not select.select([process.stdout], [], [], seconds)[0]
@@ -127,7 +127,7 @@ def _read(said: IO[str]) -> str:
 
 
 def robot_told(client: httpx.Client, wanted: str, part: str = "program") -> dict[str, Any]:
-    """Return what the server tells of the robot, once it, or its program, is in a state."""
+    """Return the server's state of the robot, once the robot or its program reaches a state."""
     end = time.monotonic() + patient(20)
     while time.monotonic() < end:
         told: dict[str, Any] = client.get("/api/robot").json()

@@ -29,7 +29,7 @@ _PACKAGE: Final = "<package><name>bringup</name><version>1.0.0</version></packag
 
 @dataclass
 class Runner:
-    """Runs the steps of the action that are shell commands; `calls` are the arguments that `gh` got."""
+    """Runs the shell steps of the action; `calls` are the arguments passed to `gh`."""
 
     folder: Path
     inputs: dict[str, str]
@@ -38,7 +38,7 @@ class Runner:
     printed: str = ""
 
     def value(self, text: str) -> str:
-        """Replace the expressions of a text by their values."""
+        """Replace the expressions of a text with their values."""
         return _EXPRESSION.sub(lambda found: str(self.evaluated(found[1])), text)
 
     def evaluated(self, expression: str) -> object:
@@ -83,7 +83,7 @@ class Runner:
         return 0
 
     def summary(self) -> str:
-        """Return what the action wrote to the summary of the job."""
+        """Return the job summary written by the action."""
         return (self.folder / "temporary" / "summary").read_text("utf-8")
 
     def calls(self) -> list[list[str]]:
@@ -125,7 +125,7 @@ def test_findings_are_annotated_and_fail_the_last_step(runner: Runner) -> None:
 
 
 def test_a_workspace_without_findings_passes(runner: Runner) -> None:
-    """Nothing is annotated, and the summary has one sentence; further arguments reach `kg lint`."""
+    """Without findings nothing is annotated and the summary has one sentence; further arguments reach `kg lint`."""
     runner.inputs["arguments"] = "--code\nKG401\n"
     assert runner.run("lint", "judge") == 0
     assert "::" not in runner.printed
@@ -134,7 +134,7 @@ def test_a_workspace_without_findings_passes(runner: Runner) -> None:
 
 
 def test_findings_can_be_reported_without_failing(runner: Runner) -> None:
-    """With `fail: false` the action passes whatever was found."""
+    """With `fail: false` the action passes despite findings."""
     runner.outputs["steps.lint.outputs.findings"] = "true"
     assert runner.run("judge") == 1
     runner.inputs["fail"] = "false"
@@ -142,7 +142,7 @@ def test_findings_can_be_reported_without_failing(runner: Runner) -> None:
 
 
 def test_an_error_of_kg_fails_the_lint_step(runner: Runner) -> None:
-    """A baseline that does not exist is an error, not a finding: it is shown, and no output is set."""
+    """A missing baseline is an error, not a finding: it is shown, and no output is set."""
     runner.inputs |= {"baseline": "nothing.json", "fail": "false"}
     assert runner.run("lint", "judge") == 2
     assert "nothing.json" in runner.printed
@@ -159,7 +159,7 @@ def test_an_error_of_kg_fails_the_lint_step(runner: Runner) -> None:
 def test_a_pull_request_gets_one_comment(
     runner: Runner, monkeypatch: pytest.MonkeyPatch, earlier: str, method: str, address: str
 ) -> None:
-    """The comment with the findings is written once, and later runs change it."""
+    """The comment with the findings is created once; later runs update it."""
     monkeypatch.setenv("EARLIER", earlier)
     runner.inputs["comment"] = "true"
     runner.github["github.event.pull_request.number"] = "7"
@@ -169,19 +169,19 @@ def test_a_pull_request_gets_one_comment(
 
 
 def test_a_push_gets_no_comment(runner: Runner) -> None:
-    """Without a pull request there is nothing to comment on, and `gh` is not called."""
+    """Without a pull request there is no comment, and `gh` is not called."""
     runner.inputs["comment"] = "true"
     assert runner.run("comment") == 0
     assert not (runner.folder / "temporary" / "calls").exists()
 
 
 def test_inputs_reach_the_shell_as_variables_alone() -> None:
-    """No script contains an expression: text of a pull request cannot become a command."""
+    """No script contains an expression, so text of a pull request cannot become a command."""
     assert not [step["id"] for step in STEPS if "${{" in step.get("run", "")]
 
 
 def test_every_input_is_documented() -> None:
-    """The table of docs/lint.md has each input with its default."""
+    """The table of docs/lint.md lists each input with its default."""
     rows = re.findall(r"^\| `([\w-]+)` \| (.*?) ?\|", (ROOT / "docs" / "lint.md").read_text("utf-8"), re.MULTILINE)
     documented = {name: default.strip("`") for name, default in rows}
     defaults = {name: str(one["default"]) for name, one in ACTION["inputs"].items()}
@@ -191,7 +191,7 @@ def test_every_input_is_documented() -> None:
 @pytest.mark.skipif(not shutil.which("shellcheck"), reason="shellcheck is not installed")
 @pytest.mark.parametrize("step", [step for step in STEPS if "run" in step], ids=lambda step: str(step["id"]))
 def test_shellcheck_finds_nothing(step: dict[str, Any]) -> None:
-    """The scripts are clean shell."""
+    """ShellCheck accepts the scripts."""
     ran = subprocess.run(
         ["shellcheck", "--shell=bash", "-"], input=step["run"], capture_output=True, text=True, check=False
     )
@@ -201,7 +201,7 @@ def test_shellcheck_finds_nothing(step: dict[str, Any]) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(not os.environ.get("KG_TEST_DEEP"), reason="installs everything: KG_TEST_DEEP=1 runs it")
 def test_the_action_installs_kg_from_its_own_folder(runner: Runner) -> None:
-    """The first step makes an environment with the Python of the runner and the `kg` of the action's commit."""
+    """The first step creates an environment with the runner's Python and the `kg` of the action's commit."""
     shutil.rmtree(runner.folder / "temporary" / "kg")
     runner.outputs["steps.python.outputs.python-path"] = sys.executable
     runner.github["github.action_path"] = str(ROOT)

@@ -1,4 +1,4 @@
-"""Every figure of docs/benchmarks.md can be repeated: its command exists, and so does the commit it was measured on."""
+"""Every figure of docs/benchmarks.md is reproducible: its command and its commit exist."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def history() -> tuple[str, ...]:
 
 
 def test_commits_are_in_the_history() -> None:
-    """A commit of this repository that the page names is an ancestor of the current one."""
+    """A commit named by the page is an ancestor of the current one."""
     named = set(re.findall(r"(?<![@\w])(?=[0-9a-f]*[a-f])(?=[0-9a-f]*[0-9])[0-9a-f]{7,40}\b", PAGE))
     assert named
     assert not {one for one in named if not any(commit.startswith(one) for commit in history())}
@@ -58,7 +58,7 @@ def test_commits_are_in_the_history() -> None:
 
 @pytest.mark.parametrize("heading", SECTIONS)
 def test_a_section_names_commands_that_exist(heading: str) -> None:
-    """A section has at least one command: a benchmark, a test file or a command of kg that is there."""
+    """A section has at least one command: an existing benchmark, test file or command of kg."""
     commands = re.findall(r"^ {4}(.*)", SECTIONS[heading], re.MULTILINE)
     assert commands
     for command in (part for line in commands for part in line.split(" && ")):
@@ -75,7 +75,7 @@ def test_a_section_names_commands_that_exist(heading: str) -> None:
 
 @pytest.mark.parametrize("heading", SECTIONS)
 def test_a_figure_has_its_commit_or_is_marked(heading: str) -> None:
-    """A row has the commit that it was measured on, or says that it is not measured on this version."""
+    """A row names the commit it was measured on, or is marked as not measured on this version."""
     table = rows(SECTIONS[heading])
     assert table
     assert not [row for row in table if bool(row["commit"]) is (OPEN in row.values())]

@@ -1,4 +1,4 @@
-"""The build hook says what a package lacks, and makes no release without it."""
+"""The build hook reports missing parts of a package, and makes no release without them."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ class _AbortedError(Exception):
 
 
 class _App:
-    """What hatchling gives a hook to speak through."""
+    """The interface that hatchling gives to a hook for messages."""
 
     def __init__(self) -> None:
         self.warnings: list[str] = []
 
     def display_warning(self, words: str) -> None:
-        """Keep a warning."""
+        """Store a warning."""
         self.warnings.append(words)
 
     def abort(self, words: str) -> None:
-        """End the build."""
+        """Abort the build."""
         raise _AbortedError(words)
 
 
@@ -53,7 +53,7 @@ def hook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def test_a_wheel_without_libraries_is_made_with_a_warning(hook: Any) -> None:
-    """Who has no Node.js gets an installation, and is told what it lacks."""
+    """Without Node.js, the installation succeeds and a warning lists the missing parts."""
     hook.target_name = "wheel"
     hook.initialize("standard", {})
     assert "no pictures" in hook.app.warnings[0]
@@ -64,7 +64,7 @@ def test_a_wheel_without_libraries_is_made_with_a_warning(hook: Any) -> None:
 def test_a_release_without_libraries_is_not_made(
     hook: Any, target: str, required: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A source distribution, of which releases are made, and a wheel where that is wanted, fail with the way out."""
+    """A source distribution, and a wheel that requires the libraries, fail with instructions."""
     hook.target_name = target
     monkeypatch.setenv("KG_REQUIRE_LIBRARIES", required)
     with pytest.raises(_AbortedError, match="Install Node"):
@@ -72,7 +72,7 @@ def test_a_release_without_libraries_is_not_made(
 
 
 def test_a_package_with_its_libraries_is_made_in_silence(hook: Any, tmp_path: Path) -> None:
-    """Where the libraries of the lock file are there, nothing is built and nothing said."""
+    """With the libraries of the lock file present, nothing is built or printed."""
     vendor = tmp_path / "kg" / "server" / "vendor"
     vendor.mkdir(parents=True)
     build = SimpleNamespace(**_loaded(tmp_path / "frontend" / "build.py"))

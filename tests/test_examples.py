@@ -1,7 +1,7 @@
-"""From sources to answers: what stands in examples/expected.json is found in examples/workspace, and nothing more.
+"""From sources to answers: a build of examples/workspace finds exactly the entries of examples/expected.json.
 
-The file is written by hand from the code. Of an entry those fields are compared that it gives. Interfaces that
-a framework makes are marked `implicit`; there only the ones that it names have to be found.
+The file is written by hand from the code. Only the fields that an entry gives are compared. Interfaces created by a
+framework are marked `implicit`; only the named ones have to be found.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Entry]:
 
 
 def place(entry: Entry) -> tuple[str, ...]:
-    """Return what tells one entry of a list from another."""
+    """Return the key that distinguishes the entries of a list."""
     return tuple(str(entry.get(key)) for key in ("file", "line", "name", "access"))
 
 
 def differences(wanted: list[Entry], given: list[Entry]) -> list[str]:
-    """Say what is missing, wrong or too much in a list of interfaces or parameters."""
+    """Describe the missing, wrong and superfluous entries of a list of interfaces or parameters."""
     open_ends = {place(entry): entry for entry in given if not entry.get("implicit")}
     words = []
     for entry in wanted:
@@ -58,13 +58,13 @@ def differences(wanted: list[Entry], given: list[Entry]) -> list[str]:
 
 
 def test_exactly_the_nodes_are_found(found: dict[str, Entry]) -> None:
-    """Every node is found under its name, and no other."""
+    """Exactly the expected nodes are found, each by its name."""
     assert sorted(found) == sorted(NAMES)
 
 
 @pytest.mark.parametrize("wanted", EXPECTED, ids=NAMES)
 def test_each_node_is_what_it_is(wanted: Entry, found: dict[str, Entry]) -> None:
-    """Kind, executable, plugin, language and generation of ROS are right, and its source files are known."""
+    """Kind, executable, plugin, language, ROS version and source files of each node are right."""
     node = found[f"{wanted['package']}/{wanted['node']}"]
     keys = ("kind", "executable", "plugin", "language", "ros")
     assert {key: node[key] for key in keys} == {key: wanted[key] for key in keys}
@@ -76,7 +76,7 @@ def test_each_node_is_what_it_is(wanted: Entry, found: dict[str, Entry]) -> None
 @pytest.mark.parametrize("wanted", EXPECTED, ids=NAMES)
 @pytest.mark.parametrize("kind", LISTS)
 def test_everything_it_declares_is_found_and_nothing_more(wanted: Entry, kind: str, found: dict[str, Entry]) -> None:
-    """Each interface and parameter stands there with name, type, resolution and line, and none besides."""
+    """Exactly the expected interfaces and parameters are found, with name, type, resolution and line."""
     node = found[f"{wanted['package']}/{wanted['node']}"]
     explicit = [entry for entry in wanted[kind] if not entry.get("implicit")]
     assert not differences(explicit, node[kind])
@@ -84,7 +84,7 @@ def test_everything_it_declares_is_found_and_nothing_more(wanted: Entry, kind: s
 
 @pytest.mark.parametrize("wanted", EXPECTED, ids=NAMES)
 def test_what_frameworks_make_is_found(wanted: Entry, found: dict[str, Entry]) -> None:
-    """Topics and services of tf, diagnostics, logging and the like are there, with their types."""
+    """Topics and services of tf, diagnostics, logging and other frameworks are found with their types."""
     node = found[f"{wanted['package']}/{wanted['node']}"]
     missing = [
         f"{kind} {entry['name']} {entry['type']}"
@@ -99,7 +99,7 @@ def test_what_frameworks_make_is_found(wanted: Entry, found: dict[str, Entry]) -
 
 
 def test_what_cannot_be_known_says_why(found: dict[str, Entry]) -> None:
-    """The names from the environment, and the one that the command line gives, each have a reason."""
+    """Names taken from the environment or the command line each have a reason."""
     unresolved = [
         entry
         for node in found.values()
@@ -116,7 +116,7 @@ def test_what_cannot_be_known_says_why(found: dict[str, Entry]) -> None:
 
 
 def test_every_field_is_documented(found: dict[str, Entry]) -> None:
-    """Each field of a node, an interface and a parameter stands in docs/formats.md."""
+    """Each field of a node, an interface and a parameter is documented in docs/formats.md."""
     documented = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
     fields = {key for node in found.values() for key in node}
     fields |= {key for node in found.values() for kind in LISTS for entry in node[kind] for key in entry}
@@ -124,7 +124,7 @@ def test_every_field_is_documented(found: dict[str, Entry]) -> None:
 
 
 def test_every_line_of_the_truth_exists() -> None:
-    """The truth itself is not stale: each line it names mentions what stands there."""
+    """The expected entries are current: each line they name mentions the entry."""
     for node in EXPECTED:
         for kind in LISTS:
             for entry in node[kind]:

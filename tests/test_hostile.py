@@ -1,4 +1,4 @@
-"""Sources that are broken or mean harm: each is named, the rest is built, and nothing of it is carried out."""
+"""Broken or hostile sources: each is reported, the others are built, and none of their code is executed."""
 
 from __future__ import annotations
 
@@ -50,18 +50,18 @@ def write(path: Path, data: str | bytes) -> None:
 
 
 def unreadable(package: Path) -> None:
-    """Take away the rights to a file."""
+    """Remove the permission to read a file."""
     write(package / "src" / "secret.cpp", _NODE)
     (package / "src" / "secret.cpp").chmod(0)
 
 
 def broken_link(package: Path) -> None:
-    """Put a link to nowhere where a source file should be."""
+    """Create a dangling link in place of a source file."""
     (package / "src" / "gone.cpp").symlink_to(package / "nowhere.cpp")
 
 
 def link_loop(package: Path) -> None:
-    """Put links in a loop, of files and of folders."""
+    """Create links in a loop, of files and of folders."""
     (package / "src" / "loop.cpp").symlink_to(package / "src" / "loop.cpp")
     (package / "src" / "again").symlink_to(package, target_is_directory=True)
 
@@ -96,7 +96,7 @@ def kg(tmp_path: Path) -> Program:
 
 @pytest.fixture(scope="module")
 def broken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Program]:
-    """Return the build of a healthy package beside one of each kind of broken ones, and the program in its folder."""
+    """Return the build of a healthy package next to broken ones of each kind, and the program in its folder."""
     folder = tmp_path_factory.mktemp("broken")
     healthy(folder / "src" / "healthy")
     for number, (_, spoil) in enumerate(BROKEN.values()):
@@ -106,7 +106,7 @@ def broken(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Program]:
 
 
 def test_what_is_broken_costs_its_own_facts(broken: tuple[Run, Program]) -> None:
-    """The build ends well, with the node of the healthy package."""
+    """The build succeeds, with the node of the healthy package."""
     built, kg = broken
     assert built.code in {0, 1}, built.err
     assert "Traceback" not in built.err
@@ -116,7 +116,7 @@ def test_what_is_broken_costs_its_own_facts(broken: tuple[Run, Program]) -> None
 
 @pytest.mark.parametrize("kind", BROKEN)
 def test_what_is_broken_is_named(kind: str, broken: tuple[Run, Program]) -> None:
-    """A broken file is named with its package."""
+    """A broken file is reported with its package."""
     if kind == "unreadable" and os.geteuid() == 0:
         pytest.skip("root may read everything")
     place = f"odd{[*BROKEN].index(kind)}/.*{re.escape(BROKEN[kind][0])}"
@@ -148,7 +148,7 @@ def nested(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, list[dict[str
 
 @pytest.mark.parametrize("kind", NESTED)
 def test_what_nests_deep_is_read_or_named(kind: str, nested: tuple[Run, list[dict[str, Any]]]) -> None:
-    """Code nested 5,000 deep either gives its node all the same or is reported by name."""
+    """Code nested 5,000 deep gives its node or is reported by name."""
     built, nodes = nested
     package = f"odd{[*NESTED].index(kind)}"
     assert built.code in {0, 1}, built.err
@@ -158,7 +158,7 @@ def test_what_nests_deep_is_read_or_named(kind: str, nested: tuple[Run, list[dic
 
 
 def test_entities_of_xml_are_neither_expanded_nor_fetched(kg: Program, tmp_path: Path) -> None:
-    """A manifest with an entity that names a local file is refused; the file's text is nowhere in the store."""
+    """A manifest with an entity that names a local file is rejected; the file's text is not in the store."""
     write(tmp_path / "secret.txt", "the-secret-text")
     package = healthy(tmp_path / "src" / "odd", name="odd")
     declaration = f'<!DOCTYPE package [<!ENTITY leak SYSTEM "file://{tmp_path}/secret.txt">]>\n'
@@ -172,7 +172,7 @@ def test_entities_of_xml_are_neither_expanded_nor_fetched(kg: Program, tmp_path:
     "address", ["ext::sh -c 'touch pwned'", "--upload-pack=touch pwned", "-oProxyCommand=touch pwned"]
 )
 def test_no_address_runs_a_command(address: str, kg: Program, tmp_path: Path) -> None:
-    """An address that would make git run a command is an error, and nothing was run."""
+    """An address that would make git run a command is an error, and no command runs."""
     built = kg("build", "--", address)
     assert built.code in {2, 3}, built.err
     assert "Traceback" not in built.err
@@ -180,7 +180,7 @@ def test_no_address_runs_a_command(address: str, kg: Program, tmp_path: Path) ->
 
 
 def test_python_of_the_sources_is_never_run(kg: Program, tmp_path: Path) -> None:
-    """setup.py, scripts and .cfg files are read, not run."""
+    """setup.py, scripts and .cfg files are read, never run."""
     package = healthy(tmp_path / "src" / "odd", name="odd")
     harm = f"#!/usr/bin/env python3\nopen({str(tmp_path / 'pwned')!r}, 'w')\n"
     for name in ("setup.py", "cfg/Odd.cfg", "scripts/odd.py", "launch/odd.launch.py"):
@@ -191,7 +191,7 @@ def test_python_of_the_sources_is_never_run(kg: Program, tmp_path: Path) -> None
 
 
 def test_control_characters_do_not_reach_the_terminal(kg: Program, tmp_path: Path) -> None:
-    """Escape sequences in names from sources are made visible, not sent on."""
+    """Escape sequences in names from sources are made visible in the output."""
     package = healthy(tmp_path / "src" / "odd", name="odd")
     write(package / "src" / "talker.cpp", _NODE.replace("chatter", "\\x1b]0;owned\\x07chatter\x1b[31m"))
     built = kg("build", "src")
@@ -200,7 +200,7 @@ def test_control_characters_do_not_reach_the_terminal(kg: Program, tmp_path: Pat
 
 
 def test_links_do_not_lead_out_of_a_source(kg: Program, tmp_path: Path) -> None:
-    """A link to a file outside of the source is not followed."""
+    """A link to a file outside the source is not followed."""
     write(tmp_path / "outside" / "secret.msg", "string the_secret_field\n")
     package = healthy(tmp_path / "src" / "odd", name="odd")
     (package / "msg").mkdir()

@@ -1,4 +1,4 @@
-"""Launch files that mean harm: nothing is run or fetched, nothing outside is read, and every one is read to an end."""
+"""Hostile launch files: no code runs, no file is fetched or read outside the packages, and reading terminates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MANIFEST: Final = (
 )
 _SECRET: Final = "the_secret_key: the-secret-text\n"  # noqa: S105 - of no use to anybody
 _SECONDS: Final = 5.0
-"""Of processor time that any one file may take; each takes a fraction of it."""
+"""Limit of processor time in seconds for one file; each takes a fraction of it."""
 
 
 def launch(*elements: str) -> str:
@@ -29,7 +29,7 @@ def launch(*elements: str) -> str:
 
 
 def python(*body: str, top: str = "") -> str:
-    """Return a launch file of Python; `body` ends with what is returned."""
+    """Return a launch file of Python; `body` ends with the returned expression."""
     *before, last = body
     lines = [*(f"    {line}" for line in before), f"    return LaunchDescription({last})"]
     begin = "import os\nfrom launch import LaunchDescription\nfrom launch.actions import *\n"
@@ -226,7 +226,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(site: Path) -> dict[str, Any]:
-    """What reading each of the files did."""
+    """The side effects of reading each file."""
     run = Program(site).python(
         str(Path(__file__).with_name("hostile_launches.py")), str(site / "src"), str(site / "share")
     )
@@ -237,14 +237,14 @@ def found(site: Path) -> dict[str, Any]:
 
 @pytest.mark.parametrize("case", FILES)
 def test_launch_files_are_never_run(case: str, site: Path, found: dict[str, Any]) -> None:
-    """No process, no connection and no file comes of reading a launch file."""
+    """Reading a launch file starts no process, opens no connection and writes no file."""
     assert not found[case]["begun"]
     assert not (site / "pwned").exists()
 
 
 @pytest.mark.parametrize("case", FILES)
 def test_launch_files_read_nothing_outside(case: str, site: Path, found: dict[str, Any]) -> None:
-    """Only files of the package, of installed packages, and of Python are opened; no text from outside is kept."""
+    """Only files of the package, of installed packages and of Python are opened; no outside text is stored."""
     allowed = (
         f"{site.resolve() / 'src' / case}/",
         sys.prefix,
@@ -258,7 +258,7 @@ def test_launch_files_read_nothing_outside(case: str, site: Path, found: dict[st
 
 @pytest.mark.parametrize("case", FILES)
 def test_launch_files_are_read_to_an_end(case: str, found: dict[str, Any]) -> None:
-    """Whatever repeats itself, doubles or recurses is cut, in a moment and a small result."""
+    """Repetition, doubling and recursion are cut off quickly and with a small result."""
     assert found[case]["seconds"] < _SECONDS
     assert len(found[case]["text"]) < 64 << 20
     assert case != "cycle" or "cycle" in found[case]["text"]

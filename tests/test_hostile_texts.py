@@ -1,4 +1,4 @@
-"""What strangers wrote about their nodes, and what they call them, is shown and wired as text, and does nothing."""
+"""Untrusted texts and names of nodes are shown and wired as plain text, without effect."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ setup(name="two", packages=["two"], entry_points={"console_scripts": ["two = two
 
 @pytest.fixture(scope="module")
 def strangers(tmp_path_factory: pytest.TempPathFactory) -> Program:
-    """Return the program beside a store of a package for each version of ROS, with texts and names that mean harm."""
+    """Return the program with a store of one package for each version of ROS, with hostile texts and names."""
     folder = tmp_path_factory.mktemp("strangers")
     files = {
         "one/package.xml": _MANIFEST.format(name="one", depend="rospy"),
@@ -86,7 +86,7 @@ def strangers(tmp_path_factory: pytest.TempPathFactory) -> Program:
     ],
 )
 def test_texts_do_not_steer_the_terminal(strangers: Program, arguments: tuple[str, ...]) -> None:
-    """No control or direction character of a text, a name or a need reaches the terminal."""
+    """No control or direction character of a text, a name or a query reaches the terminal."""
     run = strangers(*arguments)
     assert run.code == 0
     assert run.out
@@ -95,7 +95,7 @@ def test_texts_do_not_steer_the_terminal(strangers: Program, arguments: tuple[st
 
 
 def test_names_stay_text_in_launch_files_of_ros_1(strangers: Program) -> None:
-    """A name ends no comment and no attribute: the launch file starts the node of the chain, and nothing else."""
+    """A name closes no comment or attribute: the launch file starts only the node of the chain."""
     run = strangers("compose", "--from", "LaserScan", "--to", "PointCloud2", "--ros", "1", "--launch", "1")
     assert run.code == 0
     nodes = minidom.parseString(run.out).getElementsByTagName("node")  # noqa: S318 - kg wrote it
@@ -103,7 +103,7 @@ def test_names_stay_text_in_launch_files_of_ros_1(strangers: Program) -> None:
 
 
 def test_names_stay_text_in_launch_files_of_ros_2(strangers: Program) -> None:
-    """A name ends no comment and no string: the launch file imports what launch files need, and nothing else."""
+    """A name closes no comment or string: the launch file imports only the modules of launch files."""
     run = strangers("compose", "--from", "LaserScan", "--to", "PointCloud2", "--ros", "2", "--launch", "1")
     assert run.code == 0
     imports = [node for node in ast.walk(ast.parse(run.out)) if isinstance(node, ast.Import | ast.ImportFrom)]
@@ -114,5 +114,5 @@ def test_names_stay_text_in_launch_files_of_ros_2(strangers: Program) -> None:
 
 @pytest.mark.parametrize("need", ["laser scan " * 1_000, "a" * 10_000, "'\"\\}{|;$(id)`", "フィルタ", "=+-@"])
 def test_any_need_is_answered(strangers: Program, need: str) -> None:
-    """However long or odd the words are: there are hits or there are none."""
+    """Any query, however long or odd, returns hits or no hits."""
     assert strangers("search", need).code in {0, 1}

@@ -1,4 +1,4 @@
-"""Which room may know which, and what a command may import before it needs it."""
+"""Allowed imports between packages, and the modules that a command may import at start."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ print(json.dumps(sorted(sys.modules)), file=sys.stderr)
 
 
 def python(*arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run this Python in a process of its own, at the root of the repository."""
+    """Run Python code in a process of its own, at the root of the repository."""
     environment = {**os.environ, "NO_COLOR": "1"}
     command = [sys.executable, *arguments]
     return subprocess.run(
@@ -50,12 +50,12 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def imported(*arguments: str) -> set[str]:
-    """Return the modules that a call of `kg` imports."""
+    """Return the modules imported by a call of `kg`."""
     return set(json.loads(python("-c", _IMPORTED, *arguments).stderr.splitlines()[-1]))
 
 
 def test_the_contracts_between_rooms_hold() -> None:
-    """Every import contract of pyproject.toml is kept."""
+    """Every import contract of pyproject.toml holds."""
     pytest.importorskip("importlinter", reason="import-linter is not installed: pip install -e '.[dev]'")
     command = "from importlinter.cli import lint_imports; raise SystemExit(lint_imports(no_cache=True))"
     outcome = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=False, cwd=ROOT)
@@ -64,12 +64,12 @@ def test_the_contracts_between_rooms_hold() -> None:
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["build", "--help"], ["query", "--help"]])
 def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
-    """Help and version come without parsers, stores and tables being imported."""
+    """Help and version import no parsers, stores or tables."""
     assert not HEAVY & imported(*arguments)
 
 
 def test_the_package_itself_imports_nothing_heavy() -> None:
-    """`import kg` alone loads none of its rooms; a name of the public API loads what it needs."""
+    """`import kg` alone loads no subpackage; a name of the public API loads only its own modules."""
     listing = "import json, sys, kg; print(json.dumps(sorted(sys.modules)))"
     loaded = set(json.loads(python("-c", listing).stdout))
     assert not HEAVY & loaded
@@ -80,6 +80,6 @@ def test_the_package_itself_imports_nothing_heavy() -> None:
     "room", ["kg.extract", "kg.launch.files", "kg.launch.wiring", "kg.corpus", "kg.facts", "kg.names"]
 )
 def test_extraction_loads_no_rdf(room: str) -> None:
-    """What reads sources runs where no RDF library is loaded."""
+    """Source readers run without loading an RDF library."""
     listing = f"import json, sys, {room}; print(json.dumps(sorted(sys.modules)))"
     assert not {"pyoxigraph", "rdflib"} & set(json.loads(python("-c", listing).stdout))

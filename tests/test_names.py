@@ -19,13 +19,13 @@ KEYS = st.lists(st.sampled_from(["/", "a", "b", "/*", "/**"]), min_size=1, max_s
      ("~/x/", "~/x"), ("~//x", "~/x"), ("~/", "~")],
 )  # fmt: skip
 def test_a_name_is_written_in_one_way(name: str, expected: str) -> None:
-    """Single slashes, none at the end, and `~/` before private names, as ROS 1 and ROS 2 write them alike."""
+    """Normal form: single slashes, no trailing slash, and `~/` before private names, as in ROS 1 and ROS 2."""
     assert normalise(name) == expected
 
 
 @given(NAMES)
 def test_what_is_written_so_stays_so(name: str) -> None:
-    """Normalising twice is normalising once."""
+    """Normalising twice equals normalising once."""
     assert normalise(normalise(name)) == normalise(name)
 
 
@@ -35,7 +35,7 @@ def test_what_is_written_so_stays_so(name: str) -> None:
      ("~/front", "scan", "~/front/scan"), ("/ns", "/scan", "/scan"), ("/ns", "~scan", "~/scan"), ("/ns/", "", "/ns")],
 )  # fmt: skip
 def test_a_name_below_the_namespace_of_a_handle(namespace: str, name: str, expected: str) -> None:
-    """A relative name stands below it; one that is absolute or private keeps its own root."""
+    """A relative name is below the namespace of the handle; absolute and private names have their own root."""
     assert join(namespace, name) == expected
 
 
@@ -45,7 +45,7 @@ def test_a_name_below_the_namespace_of_a_handle(namespace: str, name: str, expec
      ("~/scan", "/ns/laser/scan"), ("~", "/ns/laser")],
 )  # fmt: skip
 def test_a_name_is_resolved_for_a_node(name: str, expected: str) -> None:
-    """Relative names stand below the namespace, private ones below the node (wiki.ros.org/Names, section 1.2)."""
+    """Relative names are below the namespace, private ones below the node (wiki.ros.org/Names, section 1.2)."""
     assert resolve(name, "laser", "/ns") == expected
     assert resolve(name, "laser") == expected.replace("/ns", "", 1)
 
@@ -56,7 +56,7 @@ def test_a_name_is_resolved_for_a_node(name: str, expected: str) -> None:
 @example("/a/*", "/a/")
 @example("/**", "/a//b")
 def test_a_wildcard_matches_parts_that_are_not_empty(key: str, full: str) -> None:
-    """`/*` matches one part and `/**` any number of them, as the regular expression of rclcpp does."""
+    """`/*` matches one part and `/**` any number of parts, as in the regular expression of rclcpp."""
     absolute = "/" + key.strip("/")
     pattern = absolute.replace("/**", r"(/\w+)*").replace("/*", r"(/\w+)")
     assert is_for_node(key, full) is bool(re.fullmatch(pattern, full))
@@ -77,5 +77,5 @@ def test_a_wildcard_matches_parts_that_are_not_empty(key: str, full: str) -> Non
     ],
 )
 def test_names_that_are_not_known(key: str, full: str, expected: bool | None) -> None:  # noqa: FBT001  (a case)
-    """A name with an unknown part is fitted by what it may turn out to be."""
+    """A name with an unknown part matches its possible values."""
     assert is_for_node(key, full) is expected

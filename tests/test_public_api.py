@@ -1,4 +1,4 @@
-"""What `import kg` offers, by name and signature; a change here is a change for users and goes into the changelog."""
+"""The names and signatures that `import kg` offers; a change here affects users and belongs in the changelog."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ ERRORS: Final = {"GraphError", "KgError", "QueryError", "RuleError", "SourceErro
 
 
 def test_the_public_names_are_these() -> None:
-    """`kg.__all__` and `dir(kg)` are the functions, the errors, and what errors carry."""
+    """`kg.__all__` and `dir(kg)` list the functions, the errors and the types carried by errors."""
     assert set(kg.__all__) == {*SIGNATURES, *ERRORS, "Exit", "Place", "__version__"}
     assert dir(kg) == sorted(kg.__all__)
 
 
 @pytest.mark.parametrize("name", SIGNATURES)
 def test_signatures_do_not_change_by_accident(name: str) -> None:
-    """Each function has the arguments that its users rely on, and a docstring."""
+    """Each public function has the expected arguments and a docstring."""
     function = getattr(kg, name)
     assert str(inspect.signature(function)) == SIGNATURES[name]
     assert inspect.getdoc(function)
@@ -53,12 +53,12 @@ def test_signatures_do_not_change_by_accident(name: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(ERRORS))
 def test_errors_have_one_base(name: str) -> None:
-    """Who catches `kg.KgError` catches all."""
+    """`except kg.KgError` catches every error."""
     assert issubclass(getattr(kg, name), kg.KgError)
 
 
 def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
-    """A wrong name fails as with any module."""
+    """An unknown name raises AttributeError, as in any module."""
     with pytest.raises(AttributeError, match="bild"):
         _ = kg.bild
 
@@ -69,7 +69,7 @@ def test_the_version_is_that_of_the_installation() -> None:
 
 
 def test_a_program_builds_and_asks(tmp_path: Path) -> None:
-    """Build, list and query work from Python, on a store of one's own."""
+    """Build, list and query work from Python, on a store in a folder of the user."""
     store = tmp_path / "store"
     report = kg.build([ROOT / "examples" / "workspace" / "rover"], store=store, jobs=1)
     assert report.read == 2
@@ -88,7 +88,7 @@ def test_a_program_builds_and_asks(tmp_path: Path) -> None:
 
 
 def test_without_a_store_the_error_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Asking where there is no store is KG301, with the exit code for stores."""
+    """A query without a store raises KG301, with the exit code for stores."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(kg.StoreError) as caught:
         kg.nodes()

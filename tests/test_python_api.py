@@ -1,4 +1,4 @@
-"""Answers as programs use them, a store as an rdflib dataset, and the page that shows both."""
+"""Query results in Python programs, a store as an rdflib dataset, and the page that documents both."""
 
 from __future__ import annotations
 
@@ -32,32 +32,32 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def solutions(*rows: tuple[Any, ...], variables: tuple[str, ...] = ("node", "count")) -> Solutions:
-    """Return an answer with these rows."""
+    """Return a result with these rows."""
     return Solutions(variables, rows, 0.0, "1")
 
 
 def ask(text: str, store: Path) -> Solutions:
-    """Return the answer of a SELECT."""
+    """Return the result of a SELECT query."""
     answer = kg.sparql(text, store=store)
     assert isinstance(answer, Solutions)
     return answer
 
 
 def test_rows_have_plain_values_by_name() -> None:
-    """IRIs are text, numbers are numbers, and what is unbound is None."""
+    """IRIs are text, numbers are numbers, and unbound variables are None."""
     first, second = solutions((NamedNode("urn:a"), Literal("3", datatype=INTEGER)), (None, Literal("three")))
     assert (first.node, first.count) == ("urn:a", 3)
     assert tuple(second) == (None, "three")
 
 
 def test_a_variable_that_python_cannot_name_is_called_by_its_position() -> None:
-    """A query may name a variable as a keyword."""
+    """A variable named like a Python keyword is addressed by its position."""
     (row,) = solutions((Literal("a"), Literal("b")), variables=("class", "name"))
     assert (row[0], row.name) == ("a", "b")
 
 
 def test_solutions_are_counted_and_become_dictionaries() -> None:
-    """An answer has a length, and is false without rows."""
+    """A result has a length, and is false without rows."""
     answer = solutions((NamedNode("urn:a"), None))
     assert len(answer) == 1
     assert answer.dicts() == [{"node": "urn:a", "count": None}]
@@ -65,7 +65,7 @@ def test_solutions_are_counted_and_become_dictionaries() -> None:
 
 
 def test_a_notebook_shows_a_table_without_markup_of_the_data() -> None:
-    """Texts of the data are escaped; of many rows the first hundred are shown."""
+    """Texts of the data are escaped; only the first hundred rows are shown."""
     html = solutions(*[(Literal("<script>"), None)] * 103)._repr_html_()
     assert "<script>" not in html
     assert html.count("<td>&lt;script&gt;</td>") == 100
@@ -73,7 +73,7 @@ def test_a_notebook_shows_a_table_without_markup_of_the_data() -> None:
 
 
 def test_a_graph_is_iterated_and_counted() -> None:
-    """CONSTRUCT gives triples."""
+    """A CONSTRUCT result yields triples and has a length."""
     triple = Triple(NamedNode("urn:a"), NamedNode("urn:b"), Literal("c"))
     answer = Graph((triple,), 0.0, "1")
     assert (list(answer), len(answer)) == ([triple], 1)
@@ -82,7 +82,7 @@ def test_a_graph_is_iterated_and_counted() -> None:
 
 @pytest.mark.parametrize("value", [True, False])
 def test_the_answer_of_ask_is_a_condition(value: bool) -> None:  # noqa: FBT001 - a parameter of a test
-    """ASK can be used with `if`."""
+    """The result of ASK works as a condition of `if`."""
     assert bool(Boolean(value, 0.0, "1")) is value
 
 
@@ -118,7 +118,7 @@ def test_a_dataset_refuses_changes(store: Path) -> None:
 
 
 def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The code of docs/python.md runs from top to bottom, and prints the nodes of the example workspace twice."""
+    """The code of docs/python.md runs from top to bottom and prints the nodes of the example workspace twice."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     lines = (ROOT / "docs" / "python.md").read_text(encoding="utf-8").splitlines()

@@ -1,4 +1,4 @@
-"""What must never stand in the repository."""
+"""Content that must never be in the repository."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from repository import ROOT, files
 
 LARGEST_BYTES: Final = 500_000
 MODEL: Final = ROOT / "kg" / "language" / "model"
-"""The tagger: minutes of training, and shipped; its size has a test of its own."""
+"""The tagger: minutes of training, and shipped; another test checks its size."""
 LARGEST_MODEL_BYTES: Final = 6_000_000
 
 _TEXT: Final = {
@@ -29,7 +29,7 @@ _TEXT: Final = {
     "",
 }
 
-# Written in pieces, so that this file does not contain what it looks for.
+# Written in pieces so that this file does not match itself.
 _MACHINE: Final = re.compile(
     r"(?<![\w.:/-])/(?:" + "|".join(["ho" + "me", "Us" + "ers", "wo" + "rk", "ro" + "ot"]) + r")/[\w.-]+"
 )
@@ -46,7 +46,7 @@ def texts() -> list[tuple[str, str]]:
 
 
 def test_no_path_of_a_developers_machine() -> None:
-    """No file names a folder of the machine that it was written on."""
+    """No file names a folder of a developer's machine."""
     found = [
         f"{name}:{number}: {line.strip()[:120]}"
         for name, text in texts()
@@ -57,7 +57,7 @@ def test_no_path_of_a_developers_machine() -> None:
 
 
 def test_no_large_or_generated_files() -> None:
-    """What can be made again is not kept, and no file is large but the tagger that is shipped."""
+    """Generated files are not committed, and only the shipped tagger is large."""
     unwanted = {".pyc", ".so", ".whl", ".egg", ".nq", ".sst"}
     assert not [
         str(path.relative_to(ROOT))
@@ -68,7 +68,7 @@ def test_no_large_or_generated_files() -> None:
 
 
 def test_the_tagger_is_small() -> None:
-    """The model that every installation carries stays at a few megabytes."""
+    """The model in every installation has at most a few megabytes."""
     sizes = [path.stat().st_size for path in files() if MODEL in path.parents]
     assert sizes
     assert sum(sizes) < LARGEST_MODEL_BYTES

@@ -1,4 +1,4 @@
-"""Tests of the baseline that extracts by strings, and of the score of its sheets."""
+"""Tests of the baseline that extracts with string patterns, and of the score of its sheets."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def said(extracting: Any, root: Path, name: str, text: str) -> set[tuple[str, st
 
 
 def test_strings_of_cpp(extracting: Any, tmp_path: Path) -> None:
-    """Types are those of the template or of the callback, a variable has the default of its parameter."""
+    """Types are those of the template or the callback; a variable has the default of its parameter."""
     text = """void heard(const std_msgs::String::ConstPtr& message) {}
 bool reset(std_srvs::Empty::Request& request, std_srvs::Empty::Response& response) { return true; }
 int main(int argc, char** argv) {
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
 
 
 def test_strings_of_python(extracting: Any, tmp_path: Path) -> None:
-    """Comments say nothing and lines keep their numbers."""
+    """Comments give no facts, and line numbers are preserved."""
     text = """import rospy
 
 # rospy.Publisher('comment', String)
@@ -69,7 +69,7 @@ rospy.Publisher('chatter', String)
 
 
 def test_the_sheet_gives_the_figures_of_the_page() -> None:
-    """What docs/benchmarks.md says is what the judged sheet gives."""
+    """The judged sheet gives the figures of docs/benchmarks.md."""
     command = [sys.executable, str(FOLDER), "score", str(FOLDER / "sheet.csv"), str(FOLDER / "key.csv")]
     told = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
     page = (ROOT / "docs" / "benchmarks.md").read_text("utf-8")

@@ -1,4 +1,4 @@
-"""The shape of the code: what is not enforced drifts. Messages name the offender."""
+"""The shape of the code. Messages name the offender."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ OPEN_WORK: Final = re.compile(r"#.*\b(TODO|FIXME|XXX|HACK)\b")
 
 
 def lines(routine: Routine) -> int:
-    """Lines of a function from `def` to its end."""
+    """Return the lines of a function from `def` to its end."""
     return (routine.end_lineno or routine.lineno) - routine.lineno + 1
 
 
@@ -36,12 +36,12 @@ def public(tree: ast.Module | ast.ClassDef, within: str = "") -> Iterator[tuple[
 
 
 def overload(node: ast.ClassDef | Routine) -> bool:
-    """Whether a function is only another signature of the one below it."""
+    """Whether a function is only another signature of the next one."""
     return any(ast.unparse(decorator) in {"overload", "typing.overload"} for decorator in node.decorator_list)
 
 
 def untyped(routine: Routine) -> list[str]:
-    """Return the arguments without a type, and `return` where it has none."""
+    """Return the arguments without a type, and `return` if it has none."""
     arguments = routine.args
     named = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
     named += [argument for argument in (arguments.vararg, arguments.kwarg) if argument]
@@ -50,27 +50,27 @@ def untyped(routine: Routine) -> list[str]:
 
 
 def long_files(module: Module) -> Iterator[str]:
-    """Yield a file that is longer than the limit."""
+    """Yield a file longer than the limit."""
     if module.length > FILE_LINES:
         yield f"{module} ({module.length})"
 
 
 def long_functions(module: Module) -> Iterator[str]:
-    """Yield the functions that are longer than the limit."""
+    """Yield the functions longer than the limit."""
     for routine in module.routines:
         if lines(routine) > FUNCTION_LINES:
             yield f"{module}:{routine.lineno} {routine.name} ({lines(routine)})"
 
 
 def untyped_functions(module: Module) -> Iterator[str]:
-    """Yield the functions with an argument or a result that has no type."""
+    """Yield the functions with an untyped argument or result."""
     for routine in module.routines:
         if bare := untyped(routine):
             yield f"{module}:{routine.lineno} {routine.name}: {', '.join(bare)}"
 
 
 def unreasoned_exceptions(module: Module) -> Iterator[str]:
-    """Yield the exceptions to a tool that name no rule or no reason."""
+    """Yield the tool exceptions without a rule or a reason."""
     for number, line in enumerate(module.text.splitlines(), 1):
         if (found := EXCEPTION.search(line)) and "re.compile" not in line and not REASONED.match(found["rest"]):
             yield f"{module}:{number}: {line.strip()}"
@@ -90,7 +90,7 @@ def undocumented_names(module: Module) -> Iterator[str]:
 
 
 def broad_excepts(module: Module) -> Iterator[str]:
-    """Yield the places that swallow every exception."""
+    """Yield the handlers that catch every exception."""
     for node in ast.walk(module.tree):
         if (
             isinstance(node, ast.ExceptHandler)
@@ -102,7 +102,7 @@ def broad_excepts(module: Module) -> Iterator[str]:
 
 
 def open_work(module: Module) -> Iterator[str]:
-    """Yield the comments that leave work open."""
+    """Yield the comments about unfinished work."""
     for number, line in enumerate(module.text.splitlines(), 1):
         if OPEN_WORK.search(line):
             yield f"{module}:{number}: {line.strip()}"
@@ -116,7 +116,7 @@ def silent_tests(module: Module) -> Iterator[str]:
 
 
 def folders_without_room(module: Module) -> Iterator[str]:
-    """Yield the folder of a test that is missing in the product."""
+    """Yield the folder of a test without a counterpart in the product."""
     room = module.path.parent.relative_to(ROOT / "tests")
     if not (ROOT / "kg" / room).is_dir():
         yield str(room)
@@ -129,7 +129,7 @@ CHECKS: Final = (*ANYWHERE, *OF_PRODUCT, *OF_TESTS)
 
 
 def findings() -> dict[Callable[[Module], Iterator[str]], list[str]]:
-    """Return what each check finds; one pass for all, since parsing is most of the cost."""
+    """Return the findings of each check, in one pass because parsing dominates the cost."""
     found: dict[Callable[[Module], Iterator[str]], list[str]] = {check: [] for check in CHECKS}
     folders = set()
     for module in modules("kg", "tests", "benchmarks", "docs"):
@@ -143,9 +143,10 @@ def findings() -> dict[Callable[[Module], Iterator[str]], list[str]]:
 
 
 def test_code_has_its_shape() -> None:
-    """No check finds anything, but for few excepts that are broad: in programs that begin, or serve many.
+    """The checks report only the few allowed broad excepts: in entry points, or in loops that serve many.
 
-    It is one test because the pass is expensive, and several would repeat it on each worker; the error lists all.
+    One test, because the pass is expensive and several tests would repeat it in each worker; the error lists all
+    findings.
     """
     found = findings()
     if len(found[broad_excepts]) <= BROAD_EXCEPTS:

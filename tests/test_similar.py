@@ -1,4 +1,4 @@
-"""Tests of names typed almost right."""
+"""Tests of suggestions for misspelt names."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ def test_similar(typed: str, first: str) -> None:
 
 
 def test_sentence() -> None:
-    """The question names the candidates; there is none for a name like no other."""
+    """The question lists the candidates; a name like no other gives no question."""
     assert did_you_mean("/scan_rwa", KNOWN) == "Did you mean `/scan_raw` or `/scan`?"
     assert did_you_mean("zzzzzz", KNOWN) is None
 
 
 def test_many_names_give_the_same_as_few() -> None:
-    """Among thousands of names that are not alike, those that are alike are found."""
+    """The similar names are found among thousands of others."""
     others = [f"/other_{number}/thing" for number in range(5000)]
     for typed in ("move_bas", "/scan_rwa", "base", "Move_Base"):
         assert similar(typed, [*KNOWN, *others]) == similar(typed, KNOWN)
 
 
 def test_the_exact_name_in_another_case_is_found_among_many() -> None:
-    """Of many names that are nearly the same, the nearest is first."""
+    """The nearest of many similar names is first."""
     assert similar("/ROBOT_17/scan", [f"/robot_{number}/scan" for number in range(5000)])[0] == "/robot_17/scan"

@@ -1,4 +1,4 @@
-"""The documentation builds as a site, without a warning."""
+"""The documentation site builds without a warning."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ADDRESS: Final = "https://example.org/robots/kg"
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the site once, strictly: a dead link, a missing anchor or a page outside of the navigation fails."""
+    """Build the site once, strictly: a dead link, a missing anchor or a page outside the navigation fails."""
     target = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(target)]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1", "KG_REPOSITORY": _ADDRESS}
@@ -37,14 +37,14 @@ def page(site: Path, name: str) -> str:
 
 
 def test_links_lead_to_pages_and_to_the_repository(site: Path) -> None:
-    """A page of the repository is a page of the site; another file is a link to the repository."""
+    """A link to a page of the repository leads to the site; a link to another file leads to the repository."""
     assert 'href="THREAT_MODEL.html"' in page(site, "about.html")
     assert 'href="examples/workspace/index.html"' in page(site, "quickstart.html")
     assert f'href="{_ADDRESS}/blob/HEAD/rules/owl/prp-symp.rq"' in page(site, "rules.html")
 
 
 def test_tables_are_tables(site: Path) -> None:
-    """No row is shown as text, and no backslash before a bar."""
+    """No row is rendered as text, and no backslash precedes a bar."""
     for path in site.rglob("*.html"):
         body = re.sub(r"<(pre|code)\b.*?</\1>", "", path.read_text("utf-8"), flags=re.DOTALL)
         assert not re.search(r"<p>\|.*\|", body), path.name
@@ -52,7 +52,7 @@ def test_tables_are_tables(site: Path) -> None:
 
 
 def test_nothing_is_loaded_from_other_servers(site: Path) -> None:
-    """Scripts, styles and pictures are those of the site."""
+    """Scripts, styles and pictures come from the site itself."""
     for path in site.rglob("*.html"):
         sources = re.findall(r"<(?:script|img|iframe)[^>]* src=\"?([^\" >]+)", path.read_text("utf-8"))
         styles = re.findall(r"<link rel=\"?stylesheet\"? href=\"?([^\" >]+)", path.read_text("utf-8"))
@@ -60,7 +60,7 @@ def test_nothing_is_loaded_from_other_servers(site: Path) -> None:
 
 
 def test_the_navigation_is_that_of_the_index() -> None:
-    """Every page in docs/README.md is in the group of the navigation that its heading names."""
+    """Every page in docs/README.md is in the navigation group named by its heading."""
     groups: dict[str, str] = {}
     index = (ROOT / "docs" / "README.md").read_text("utf-8")
     for heading, body in re.findall(r"^## (?:For )?(.*)\n\n((?:.+\n)+)", index, re.MULTILINE):

@@ -1,4 +1,4 @@
-"""The threat model is true: what it promises, a test proves."""
+"""The threat model is true: a test proves each guarantee."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ def names_in(path: str) -> set[str]:
 
 @pytest.mark.parametrize("promise", PROMISES, ids=[line.split("|")[1].strip()[:60] for line in PROMISES])
 def test_every_promise_names_tests_that_exist(promise: str) -> None:
-    """Each line of the table names at least one test, and each that it names is there."""
+    """Each line of the table names at least one test, and every named test exists."""
     named = NAMED.findall(promise)
     assert named
     assert not [f"{path}::{name}" for path, name in named if name not in names_in(path)]
 
 
 def test_every_promise_of_the_endpoint_is_there() -> None:
-    """The promises C1 to C40 of the server all stand in the table."""
+    """The guarantees C1 to C40 of the server are all in the table."""
     found = set()
     for first, last in re.findall(r"\bC(\d+)(?: to C(\d+))?", "\n".join(PROMISES)):
         found |= set(range(int(first), int(last or first) + 1))

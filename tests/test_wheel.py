@@ -1,4 +1,4 @@
-"""What is shipped works: the wheel, installed on its own, in an empty folder."""
+"""The shipped product works: the wheel, installed on its own, in an empty folder."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _OFFLINE = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1
 
 
 def run(*command: str | Path, folder: Path, **environment: str) -> str:
-    """Run a command in a folder and return its output; its words on standard error stand in the failure."""
+    """Run a command in a folder and return its output; a failure shows its standard error."""
     outcome = subprocess.run(
         [str(part) for part in command],
         cwd=folder,
@@ -41,7 +41,7 @@ def run(*command: str | Path, folder: Path, **environment: str) -> str:
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the wheel once, from the source distribution as the index would get it."""
+    """Build the wheel once, from the source distribution, as the package index would get it."""
     pytest.importorskip("build", reason="build is not installed: pip install -e '.[dev]'")
     dist = tmp_path_factory.mktemp("dist")
     run(sys.executable, "-m", "build", "--outdir", dist, ROOT, folder=dist)
@@ -59,7 +59,7 @@ def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_wheel_carries_its_data(wheel: Path) -> None:
-    """Ontologies, queries and examples are inside, and the licence."""
+    """The wheel contains ontologies, queries, examples and the licence."""
     names = zipfile.ZipFile(wheel).namelist()
     for wanted in ("kg/_data/ontology/", "kg/_data/queries/", "kg/_data/examples/workspace/", "kg/py.typed"):
         assert any(name.startswith(wanted) for name in names), wanted
@@ -68,7 +68,7 @@ def test_the_wheel_carries_its_data(wheel: Path) -> None:
 
 
 def test_the_wheel_carries_every_file_of_the_data(wheel: Path) -> None:
-    """No ontology, rule, query or example of the checkout is missing from the wheel."""
+    """Every ontology, rule, query and example of the checkout is in the wheel."""
     names = set(zipfile.ZipFile(wheel).namelist())
     missing = [
         str(path.relative_to(ROOT))
@@ -80,7 +80,7 @@ def test_the_wheel_carries_every_file_of_the_data(wheel: Path) -> None:
 
 
 def test_the_wheel_carries_the_tagger(wheel: Path) -> None:
-    """Every file of the shipped pipeline is inside, with the notice of the treebank's licence."""
+    """Every file of the shipped pipeline is in the wheel, with the notice of the treebank's licence."""
     names = zipfile.ZipFile(wheel).namelist()
     model = [path for path in (ROOT / "kg" / "language" / "model").rglob("*") if path.is_file()]
     assert not {str(path.relative_to(ROOT)) for path in model} - set(names)
@@ -88,7 +88,7 @@ def test_the_wheel_carries_the_tagger(wheel: Path) -> None:
 
 
 def test_the_wheel_carries_the_libraries_of_the_pages(wheel: Path) -> None:
-    """Each library that `frontend/package.json` names is inside, with the text of its licence."""
+    """Each library named by `frontend/package.json` is in the wheel, with the text of its licence."""
     if shutil.which("npm") is None:
         pytest.skip("Node.js with npm is not installed")
     archive = zipfile.ZipFile(wheel)
@@ -104,13 +104,13 @@ def test_the_wheel_carries_the_libraries_of_the_pages(wheel: Path) -> None:
 
 
 def test_no_tool_of_development_is_needed(installed: Path) -> None:
-    """The programs start with what the wheel asks for, and nothing else."""
+    """The programs start with only the dependencies of the wheel."""
     assert run(installed / "kg", "--version", folder=installed).startswith("kg ")
     assert "demo" in run(installed / "kg", "--help", folder=installed)
 
 
 def test_the_demo_runs_in_an_empty_folder(installed: Path, tmp_path: Path) -> None:
-    """`kg demo` answers its questions where there is nothing, and without the network."""
+    """`kg demo` answers its questions in an empty folder and without the network."""
     answer = run(installed / "kg", "demo", folder=tmp_path, **_OFFLINE)
     assert "scan_filter_nodelet.cpp:30" in answer
     assert "flight_controller" in answer

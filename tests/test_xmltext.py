@@ -8,7 +8,7 @@ from kg.xmltext import line_of, parse_xml
 
 
 def test_well_formed() -> None:
-    """Elements come with their lines and without a problem."""
+    """Elements of a well-formed text have their lines and no problem."""
     result = parse_xml(b'<?xml version="1.0" encoding="latin-1"?>\n<a>\n<b>\xc3\xa4</b></a>')
     assert result.problem is None
     assert result.root is not None
@@ -29,14 +29,14 @@ def test_well_formed() -> None:
     ],
 )
 def test_malformed_or_hostile(text: bytes, code: str, line: int) -> None:
-    """What is malformed, too deep or defines entities is a problem with its line."""
+    """A malformed text, a deep one or one that defines entities is a problem with its line."""
     result = parse_xml(text)
     assert result.problem is not None
     assert (result.problem[0], result.problem[2]) == (code, line)
 
 
 def test_recovery() -> None:
-    """What comes before a fault is read all the same."""
+    """Elements before a fault are read."""
     root = parse_xml(b"<package><name>a</name><broken></package>").root
     assert root is not None
     assert root.findtext("name") == "a"

@@ -1,4 +1,4 @@
-"""YAML that nests too deep is refused before it is composed."""
+"""YAML that nests too deep is rejected before it is composed."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from kg.yamltext import Walk, YamlFault, compose_yaml
 
 @pytest.mark.parametrize("mark", ["[", "{a: ", "- ", "? "])
 def test_deep_nesting_is_an_error(mark: str) -> None:
-    """Text that would overrun the stack of the parser is refused as if it were no YAML."""
+    """Text that would overflow the stack of the parser is rejected as invalid YAML."""
     with pytest.raises(YamlFault):
         compose_yaml(mark * 200_000)
 
 
 def test_wide_text_is_composed() -> None:
-    """Many collections beside each other are no deep nesting."""
+    """Many adjacent collections are not deep nesting."""
     node = compose_yaml(f"[{'[1], ' * 3000}[2]]")
     assert isinstance(node, yaml.SequenceNode)
     assert len(node.value) == 3001
@@ -28,7 +28,7 @@ def test_nothing_is_none() -> None:
 
 
 def test_aliases_that_double_are_a_fault() -> None:
-    """A walk over a document ends where its aliases mean more than anybody reads."""
+    """Walking a document stops when its aliases expand beyond a limit."""
     node = compose_yaml(
         "\n".join(["a0: &a0 {x: 1}", *(f"a{n}: &a{n} {{l: *a{n - 1}, r: *a{n - 1}}}" for n in range(1, 40))])
     )
@@ -44,7 +44,7 @@ def test_aliases_that_double_are_a_fault() -> None:
 
 
 def test_a_fault_has_its_line() -> None:
-    """What is wrong with a text is told with the line that it is on."""
+    """A fault is reported with its line."""
     with pytest.raises(YamlFault, match="is not YAML") as caught:
         compose_yaml("a:\n  b: [1, 2\nc: }\n")
     assert caught.value.line == 3

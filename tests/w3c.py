@@ -1,4 +1,4 @@
-"""The SPARQL 1.1 test suites of W3C, read from the folder beside the repository: cases, data and expected results.
+"""The SPARQL 1.1 test suites of W3C, read from a folder next to the repository: cases, data and expected results.
 
     for case in cases("protocol/manifest.ttl"): ...         what a manifest lists
     put(layout, case.default, case.named)                    a store with the data of a case
@@ -42,9 +42,9 @@ __all__ = [
 ]
 
 SUITES: Final = ROOT.parent / "shared" / "w3c" / "rdf-tests" / "sparql" / "sparql11"
-"""Where the suites stand; tests of them skip where they do not."""
+"""The folder of the suites; their tests skip without it."""
 BASE: Final = "https://w3c.github.io/rdf-tests/sparql/sparql11/"
-"""What the addresses of their files begin with."""
+"""The prefix of the addresses of their files."""
 
 MF: Final = "http://www.w3.org/2001/sw/DataAccess/tests/test-manifest#"
 _QT: Final = "http://www.w3.org/2001/sw/DataAccess/tests/test-query#"
@@ -68,7 +68,7 @@ KNOWN: Final[Mapping[str, str]] = {
     "aggregates/manifest#agg-groupconcat-06": _CONCATENATION,
     "functions/manifest#bnode01": "BNODE gives one node for a text in all rows; Oxigraph's tests compare row by row",
 }
-"""Cases that the engine fails, with the reason: those that Oxigraph's own tests leave out (0.5.9), or do not see."""
+"""Cases that the engine fails, with the reason: those that Oxigraph's own tests skip (0.5.9) or do not detect."""
 
 Node: TypeAlias = NamedNode | BlankNode
 Row: TypeAlias = "tuple[Any, ...]"
@@ -76,7 +76,7 @@ Row: TypeAlias = "tuple[Any, ...]"
 
 @dataclass(frozen=True, slots=True)
 class Solutions:
-    """Rows, or yes or no: what SELECT and ASK answer."""
+    """Rows, or a Boolean: the result of SELECT and ASK."""
 
     variables: tuple[str, ...] = ()
     rows: tuple[Row, ...] = ()
@@ -84,7 +84,7 @@ class Solutions:
 
 
 class Manifest:
-    """A file of RDF, to be followed from node to node."""
+    """An RDF file to navigate from node to node."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -97,11 +97,11 @@ class Manifest:
         return [quad.object for quad in self._store.quads_for_pattern(node, NamedNode(name), None, None)]
 
     def one(self, node: Any, name: str) -> Any:
-        """Return the value of a property, None without one."""
+        """Return the value of a property, or None."""
         return next(iter(self.all(node, name)), None)
 
     def text(self, node: Any, name: str) -> str:
-        """Return the text of a property, empty without one."""
+        """Return the text of a property, or an empty text."""
         found = self.one(node, name)
         return found.value if found else ""
 
@@ -112,14 +112,14 @@ class Manifest:
             head = self.one(head, _RDF + "rest")
 
     def listed(self, name: str) -> Iterator[Any]:
-        """Yield the items of the lists that anything has under a property."""
+        """Yield the items of every list that is a value of a property."""
         for quad in self._store.quads_for_pattern(None, NamedNode(name), None, None):
             yield from self.items(quad.object)
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One test: `identity` is its name below `BASE`, `kind` its type, `node` stands for it in the `manifest`."""
+    """One test: `identity` is its name below `BASE`, `kind` its type, `node` its node in the `manifest`."""
 
     identity: str
     kind: str
@@ -128,12 +128,12 @@ class Case:
 
     @property
     def action(self) -> Any:
-        """What is done: a file, or a node that says more."""
+        """The action: a file, or a node with its details."""
         return self.manifest.one(self.node, MF + "action")
 
     @property
     def query(self) -> str:
-        """The text of the query or the update, with the base that it has where it is published."""
+        """The text of the query or the update, with its published base."""
         named = self.manifest.one(self.action, _QT + "query") or self.manifest.one(self.action, _UT + "request")
         file = named or self.action
         return f"BASE <{file.value}>\n{path_of(file).read_text(encoding='utf-8')}"
@@ -158,7 +158,7 @@ class Case:
 
     @property
     def result(self) -> Any:
-        """What comes of it: a file, or for updates a node."""
+        """The expected result: a file, or for updates a node."""
         return self.manifest.one(self.node, MF + "result")
 
     @property
@@ -168,13 +168,13 @@ class Case:
 
 
 def path_of(file: NamedNode) -> Path:
-    """Return where a published file stands here."""
+    """Return the local path of a published file."""
     return SUITES / file.value.removeprefix(BASE)
 
 
 @cache
 def cases(name: str) -> tuple[Case, ...]:
-    """Return what the manifest `name` and those that it includes list; nothing where the suites are not."""
+    """Return the cases of the manifest `name` and of those it includes; empty without the suites."""
     if not SUITES.is_dir():
         return ()
     manifest = Manifest(SUITES / name)
@@ -187,7 +187,7 @@ def cases(name: str) -> tuple[Case, ...]:
 
 
 def parameters(name: str, *kinds: str) -> list[Any]:
-    """Return the cases of some kinds (any without) as parameters of a test; one that skips where there are none."""
+    """Return the cases of some kinds (any by default) as parameters of a test; a skipped one if there are none."""
     found = [case for case in cases(name) if case.kind and (not kinds or case.kind in kinds)]
     if not found:
         return [pytest.param(None, marks=pytest.mark.skip(reason=f"the suites of W3C are not at {SUITES}"))]
@@ -198,10 +198,10 @@ _MADE: Final[dict[Path, tuple[int | None, object]]] = {}
 
 
 def put(layout: Layout, default: Sequence[Any] = (), named: Mapping[str, Any] = {}) -> None:
-    """Put files into a new generation of a store, which comes into force; older ones go.
+    """Put files into a new generation of a store and activate it; older generations are removed.
 
-    Where the generation in force was made of the same files, it stays. It is flushed, for what a database has in its
-    log alone is not in the generation that a change begins from it.
+    A current generation made from the same files remains. It is flushed, because data only in the log of a database is
+    missing in a generation derived from it.
     """
     content = (tuple(default), tuple(named.items()))
     if _MADE.get(layout.root) == (layout.current(), content):
@@ -238,7 +238,7 @@ def triples(file: NamedNode) -> list[Any]:
 
 
 def expected_solutions(file: NamedNode) -> Solutions:
-    """Return the rows, or yes or no, that a file of results holds."""
+    """Return the rows, or the Boolean, of a file of results."""
     extension = file.value.rpartition(".")[2]
     if extension in {"ttl", "rdf"}:
         return _result_set(Manifest(path_of(file)))
@@ -248,7 +248,7 @@ def expected_solutions(file: NamedNode) -> Solutions:
 
 
 def solutions(content: bytes, results_format: pyoxigraph.QueryResultsFormat) -> Solutions:
-    """Return the rows, or yes or no, that text in a format of results says."""
+    """Return the rows, or the Boolean, of a text in a format of results."""
     found = pyoxigraph.parse_query_results(content, results_format)
     if isinstance(found, pyoxigraph.QueryBoolean):
         return Solutions(boolean=bool(found))
@@ -257,7 +257,7 @@ def solutions(content: bytes, results_format: pyoxigraph.QueryResultsFormat) -> 
 
 
 def _result_set(manifest: Manifest) -> Solutions:
-    """Return rows that are told as RDF."""
+    """Return rows that are given as RDF."""
     sets = manifest._store.quads_for_pattern(None, NamedNode(_RS + "resultVariable"), None, None)
     variables = tuple(sorted({str(getattr(quad.object, "value", "")) for quad in sets}))
     rows = []
@@ -269,7 +269,7 @@ def _result_set(manifest: Manifest) -> Solutions:
 
 
 def same_graphs(expected: Sequence[Any], found: Sequence[Any]) -> bool:
-    """Tell whether two lists of triples or quads are the same but for the names of blank nodes."""
+    """Whether two lists of triples or quads are equal except for blank node labels."""
     return _canonical(expected) == _canonical(found)
 
 
@@ -281,7 +281,7 @@ def _canonical(statements: Sequence[Any]) -> Dataset:
 
 
 def same_solutions(expected: Solutions, found: Solutions) -> bool:
-    """Tell whether two results have the same rows, however often, in any order, but for the names of blank nodes."""
+    """Whether two results have the same rows, with multiplicity, in any order, except for blank node labels."""
     if expected.boolean is not None or found.boolean is not None:
         return expected.boolean == found.boolean
     if set(expected.variables) != set(found.variables) or len(expected.rows) != len(found.rows):
@@ -291,7 +291,7 @@ def same_solutions(expected: Solutions, found: Solutions) -> bool:
 
 
 def _pair(expected: list[Row], found: list[Row], names: dict[Any, Any]) -> bool:
-    """Find a row of `found` for each of `expected`, with one name for each blank node."""
+    """Find a row of `found` for each of `expected`, with a consistent mapping of blank nodes."""
     if not expected:
         return True
     for index, row in enumerate(found):
@@ -315,11 +315,11 @@ def _match(expected: Row, found: Row, names: dict[Any, Any]) -> dict[Any, Any] |
 
 
 _DERIVED: Final = {"negativeInteger": "integer"}
-"""Types of numbers that the engine does not tell from a wider one."""
+"""Number types that the engine does not distinguish from a wider one."""
 
 
 def _value(term: Any) -> Any:
-    """Return a term so that equal values of one type are equal: the engine keeps values, not how they were written."""
+    """Normalise a term: the engine stores values, not their spelling, so equal values of one type are equal."""
     name = term.datatype.value.rpartition("#")[2] if isinstance(term, Literal) else ""
     name = _DERIVED.get(name, name)
     if name == "boolean":

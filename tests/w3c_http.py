@@ -1,8 +1,8 @@
-"""Cases of W3C that are exchanges over HTTP (protocol, graph store protocol), played against any endpoint.
+"""W3C cases that are exchanges over HTTP (protocol, graph store protocol), played against any endpoint.
 
     play(case, Endpoint("127.0.0.1", 7878))
 
-Each exchange of a case is a request with what is expected of its answer; AssertionError says which went wrong.
+Each exchange of a case is a request with the expected response; AssertionError names the failing one.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _TYPES: Final = {
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The answer to one request; names of headers are in small letters."""
+    """The response to one request; header names are in lower case."""
 
     status: int
     headers: Mapping[str, str]
@@ -68,7 +68,7 @@ class Endpoint:
     headers: Mapping[str, str] = field(default_factory=dict)
 
     def send(self, method: str, path: str, body: bytes | None = None, **headers: str) -> Answer:
-        """Return the answer to a request; `_` in names of headers stands for `-`."""
+        """Send a request and return the response; `_` in header names means `-`."""
         named = {name.replace("_", "-"): value for name, value in headers.items()}
         with closing(HTTPConnection(self.host, self.port, timeout=patient(60))) as connection:
             connection.request(method, path, body, {**self.headers, **named})
@@ -78,14 +78,14 @@ class Endpoint:
 
 
 class Standard(NamedTuple):
-    """A server whose default graph is the unnamed one, and the store behind it."""
+    """A server whose default graph is the unnamed one, and its store."""
 
     endpoint: Endpoint
     layout: Layout
 
 
 def prepare(case: Case) -> dict[str, Any]:
-    """Return the named graphs that a case of the protocol has before it starts."""
+    """Return the named graphs of a protocol case before it starts."""
     graphs = case.manifest.all(case.node, "http://www.w3.org/2009/sparql/tests/test-update#graphData")
     label = "http://www.w3.org/2000/01/rdf-schema#label"
     graph = "http://www.w3.org/2009/sparql/tests/test-update#graph"
@@ -93,7 +93,7 @@ def prepare(case: Case) -> dict[str, Any]:
 
 
 def play(case: Case, endpoint: Endpoint) -> None:
-    """Send the requests of a case one after the other, and check each answer."""
+    """Send the requests of a case in order, and check each response."""
     manifest = case.manifest
     location = ""
     for number, request in enumerate(manifest.items(manifest.one(case.action, _HT + "requests"))):
@@ -132,7 +132,7 @@ def _body(case: Case, request: Any) -> bytes | None:
 
 
 def _path(case: Case, request: Any, endpoint: Endpoint) -> str:
-    """Return the path of a request: the manifests leave open where the services stand."""
+    """Return the path of a request: the manifests leave the paths of the services open."""
     path = case.manifest.text(request, _HT + "absolutePath")
     if path.startswith("/gsp"):
         return endpoint.store + path.removeprefix("/gsp")
@@ -166,5 +166,5 @@ def _check_format(case: Case, response: Any, answer: Answer, said: str) -> None:
 def _check_headers(case: Case, response: Any, answer: Answer, said: str) -> None:
     for name, value in _headers(case, response).items():
         found = answer.headers.get(name.lower(), "")
-        # A charset is told or not; Turtle is in UTF-8 either way.
+        # The charset is optional; Turtle is in UTF-8 either way.
         assert found.lower().partition(";")[0] == value.lower().partition(";")[0], f"{said} ({name}: {found})"

@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 __all__ = ["copied", "example", "prepare_builds", "prepare_rules"]
 
 _READERS: Final = ("kg.extract.cpp", "kg.extract.python.nodes", "kg.launch.files.reading")
-"""What workers of builds import when they read their first package."""
+"""Modules that build workers import when they read their first package."""
 
 
 def prepare_builds() -> None:
-    """Load the tagger, the readers and the descriptions of calls, which processes forked from this one then have."""
+    """Load the tagger, the readers and the descriptions of calls, which forks of this process inherit."""
     prepare()
     for name in _READERS:
         importlib.import_module(name)
@@ -44,9 +44,9 @@ def prepare_builds() -> None:
 
 
 def prepare_rules() -> None:
-    """Read the rules in force and put them in order, for the stores that this process and its forks build.
+    """Read and order the active rules, for the stores built by this process and its forks.
 
-    From an empty folder, since a folder `rules` in the working folder is that of a user.
+    Uses an empty working folder, because a folder `rules` there would contain rules of a user.
     """
     settings = load({}, environment={})
     quads = parse(ontology_triples(), RdfFormat.N_TRIPLES)
@@ -59,7 +59,7 @@ def prepare_rules() -> None:
 
 @dataclass(frozen=True, slots=True)
 class _Ontologies:
-    """A store in memory, as rules are read for one."""
+    """An in-memory store that provides the ontologies for reading rules."""
 
     store: Store
 
@@ -73,10 +73,10 @@ class _Ontologies:
 
 
 def example(factory: pytest.TempPathFactory, name: str = "examples") -> Path:
-    """Return a folder with a copy of the example workspace, called `name`, and its store, `.kg`; both are only read.
+    """Return a folder with a copy of the example workspace, called `name`, and its store, `.kg`; both are read-only.
 
-    Outside of any checkout, so that the names of sources do not depend on where the tests stand. The workers of
-    pytest-xdist share it: the first one that asks builds, the others wait.
+    Outside any checkout, so the names of sources do not depend on the location of the tests. The workers of
+    pytest-xdist share it: the first one builds, the others wait.
     """
     own = factory.getbasetemp()
     root = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / f"built-{name}"
@@ -90,5 +90,5 @@ def example(factory: pytest.TempPathFactory, name: str = "examples") -> Path:
 
 
 def copied(store: Path, target: Path) -> None:
-    """Copy the folder of a store that others use, without what they are just writing to its cache, which goes soon."""
+    """Copy the folder of a shared store, without cache entries that are being written and soon removed."""
     shutil.copytree(store, target, ignore=shutil.ignore_patterns("*.tmp"))

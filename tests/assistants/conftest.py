@@ -1,4 +1,4 @@
-"""The example workspace in a store, and a client of the SDK that speaks to a server of it."""
+"""The example workspace in a store, and a client of the SDK connected to a server of it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def connected(store: Path) -> Callable[..., AbstractAsyncContextManager[Any]]:
-    """Return what opens a client of a server in this process; it takes settings and options of the client."""
+    """Return a function that opens a client of a server in this process; it takes settings and client options."""
     mcp = pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
     from kg.assistants.server import create_server  # noqa: PLC0415 - needs the SDK
 

@@ -1,4 +1,4 @@
-"""How lines of an answer become pages, and how places are written."""
+"""Division of a response's lines into pages, and the spelling of places."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ LINES = st.lists(st.text(st.characters(codec="utf-8", exclude_characters="\n\r")
 
 
 def place(**given_: Any) -> dict[str, Any]:
-    """Return a place as views give it."""
+    """Return a place in the form of views."""
     return {
         "repository": "local/ws",
         "path": "src/a.cpp",
@@ -26,7 +26,7 @@ def place(**given_: Any) -> dict[str, Any]:
 
 @given(LINES)
 def test_pages_have_every_line_once_and_keep_their_size(lines: list[str]) -> None:
-    """Read one after the other, the pages give the lines in their order."""
+    """In order, the pages give the lines in their order, each within the size limit."""
     read: list[str] = []
     for page in range(1, 500):
         text = paged(lines, ["legend"], page, 600)
@@ -44,19 +44,19 @@ def test_pages_have_every_line_once_and_keep_their_size(lines: list[str]) -> Non
 
 
 def test_a_line_longer_than_a_page_is_cut() -> None:
-    """The page keeps its size."""
+    """The page does not exceed its size."""
     text = paged(["x" * 5000], [], 1, 600)
     assert text.endswith(" ...")
     assert len(text) <= 600
 
 
 def test_a_page_that_does_not_exist_is_named() -> None:
-    """The answer says how many there are."""
+    """The response has the number of pages."""
     assert paged(["a"], [], 3, 600) == "page 3 does not exist; the answer has 1"
 
 
 def test_paths_are_within_the_first_source() -> None:
-    """Where it is stands in the legend; places of other sources have its name, and rules of kg none."""
+    """The legend has the source's location; places of other sources have its name, and rules of kg none."""
     where = Where()
     assert where(place(file="/ws/src/a.cpp")) == "src/a.cpp:7"
     assert where(place(repository="github.com/x/y", line=None)) == "github.com/x/y src/a.cpp"
@@ -66,7 +66,7 @@ def test_paths_are_within_the_first_source() -> None:
 
 
 def test_a_source_that_is_not_here_is_named_by_its_commit() -> None:
-    """The web page of a line can be found from both."""
+    """The web page of a line can be derived from both."""
     where = Where()
     where(place(repository="github.com/x/y", commit="0123456789abcdef"))
     assert where.legend == ["paths are of github.com/x/y at commit 0123456789ab"]

@@ -1,4 +1,4 @@
-"""The server as an assistant uses it, by the client of the official SDK."""
+"""The server as used by an assistant, with the client of the official SDK."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     Connected = Callable[..., AbstractAsyncContextManager[Any]]
 
 MOST: Final = 3072
-"""Bytes of an answer with all that the protocol adds."""
+"""Bytes of a response including the protocol overhead."""
 ROVER: Final = "rover_robot/launch/rover.launch"
 
 
 def asked(connected: Connected, tool: str, **arguments: Any) -> tuple[bool, str]:
-    """Return whether a call of a tool failed, and what it answers, which is short and sent once."""
+    """Return whether a tool call failed, and its response, which is short and sent once."""
     return answered(connected(), tool, arguments)
 
 
 def answered(client: AbstractAsyncContextManager[Any], tool: str, arguments: dict[str, Any]) -> tuple[bool, str]:
-    """Return what a client gets, as `asked`."""
+    """Return the response to a client, like `asked`."""
 
     async def run() -> tuple[bool, str]:
         async with client as session:
@@ -79,12 +79,12 @@ TASKS: Final[dict[str, list[tuple[str, dict[str, Any], str]]]] = {
         ("check_program", {"program": "drivingAtVelocity forward: 0.2 m/s for 1 s", "system": ROVER}, ""),
     ],
 }
-"""What assistants are asked for: the calls of each task, and a part of each answer."""
+"""Tasks of assistants: the calls of each, and a part of each response."""
 
 
 @pytest.mark.parametrize("task", TASKS)
 def test_a_task_is_done_in_short_answers(connected: Connected, task: str) -> None:
-    """Each call answers what the next one needs, in at most 3 KB."""
+    """Each call returns the input of the next one, in at most 3 KB."""
     for tool, arguments, part in TASKS[task]:
         failed, text = asked(connected, tool, **arguments)
         assert not failed, text
@@ -93,7 +93,7 @@ def test_a_task_is_done_in_short_answers(connected: Connected, task: str) -> Non
 
 @pytest.mark.parametrize("detail", [False, True])
 def test_long_answers_have_pages(connected: Connected, detail: bool) -> None:  # noqa: FBT001 - a case
-    """The last page says that it is, and no line stands on two pages."""
+    """The last page is marked, and no line is on two pages."""
     lines: list[str] = []
     page = pages = 1
     while page <= pages:
@@ -108,7 +108,7 @@ def test_long_answers_have_pages(connected: Connected, detail: bool) -> None:  #
 
 
 def test_only_one_tool_can_move_a_robot(connected: Connected) -> None:
-    """All others say that they change nothing; each has a description."""
+    """All other tools are marked as read-only; each has a description."""
 
     async def run() -> list[Any]:
         async with connected() as client:
@@ -120,7 +120,7 @@ def test_only_one_tool_can_move_a_robot(connected: Connected) -> None:
 
 
 def test_an_unknown_node_is_told_with_the_one_meant(connected: Connected) -> None:
-    """The error for a name that is misspelt has the code and the likely name."""
+    """The error for a misspelt name has the code and the likely name."""
     failed, message = asked(connected, "describe_node", name="scan_fliter")
     assert failed
     assert "KG001" in message
@@ -128,7 +128,7 @@ def test_an_unknown_node_is_told_with_the_one_meant(connected: Connected) -> Non
 
 
 def test_queries_are_read_only_and_bounded(connected: Connected) -> None:
-    """A query answers at most as many rows as asked for and says that there are more; an update is refused."""
+    """A query returns at most the requested rows, with a note about further ones; an update is rejected."""
     failed, text = asked(connected, "query", sparql="SELECT ?node { ?node a rnkg:NodeType }", limit=2)
     assert not failed
     assert text.splitlines()[-1] == "there are more rows than 2"
@@ -139,7 +139,7 @@ def test_queries_are_read_only_and_bounded(connected: Connected) -> None:
 
 
 def test_a_program_is_checked_with_hints(connected: Connected) -> None:
-    """The error names the line and the capability that was meant, and no path of this machine."""
+    """The error has the line and the suggested capability, and no path of this machine."""
     failed, message = asked(connected, "check_program", program="goingToPse x: 1 m", system=ROVER)
     assert failed
     assert "program.kgp:1:1" in message
@@ -151,7 +151,7 @@ PROGRAM: Final = 'log "it runs"'
 
 
 def test_nothing_runs_where_nobody_can_be_asked(connected: Connected) -> None:
-    """A client without elicitation is refused, before a robot is looked for."""
+    """A client without elicitation is rejected before any search for a robot."""
     failed, message = asked(connected, "run_program", program=PROGRAM, dry_run=False)
     assert failed
     assert "elicitation" in message
@@ -169,7 +169,7 @@ def test_nothing_runs_where_nobody_can_be_asked(connected: Connected) -> None:
 def test_a_program_runs_only_if_a_person_agrees(
     connected: Connected, action: str, content: dict[str, Any] | None, part: str
 ) -> None:
-    """The person is shown the program; without a yes nothing is run on the simulated robot."""
+    """The user is shown the program; without consent it does not run on the simulated robot."""
     pytest.importorskip("pybullet", reason="worlds need pybullet")
     pytest.importorskip("cv2", reason="tags need OpenCV")
     from mcp.types import ElicitResult  # noqa: PLC0415 - needs the SDK
@@ -230,7 +230,7 @@ def test_resources_and_prompts_lead_to_the_tools(connected: Connected) -> None:
 
 
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:
-    """`kg mcp` answers a client that starts it, and prints nothing else on standard output."""
+    """`kg mcp` responds to a client that starts it, and prints nothing else on standard output."""
     mcp = pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
     program = mcp.StdioServerParameters(command=sys.executable, args=["-m", "kg", "--store", str(store), "mcp"])
     failed, text = answered(mcp.Client(program), "query", {"sparql": "ASK { ?node a rnkg:NodeType }"})

@@ -1,9 +1,9 @@
-"""A process that has imported `kg` and forks for each run of it, so that a run costs what it does, not what it imports.
+"""A process that has imported `kg` and forks for each run of it, so a run pays for its work and not for its imports.
 
-    python -P forking.py 5          serve orders that come on the socket with the number 5
+    python -P forking.py 5          serve orders received on the socket with the number 5
 
-An order is a working folder, arguments and an environment, as JSON; three files come along: the streams of the run, and
-where to say its process number and then its exit code. Each run is a process like that of `python -m kg`, with streams,
+An order is a working folder, arguments and an environment, as JSON, with three files: the streams of the run, and the
+pipe for its process number and then its exit code. Each run is a process like that of `python -m kg`, with streams,
 folder, environment and exit of its own. This process opens no store and starts no thread, which makes forking safe.
 """
 
@@ -32,7 +32,7 @@ ANSWER: Final = struct.Struct(">i")
 """A process number, or an exit code."""
 
 _MOST: Final = 1 << 20
-"""Bytes of an order."""
+"""Maximum size of an order in bytes."""
 _LATER: Final = (
     "kg.cli.answers",
     "kg.cli.app",
@@ -46,9 +46,9 @@ _LATER: Final = (
     "kg.store.embedded",
     "kg.views.why",
 )
-"""What commands import when they run, for those that tests run most."""
+"""Modules imported lazily by the commands that tests run most."""
 _BUILDING: Final = {"build", "demo"}
-"""Commands that read workspaces, tag what is written there and run rules."""
+"""Commands that read workspaces, tag their texts and run rules."""
 _BUILDERS: Final = (
     "kg.extract.package",
     "kg.pipeline.pool",
@@ -56,14 +56,14 @@ _BUILDERS: Final = (
     "kg.pipeline.writing",
     "kg.rules.running",
 )
-"""What these import when they run."""
+"""Modules imported lazily by these commands."""
 _NOT_WRITTEN: Final = 120
-"""The exit code of Python where its streams cannot be written at its end."""
+"""The exit code of Python if its streams cannot be flushed at exit."""
 _TESTS: Final = str(Path(__file__).parents[1])
 
 
 def _serve(orders: socket.socket) -> None:
-    """Import, then fork for each order until the socket is closed."""
+    """Import the modules, then fork for each order until the socket is closed."""
     for module in pkgutil.iter_modules(kg.cli.commands.__path__, "kg.cli.commands."):
         importlib.import_module(module.name)
     for name in _LATER:
@@ -93,7 +93,7 @@ def _serve(orders: socket.socket) -> None:
 
 
 def _reap(running: dict[int, int]) -> None:
-    """Tell how runs ended, each where its order said."""
+    """Report the exit code of each finished run to the pipe of its order."""
     for child, answers in list(running.items()):
         ended, status = os.waitpid(child, os.WNOHANG)
         if ended:
@@ -103,13 +103,13 @@ def _reap(running: dict[int, int]) -> None:
 
 
 def _prepare_builds() -> None:
-    """Import what builds need, and read the tagger, the calls and the rules, all of which this process keeps.
+    """Import the modules of builds, and load the tagger, the calls and the rules into this process.
 
-    A run reads rules again where their files have changed.
+    A run reloads rules whose files have changed.
     """
     for name in _BUILDERS:
         importlib.import_module(name)
-    sys.path.insert(0, _TESTS)  # which runs do not have
+    sys.path.insert(0, _TESTS)  # absent from the path of runs
     workspaces = importlib.import_module("workspaces")
     sys.path.remove(_TESTS)
     workspaces.prepare_builds()
@@ -118,7 +118,7 @@ def _prepare_builds() -> None:
 
 
 def _attend(order: dict[str, Any], out: int, err: int) -> None:
-    """Be a run, with its streams, and end as it does."""
+    """Execute a run in this process, with its streams and exit code."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
     sys.stdout, sys.stderr = _stream(out, sys.stdout), _stream(err, sys.stderr)
@@ -126,7 +126,7 @@ def _attend(order: dict[str, Any], out: int, err: int) -> None:
 
 
 def _stream(file: int, like: TextIO) -> TextIO:
-    """Let a stream lead to the file; what was opened for another may hold its kind."""
+    """Redirect a stream to the file; the buffer type of an existing stream depends on its original file."""
     os.dup2(file, like.fileno())
     os.close(file)
     return open(
@@ -135,7 +135,7 @@ def _stream(file: int, like: TextIO) -> TextIO:
 
 
 def _run(order: dict[str, Any]) -> int:
-    """Be `python -m kg`; return its exit code."""
+    """Execute `python -m kg`; return its exit code."""
     os.chdir(order["folder"])
     os.environ.clear()
     os.environ.update(order["environment"])
@@ -155,9 +155,9 @@ def _run(order: dict[str, Any]) -> int:
 
 
 def _end(code: int) -> NoReturn:
-    """End as the interpreter does, without its last step.
+    """Exit like the interpreter, without its last step.
 
-    It visits every object of the process that this one was forked from, which would copy all its memory.
+    That step visits every object of the parent process, which would copy all its memory.
     """
     for thread in threading.enumerate():
         if thread is not threading.current_thread() and not thread.daemon:

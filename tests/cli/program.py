@@ -1,4 +1,4 @@
-"""The program as users run it: a process with its own streams and exit code."""
+"""The program as users run it: a process with streams and an exit code of its own."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ if TYPE_CHECKING:
 __all__ = ["Program", "Run"]
 
 _SECONDS: Final = 30
-"""How long a run may take on a machine that is idle."""
+"""Time limit in seconds of a run on an idle machine."""
 _READ_LATER: Final = {"KG_STORE", "KG_JOBS", "KG_TOKEN"}
-"""Variables that no module reads when it is imported."""
+"""Variables that no module reads at import."""
 _serving: Final[list[tuple[subprocess.Popen[bytes], socket.socket]]] = []
-"""What runs are forked from, last: it ends with this process, or when a test ends it."""
+"""The current fork server, as the last item; it stops with this process, or when a test stops it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """How a process ended."""
+    """The result of a process."""
 
     code: int
     out: str
@@ -42,22 +42,22 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """Runs `kg` in `folder`, without settings from outside."""
+    """Runs `kg` in `folder`, without outside settings."""
 
     folder: Path
 
     def __call__(self, *arguments: str, folder: Path | None = None, **environment: str) -> Run:
         """Run `kg` with arguments; `folder` is another working folder, other keywords are environment variables.
 
-        The process is forked from one that has imported `kg`, unless variables are given that somebody (Python itself,
-        libraries) may read while he starts.
+        The process is forked from one that has imported `kg`, unless variables are given that Python itself or a
+        library may read at start.
         """
         if sys.platform == "linux" and environment.keys() <= _READ_LATER:
             return _forked(arguments, folder or self.folder, _surroundings(environment))
         return self.python("-m", "kg", *arguments, folder=folder, **environment)
 
     def python(self, *arguments: str, folder: Path | None = None, **environment: str) -> Run:
-        """Run a new Python in the same surroundings."""
+        """Run a new Python in the same environment."""
         done = subprocess.run(
             [sys.executable, *arguments],
             cwd=folder or self.folder,
@@ -94,7 +94,7 @@ def _forked(arguments: Sequence[str], folder: Path, environment: Mapping[str, st
 
 
 def _server() -> socket.socket:
-    """Return where the process that runs are forked from takes orders; it is started where it does not run yet."""
+    """Return the socket of the fork server; start it if it is not running."""
     if not _serving or _serving[-1][0].poll() is not None:
         here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with there:

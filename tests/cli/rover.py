@@ -1,4 +1,4 @@
-"""A small store made of facts: two sources, nodes of several kinds, two of one name, and their direct relations."""
+"""A small store of facts: two sources, nodes of several kinds, two with the same name, and their direct relations."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def package(name: str, repository: str, *nodes: NodeType) -> PackageFacts:
 
 
 def direct_relations(graphs: Iterable[bytes]) -> bytes:
-    """Return what rules infer that has the form of `rnkg:publishes`."""
+    """Return the inferred relations of the form of `rnkg:publishes`."""
     triples = [quad.triple for content in graphs for quad in parse(content, RdfFormat.N_TRIPLES)]
     named = {f"communication/{name}" for name in ("publishes", "subscribes", "provides", "calls")}
     named |= {"communication/serves-action", "communication/calls-action"}

@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
 
 def test_help_is_data_and_names_every_exit_code(kg: Program) -> None:
-    """`kg --help` goes to standard output, says nothing on standard error and documents the contract."""
+    """`kg --help` prints to standard output, prints nothing on standard error and documents the exit codes."""
     run = kg("--help")
     assert (run.code, run.err) == (0, "")
     assert all(f"    {code}  " in run.out or f"  {code}  " in run.out for code in (0, 1, 2, 3, 4, 5, 6, 70, 130))
 
 
 def test_kg_alone_shows_the_help(kg: Program) -> None:
-    """Someone who types only `kg` is shown what there is."""
+    """`kg` without arguments shows the help."""
     assert kg().out == kg("--help").out
 
 
 def test_help_fits_eighty_columns(kg: Program) -> None:
-    """No line of the help is wider than the terminal."""
+    """No line of the help is wider than eighty columns."""
     assert max(map(len, kg("--help").out.splitlines())) <= 80
 
 
@@ -39,7 +39,7 @@ def test_help_fits_eighty_columns(kg: Program) -> None:
     [(["explan"], "`explain`"), (["--stor", "x"], "`--store`"), (["explain", "--jsn"], "`--json`")],
 )
 def test_a_typing_error_gets_a_suggestion(kg: Program, arguments: list[str], suggestion: str) -> None:
-    """Wrong commands and options end with 2, on standard error, with the nearest that exists."""
+    """A wrong command or option exits with 2 and suggests the nearest existing one on standard error."""
     run = kg(*arguments)
     assert (run.code, run.out) == (2, "")
     assert run.err.startswith("error[KG003]: ")
@@ -48,7 +48,7 @@ def test_a_typing_error_gets_a_suggestion(kg: Program, arguments: list[str], sug
 
 
 def test_commands_are_found_by_what_other_programs_call_them(kg: Program) -> None:
-    """Who scans or asks is led to what does that here, which no spelling is near of; each such command is there."""
+    """Common names of other programs' commands suggest the existing equivalent, although their spelling differs."""
     assert "Did you mean `build`?" in kg("scan", ".").err
     assert "Did you mean `search` or `query`?" in kg("ask").err
     listed = kg("--help").out
@@ -65,7 +65,7 @@ def test_a_bad_setting_shows_its_line_with_the_error(kg: Program, tmp_path: Path
 
 
 def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> None:
-    """What should not happen is KG900 with exit code 70; the traceback comes with KG_DEBUG only."""
+    """A defect is KG900 with exit code 70; the traceback is shown only with KG_DEBUG."""
     broken = "import kg.cli.commands.config as c; c.setting_rows = None; from kg.cli.main import run; run()"
     run = kg.python("-c", broken, "config", "show")
     assert run.code == 70
@@ -85,7 +85,7 @@ def test_a_defect_is_reported_in_two_lines_without_traceback(kg: Program) -> Non
     ],
 )
 def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path, where: str) -> None:
-    """Where it interrupts a text that Python executes or a class that is defined, the process ends with 130 too."""
+    """Ctrl-C during text executed by Python or a class definition exits with 130, too."""
     broken = f"import kg.cli.commands.config as c\ndef stop(*_):\n    {where}\nc.setting_rows = stop\n"
     (tmp_path / "stopped.py").write_text(f"{broken}from kg.cli.main import run\nrun()\n")
     run = kg.python("-m", "stopped", "config", "show")
@@ -93,26 +93,26 @@ def test_ctrl_c_is_an_exit_code_wherever_it_comes(kg: Program, tmp_path: Path, w
 
 
 def test_a_closed_pipe_ends_quietly() -> None:
-    """`kg ... | head -1` does not mention the pipe."""
+    """`kg ... | head -1` prints no error about the pipe."""
     command = f"{sys.executable} -m kg explain --json | head -c 1"
     run = subprocess.run(["bash", "-c", f"set -o pipefail; {command}"], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stdout, run.stderr) == (0, "{", "")
 
 
 def test_colour_follows_the_terminal_and_the_flag(kg: Program) -> None:
-    """Off a terminal there is no escape unless asked for; NO_COLOR does not win over the flag."""
+    """Without a terminal there is no escape unless requested; NO_COLOR does not override the flag."""
     assert "\x1b[" not in kg("explan").err
     assert "\x1b[" in kg("--color", "always", "explan", NO_COLOR="1").err
     assert "\x1b[" in kg("explan", KG_COLOR="always").err
 
 
 def test_the_version_is_said(kg: Program) -> None:
-    """`kg --version` is one line."""
+    """`kg --version` prints one line."""
     assert kg("--version").out.startswith("kg 0.")
 
 
 def test_arguments_are_taken_without_loading_a_validator(kg: Program) -> None:
-    """A command that needs no store starts without the modules that typer would check types with."""
+    """A command without a store starts without the modules that typer uses to validate types."""
     program = "import sys; from kg.cli.app import app; app(['explain', 'KG301'], standalone_mode=False)"
     listing = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {program}"
     assert not {"pydantic", "rich", "pyoxigraph"} & set(kg.python("-c", listing).out.split())
@@ -120,7 +120,7 @@ def test_arguments_are_taken_without_loading_a_validator(kg: Program) -> None:
 
 @pytest.mark.parametrize("streams", [">&-", "2>&-", ">&- 2>&-", ">/dev/null 2>&1"])
 def test_closed_streams_are_no_fault(streams: str) -> None:
-    """A caller may close what it does not want."""
+    """The caller may close unused streams."""
     command = f"{sys.executable} -m kg explain KG301 {streams}"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert (run.returncode, run.stderr) == (0, "")
@@ -128,7 +128,7 @@ def test_closed_streams_are_no_fault(streams: str) -> None:
 
 @pytest.mark.parametrize("locale", ["C", "C.UTF-8", "POSIX"])
 def test_a_full_disk_behind_the_output_is_said(locale: str) -> None:
-    """What cannot be written is an error with a code, not a traceback."""
+    """Output that cannot be written is an error with a code and no traceback."""
     command = f"LC_ALL={locale} {sys.executable} -m kg explain > /dev/full"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert run.returncode == 4
@@ -136,14 +136,14 @@ def test_a_full_disk_behind_the_output_is_said(locale: str) -> None:
 
 
 def test_any_character_can_be_said(kg: Program) -> None:
-    """A terminal that knows ASCII only gets escapes instead of a crash."""
+    """An ASCII terminal gets escapes instead of a crash."""
     run = kg("explain", "KÄ1", PYTHONIOENCODING="ascii")
     assert run.code == 1
     assert "K\\xc41" in run.err
 
 
 def test_help_says_of_each_command_what_the_command_says() -> None:
-    """The lists in `--help` are made without importing the commands: their sentences are those of the commands."""
+    """The lists in `--help` are built without importing the commands, and match the commands' own sentences."""
     pending: list[Any] = [get_command(app)]
     while pending:
         group = pending.pop()
@@ -154,7 +154,7 @@ def test_help_says_of_each_command_what_the_command_says() -> None:
 
 
 def test_a_command_imports_no_other_command(kg: Program) -> None:
-    """A command starts without the modules of all others."""
+    """A command starts without importing the modules of the others."""
     program = "import sys; from kg.cli.app import app; app(['explain', 'KG301'], standalone_mode=False)"
     listing = f"import atexit, sys; atexit.register(lambda: print(*sys.modules)); {program}"
     loaded = {name for name in kg.python("-c", listing).out.split() if name.startswith("kg.cli.commands.")}

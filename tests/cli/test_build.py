@@ -39,12 +39,12 @@ os.fork = interrupted
 from kg.cli.main import run
 run()
 """
-"""Runs `kg` so that each process that it forks gets Ctrl-C as soon as it is there."""
+"""Runs `kg` such that each forked process gets Ctrl-C as soon as it exists."""
 
 
 @contextmanager
 def started(folder: Path, *arguments: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
-    """Yield `kg` that runs and whose words can be read; it does not outlive the test."""
+    """Yield a running `kg` with readable standard error; it ends with the test."""
     command = [sys.executable, "-m", "kg", *arguments]
     process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True, **options)
     try:
@@ -61,7 +61,7 @@ def workspace(tmp_path: Path) -> Path:
 
 
 def test_a_build_tells_what_it_read_and_found(kg: Program, workspace: Path) -> None:
-    """Words go to standard error: one line a package, then the sums, and where the store is."""
+    """Messages go to standard error: one line a package, then the sums and the location of the store."""
     run = kg("build", str(workspace))
     assert (run.code, run.out) == (0, "")
     assert "source local/ws: 5 packages" in run.err
@@ -72,7 +72,7 @@ def test_a_build_tells_what_it_read_and_found(kg: Program, workspace: Path) -> N
 
 
 def test_a_second_build_says_that_nothing_changed(kg: Program, workspace: Path) -> None:
-    """Without names it reads what was read before, and only what changed."""
+    """Without names, a build reads the previous sources, and of them only the changes."""
     kg("build", str(workspace))
     assert "nothing changed in 5 packages of 1 source" in kg("build").err
     source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
@@ -82,7 +82,7 @@ def test_a_second_build_says_that_nothing_changed(kg: Program, workspace: Path) 
 
 
 def test_a_node_that_reached_a_limit_is_marked(kg: Program, workspace: Path) -> None:
-    """The source counts it, and the node shows which limit it was and where; the rest is built."""
+    """The source counts the node, and the node shows its limit and the place; the rest is built."""
     kg("build", str(workspace))
     before = json.loads(kg("status", "--json").out)["counts"]
     source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
@@ -107,7 +107,7 @@ def test_the_report_is_data_when_asked_for(kg: Program, workspace: Path) -> None
 
 
 def test_problems_are_listed_by_file_as_one_can_open_it(kg: Program, workspace: Path) -> None:
-    """Ten problems are shown with the rest counted; `--problems` shows all; the exit code stays 0."""
+    """Ten problems are shown with the rest counted; `--problems` shows all; the exit code is 0."""
     for number in range(12):
         (workspace / "rover" / "rover_core" / "msg" / f"Bad{number}.msg").write_text("int32 = = =\n")
     run = kg("build", "ws")
@@ -129,7 +129,7 @@ def test_problems_are_listed_by_file_as_one_can_open_it(kg: Program, workspace: 
     ],
 )
 def test_what_cannot_be_built_ends_with_its_code(kg: Program, arguments: list[str], code: int, words: str) -> None:
-    """A missing folder, one without packages, no store and a bad option are told apart."""
+    """A missing folder, one without packages, no store and a bad option have different codes."""
     run = kg(*arguments)
     assert run.code == code
     assert words in run.err
@@ -137,7 +137,7 @@ def test_what_cannot_be_built_ends_with_its_code(kg: Program, arguments: list[st
 
 
 def test_status_tells_a_source_that_is_gone(kg: Program, workspace: Path) -> None:
-    """What was built and is not there any more is said so."""
+    """A built source that no longer exists is reported as missing."""
     kg("build", str(workspace))
     shutil.rmtree(workspace)
     assert "no longer exists" in kg("status").out
@@ -145,14 +145,14 @@ def test_status_tells_a_source_that_is_gone(kg: Program, workspace: Path) -> Non
 
 
 def test_the_store_named_by_the_environment_is_used(kg: Program, workspace: Path, tmp_path: Path) -> None:
-    """KG_STORE names the store for building and for asking."""
+    """KG_STORE names the store for builds and queries."""
     kg("build", str(workspace), KG_STORE="elsewhere")
     assert (tmp_path / "elsewhere" / "current").is_file()
     assert "base_controller" in kg("nodes", KG_STORE="elsewhere").out
 
 
 def test_a_dry_run_shows_volumes_and_reads_nothing(kg: Program, workspace: Path, tmp_path: Path) -> None:
-    """Packages, files and bytes of code are counted, an estimate is made of them, and no store comes to be."""
+    """Packages, files and bytes of code are counted, the duration is estimated, and no store is created."""
     run = kg("build", str(workspace), "--dry-run", "--json")
     (volume,) = [json.loads(line) for line in run.out.splitlines()]
     assert (volume["packages"], volume["reused"]) == (5, 0)
@@ -163,14 +163,14 @@ def test_a_dry_run_shows_volumes_and_reads_nothing(kg: Program, workspace: Path,
 
 
 def test_a_dry_run_counts_what_is_as_it_was(kg: Program, workspace: Path) -> None:
-    """What the last build read is not counted again."""
+    """Unchanged packages of the last build are not counted again."""
     kg("build", str(workspace))
     (volume,) = [json.loads(line) for line in kg("build", "--dry-run", "--json").out.splitlines()]
     assert (volume["packages"], volume["reused"], volume["code_bytes"]) == (0, 5, 0)
 
 
 def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, workspace: Path, tmp_path: Path) -> None:
-    """Interrupted, a build says so without a traceback, ends with 130, and the store is as it was."""
+    """An interrupted build reports that in one line, exits with 130, and leaves the store unchanged."""
     kg("build", str(workspace))
     for path in workspace.rglob("*.cpp"):
         path.write_text(path.read_text() + "\n// changed\n")
@@ -189,7 +189,7 @@ def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, works
 
 
 def test_ctrl_c_as_a_worker_is_born_is_none_of_its_business(kg: Program, workspace: Path) -> None:
-    """A worker that is interrupted before it runs any code of its own does not undo what the build has begun."""
+    """A worker interrupted before running its own code does not stop the build."""
     run = kg.python("-c", _INTERRUPTED_AT_BIRTH, "build", str(workspace))
     assert run.code == 0, run.err
     assert "interrupted" not in run.err
@@ -197,13 +197,13 @@ def test_ctrl_c_as_a_worker_is_born_is_none_of_its_business(kg: Program, workspa
 
 
 def test_watching_builds_again_when_a_file_changes(workspace: Path, tmp_path: Path) -> None:
-    """`--watch` waits for a change, reads what changed, and ends quietly with Ctrl-C."""
+    """`--watch` waits for a change, reads it, and exits quietly on Ctrl-C."""
     with started(tmp_path, "build", "ws", "--watch") as process:
         assert process.stderr is not None
         lines = iter(process.stderr.readline, "")
         assert any("watching" in line for line in lines)
         source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
-        # In one step: a file that is being written is one change when it is empty, and another one when it is whole.
+        # Atomically: a file being written is one change when empty, and another when complete.
         changed = tmp_path / "arm_server.cpp"
         changed.write_text(source.read_text() + "\n// changed\n")
         changed.replace(source)

@@ -1,4 +1,4 @@
-"""`kg build --store ADDRESS` builds as always, and then replaces the graphs of a server that differ."""
+"""`kg build --store ADDRESS` builds as usual, and then replaces the changed graphs of a server."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def server() -> Iterator[str]:
 
 @pytest.fixture
 def build(kg: Program, server: str) -> Callable[..., Run]:
-    """Return how a package that publishes a topic is built to the server, by default with its address for updates."""
+    """Return a function that builds a package with a publisher to the server, by default with its update address."""
 
     def run(topic: str, addresses: tuple[str, ...] = ()) -> Run:
         folder = kg.folder / "ws" / "talk"
@@ -73,14 +73,14 @@ def test_the_server_has_what_was_built(kg: Program, server: str, build: Callable
 
 
 def test_an_address_for_queries_alone_is_named(server: str, build: Callable[..., Run]) -> None:
-    """The hint says which option is missing."""
+    """The hint names the missing option."""
     run = build("rumours", ("--store", f"{server}/query"))
     assert run.code == 4
     assert "--update-url" in run.err
 
 
 def test_an_address_for_updates_needs_a_server(kg: Program) -> None:
-    """It would be ignored where the store is a folder."""
+    """KG003, because a store in a folder would ignore it."""
     run = kg("build", "--update-url", "http://127.0.0.1:9/", ".")
     assert run.code == 2
     assert "error[KG003]: --update-url needs a server" in run.err

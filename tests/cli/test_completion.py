@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     ],
 )
 def test_tab_offers_what_there_is(kg: Program, tmp_path: Path, words: str, offered: list[str]) -> None:
-    """Commands, nodes, packages, stored queries and codes are completed from their beginning."""
+    """Commands, nodes, packages, stored queries and codes are completed from their first letters."""
     build(tmp_path / ".kg")
     position = str(words.count(" "))
     run = kg(_KG_COMPLETE="complete_bash", COMP_WORDS=words, COMP_CWORD=position)
@@ -38,6 +38,6 @@ def test_tab_offers_what_there_is(kg: Program, tmp_path: Path, words: str, offer
 
 
 def test_tab_without_a_store_offers_nothing_and_says_nothing(kg: Program) -> None:
-    """Completion never disturbs the line that is being typed."""
+    """Completion never disturbs the edited line."""
     run = kg(_KG_COMPLETE="complete_bash", COMP_WORDS="kg node dr", COMP_CWORD="2")
     assert (run.out.strip(), run.err) == ("", "")

@@ -24,7 +24,7 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> Program:
 
 
 def test_chains_are_told_with_their_lines(robots: Program) -> None:
-    """Each node stands with what it takes and gives, on which line, and with what else it needs."""
+    """Each node is shown with its inputs, outputs, their lines, and its further needs."""
     run = robots("compose", "--from", "LaserScan", "--to", "Twist")
     assert (run.code, run.err) == (0, "")
     assert run.out.startswith(f"1. {SCAN} -> {TWIST}\n   robots/follower  component, local/here\n")
@@ -35,7 +35,7 @@ def test_chains_are_told_with_their_lines(robots: Program) -> None:
 
 
 def test_json_has_everything(robots: Program) -> None:
-    """`--json` writes an object a line, the launch file in it."""
+    """`--json` writes one object a line, including the launch file."""
     run = robots("compose", "--from", "LaserScan", "--to", "Twist", "--ros", "1", "--json")
     (chain,) = map(json.loads, run.out.splitlines())
     assert chain["types"] == [SCAN, GRID, TWIST]
@@ -55,7 +55,7 @@ def test_json_has_everything(robots: Program) -> None:
 
 
 def test_the_launch_file_is_all_that_is_written(robots: Program) -> None:
-    """`--launch RANK` gives a file that can be kept as it is."""
+    """`--launch RANK` prints only the launch file, ready to be saved."""
     run = robots("compose", "--from", "LaserScan", "--to", "Twist", "--launch", "2")
     assert (run.code, run.err) == (0, "")
     assert [one.get("name") for one in ET.fromstring(run.out).iter("node")] == ["nodelet_manager", "mapper", "planner"]  # noqa: S314 - written here
@@ -78,14 +78,14 @@ def test_the_launch_file_is_all_that_is_written(robots: Program) -> None:
     ids=lambda one: one if isinstance(one, str) else None,
 )
 def test_what_cannot_be_answered_says_why(robots: Program, words: list[str], code: int, said: str) -> None:
-    """What is not found ends with 1, what is typed wrong with 2, on standard error, with the way out."""
+    """An empty result exits with 1 and a wrong call with 2, with instructions on standard error."""
     run = robots("compose", *words)
     assert (run.code, run.out) == (code, "")
     assert said in run.err
 
 
 def test_that_there_are_more_is_said_to_programs(robots: Program) -> None:
-    """A list cut by `--limit` says how it is made longer."""
+    """A list cut by `--limit` reports how to get more."""
     run = robots("compose", "--from", "LaserScan", "--to", "Twist", "--limit", "1", "--json")
     assert len(run.out.splitlines()) == 1
     assert "--limit shows more" in run.err

@@ -17,7 +17,7 @@ MANIFEST: Final = MANIFESTS["1"].replace("<name>p</name>", "<name>p</name><versi
 
 
 def test_select(kg: Program) -> None:
-    """What each criterion removes and the figures are data; the list has an address a line and is read by fetch."""
+    """The removals of each criterion and the counts are data; the list has one address a line, and fetch reads it."""
     table, criteria = str(CASE / "projects.csv"), str(CASE / "criteria.toml")
     done = kg("corpus", "select", table, "--criteria", criteria, "--output", "robots.txt")
     assert (done.code, done.err) == (0, "")
@@ -37,7 +37,7 @@ def test_select(kg: Program) -> None:
 
 
 def test_select_as_json(kg: Program) -> None:
-    """One object holds the steps with the projects that they remove, the figures of both, and the addresses."""
+    """One object contains the steps with the projects they remove, the counts of both, and the addresses."""
     done = kg("corpus", "select", str(CASE / "projects.csv"), "--criteria", str(CASE / "criteria.toml"), "--json")
     found = json.loads(done.out)
     assert (found["projects"], found["selected"], found["selected_paper"]) == (5, 3, 503)
@@ -52,7 +52,7 @@ def test_select_as_json(kg: Program) -> None:
 
 
 def test_select_by_default(kg: Program) -> None:
-    """Without criteria those of kg apply, and a table without their columns is an error with the place and a hint."""
+    """Without criteria those of kg apply; a table without their columns is an error with the place and a hint."""
     done = kg("corpus", "select", str(CASE / "projects.csv"))
     assert done.code == 3
     assert "error[KG131]: projects.csv has no column `Contributors`" in done.err
@@ -73,7 +73,7 @@ def test_select_by_default(kg: Program) -> None:
     ],
 )
 def test_wrong_arguments(kg: Program, arguments: tuple[str, ...], code: int, says: str) -> None:
-    """What is wrong with a command is said, and the exit code tells the kind."""
+    """A wrong argument is reported, and the exit code gives the kind of error."""
     (kg.folder / "list").write_text("https://127.0.0.1:1/a/b\n")
     done = kg("corpus", *arguments)
     assert done.code == code
@@ -82,7 +82,7 @@ def test_wrong_arguments(kg: Program, arguments: tuple[str, ...], code: int, say
 
 
 def test_fetch_and_build(kg: Program) -> None:
-    """What is fetched is built; what is not there, or not as pinned, is said, and the exit code tells."""
+    """Fetched repositories are built; missing or changed ones are reported, and the exit code shows that."""
     sources = [repository(kg.folder / "srv" / name, {"main": {"package.xml": MANIFEST}}) for name in ("one", "two")]
     lines = [*(source.as_uri() for source in sources), (kg.folder / "srv" / "none").as_uri(), "--upload-pack=x"]
     (kg.folder / "robots.txt").write_text("\n".join(lines))
@@ -108,7 +108,7 @@ def test_fetch_and_build(kg: Program) -> None:
 
 
 def test_build_of_nothing(kg: Program) -> None:
-    """A lock file whose repositories are all missing is an error that says how to fetch them."""
+    """A lock file whose repositories are all missing is an error with instructions to fetch them."""
     (kg.folder / "lock").write_text('version = 1\n[[repository]]\nname = "h/a"\nurl = "https://h/a"\n')
     done = kg("build", "--corpus", "lock")
     assert done.code == 3

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path]:
-    """Return how the demo ends where the environment names a store, and its folder."""
+    """Return the result of the demo with a store named by the environment, and its folder."""
     folder = tmp_path_factory.mktemp("demo")
     return Program(folder)("demo", KG_STORE="own"), folder
 
 
 def test_the_demo_answers_every_question_with_lines_of_code(shown: tuple[Run, Path]) -> None:
-    """Each of the five questions is shown with its query and an answer that ends in file and line, and then a proof."""
+    """Each of the five questions is shown with its query and an answer ending in file and line, followed by a proof."""
     run, _ = shown
     assert run.code == 0
     parts = run.out.split("\n\n    SELECT ")
@@ -36,7 +36,7 @@ def test_the_demo_answers_every_question_with_lines_of_code(shown: tuple[Run, Pa
 
 
 def test_the_demo_may_be_kept(kg: Program, tmp_path: Path) -> None:
-    """With --store, before or behind the command, the store stays and can be asked."""
+    """With --store, before or after the command, the store remains and can be queried."""
     kg("demo", "--store", "kept")
     kg("--store", "too", "demo")
     for name in ("kept", "too"):
@@ -45,12 +45,12 @@ def test_the_demo_may_be_kept(kg: Program, tmp_path: Path) -> None:
 
 
 def test_the_demo_leaves_the_folder_and_a_store_of_the_settings_alone(shown: tuple[Run, Path]) -> None:
-    """Its store is temporary; one in the environment or kg.toml is someone's own."""
+    """The demo uses a temporary store, never one named by the environment or kg.toml."""
     _, folder = shown
     assert not list(folder.iterdir())
 
 
 def test_the_queries_shown_fit_the_terminal() -> None:
-    """A query is shown whole on 80 columns, indented by four."""
+    """A query is shown in full on 80 columns, indented by four."""
     for name in QUESTIONS:
         assert all(len(line) <= 76 for line in find(name).text.splitlines() if not line.startswith("#"))

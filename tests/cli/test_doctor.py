@@ -24,7 +24,7 @@ def checks(out: str) -> dict[str, dict[str, str]]:
 
 @pytest.mark.skipif(not which("git"), reason="git is not installed")
 def test_a_healthy_installation_has_nothing_wrong(kg: Program, tmp_path: Path) -> None:
-    """Everything needed is there, and the store is told with its size."""
+    """All checks pass, and the store is listed with its size."""
     build(tmp_path / ".kg")
     run = kg("doctor", "--json", KG_JOBS="2")
     found = checks(run.out)
@@ -36,7 +36,7 @@ def test_a_healthy_installation_has_nothing_wrong(kg: Program, tmp_path: Path) -
 
 @pytest.mark.skipif(not which("git"), reason="git is not installed")
 def test_a_damaged_store_is_wrong_and_gets_its_way_out(kg: Program, tmp_path: Path) -> None:
-    """What is wrong is marked, the way out is below it, and the exit code says that something was found."""
+    """A problem is marked, with instructions below it, and sets the exit code."""
     build(tmp_path / ".kg")
     (tmp_path / ".kg" / "current").write_text("rubbish")
     run = kg("doctor")
@@ -47,7 +47,7 @@ def test_a_damaged_store_is_wrong_and_gets_its_way_out(kg: Program, tmp_path: Pa
 
 
 def test_a_missing_program_is_wrong(kg: Program) -> None:
-    """Without git on the path commits are not known."""
+    """Without git on the path, commits cannot be determined."""
     run = kg("doctor", "--json", PATH="/nowhere")
     assert run.code == 1
     assert checks(run.out)["git"]["state"] == "wrong"
@@ -55,7 +55,7 @@ def test_a_missing_program_is_wrong(kg: Program) -> None:
 
 
 def test_missing_libraries_of_the_pages_are_reported(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """An installation that was made without Node.js says so, and how to make it whole."""
+    """An installation made without Node.js reports that, and how to complete it."""
     monkeypatch.setattr(libraries, "_VENDOR", tmp_path)
     libraries._manifest.cache_clear()
     try:
@@ -67,7 +67,7 @@ def test_missing_libraries_of_the_pages_are_reported(monkeypatch: pytest.MonkeyP
 
 
 def test_no_store_is_no_fault(kg: Program) -> None:
-    """Before the first build there is none, unless one was named."""
+    """A missing store is fine before the first build, unless one was named."""
     assert checks(kg("doctor", "--json").out)["store"]["state"] == "note"
     named = kg("doctor", "--json", "--store", "gone")
     assert named.code == 1

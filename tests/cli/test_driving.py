@@ -82,7 +82,7 @@ asyncio.run(main())
 
 
 def _play(monkeypatch: pytest.MonkeyPatch, scene: Callable[[Rover], Awaitable[None]]) -> None:
-    """Play a scene with a rover in memory, to which the commands speak."""
+    """Play a scene with a rover in memory, which the commands connect to."""
 
     async def play() -> None:
         async with rover() as robot:
@@ -102,7 +102,7 @@ async def _do(name: str, *values: str, **options: Any) -> None:
 
 
 def test_values_are_lines_of_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Each value is a line; null is what is not there or not finite."""
+    """Each value is a line; missing and non-finite numbers are null."""
 
     async def scene(robot: Rover) -> None:
         reading = asyncio.ensure_future(_read("laserScanning", count="2"))
@@ -119,7 +119,7 @@ def test_values_are_lines_of_json(monkeypatch: pytest.MonkeyPatch, capsys: pytes
 
 
 def test_values_are_words_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """A person reads names, numbers of few digits, and units."""
+    """A terminal shows names, rounded numbers and units."""
 
     async def scene(robot: Rover) -> None:
         monkeypatch.setattr("kg.cli.driving.terminal", lambda: True)
@@ -134,7 +134,7 @@ def test_values_are_words_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys:
 
 
 def test_reading_ends_after_its_time(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """After --seconds reading ends well when something came; it is KG825 when nothing did."""
+    """After --seconds, reading succeeds if a value was received; otherwise it is KG825."""
 
     async def scene(_: Rover) -> None:
         await _read("measuring", rate="100", seconds="0.2")
@@ -148,7 +148,7 @@ def test_reading_ends_after_its_time(monkeypatch: pytest.MonkeyPatch, capsys: py
 
 
 def test_something_is_done(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """A movement, a service and a goal: feedback on the way, and how it ended."""
+    """A movement, a service and a goal: feedback during the work, and the result at the end."""
 
     async def scene(robot: Rover) -> None:
         await _do("driving", "forward=20cm/s", keep="0.1")
@@ -165,7 +165,7 @@ def test_something_is_done(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
 
 
 def test_what_was_done_in_words(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """On a terminal words say what was sent, or would be."""
+    """A terminal shows in words what was sent, or would be."""
 
     async def scene(_: Rover) -> None:
         monkeypatch.setattr("kg.cli.driving.terminal", lambda: True)
@@ -186,7 +186,7 @@ def test_what_was_done_in_words(monkeypatch: pytest.MonkeyPatch, capsys: pytest.
 def test_a_goal_by_the_name_of_a_place(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    """A place of a file, or one that the robot tells, stands for its coordinates; the file counts first."""
+    """A place of a file or of the robot stands for its coordinates; the file takes precedence."""
     (tmp_path / "own.toml").write_text("kitchen = { x = 3, y = 1 }", encoding="utf-8")
     settings = Settings(places=str(tmp_path / "own.toml"))
 
@@ -204,7 +204,7 @@ def test_a_goal_by_the_name_of_a_place(
 
 
 def test_only_who_names_a_place_needs_the_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A setting for a file of places that is gone keeps no robot from what has nothing to do with places."""
+    """A missing file of places does not affect commands without places."""
     settings = Settings(places=str(tmp_path / "gone.toml"))
 
     async def scene(robot: Rover) -> None:
@@ -228,7 +228,7 @@ def test_only_who_names_a_place_needs_the_file(monkeypatch: pytest.MonkeyPatch, 
 def test_what_is_refused(
     monkeypatch: pytest.MonkeyPatch, values: list[str], options: dict[str, str], code: str
 ) -> None:
-    """A movement without an end, an end of what ends by itself, and what the driver refuses: nothing is sent."""
+    """Unbounded movements, bounds for finite actions, and refusals by the driver: nothing is sent."""
 
     async def scene(robot: Rover) -> None:
         with pytest.raises(KgError) as refused:
@@ -242,14 +242,14 @@ def test_what_is_refused(
 
 @pytest.mark.parametrize("options", [{"once": True, "count": "2"}, {"count": "0"}, {"rate": "-1"}, {"seconds": "x"}])
 def test_options_that_make_no_sense(options: dict[str, Any]) -> None:
-    """Options that contradict each other, or are no numbers, are KG003."""
+    """Contradictory or non-numeric options are KG003."""
     with pytest.raises(UsageError):
         Reading.of(**{**ONCE, **options})
 
 
 @pytest.mark.parametrize("value", ["forward", "=2", " = 2"])
 def test_arguments_have_a_name_and_a_value(value: str) -> None:
-    """An argument is NAME=VALUE."""
+    """An argument has the form NAME=VALUE."""
     with pytest.raises(UsageError):
         Doing.of([value], **EARNEST)
 
@@ -265,7 +265,7 @@ def test_arguments_have_a_name_and_a_value(value: str) -> None:
     ],
 )
 def test_the_robot_stops_on_a_signal(tmp_path: Path, command: tuple[str, ...], number: signal.Signals) -> None:
-    """Ctrl-C, a polite kill and a terminal that is closed stop the robot; the exit code is 130."""
+    """Ctrl-C, SIGTERM and a closed terminal stop the robot; the exit code is 130."""
     program = "move at a velocity  forward: 0.5 m/s for 10 min\n"
     (tmp_path / "endless.kgp").write_text(program, encoding="utf-8")
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
@@ -294,7 +294,7 @@ def test_the_robot_stops_on_a_signal(tmp_path: Path, command: tuple[str, ...], n
     "command", [("do", "drivingAtVelocity", "forward=0.5", "--for", "600"), ("run", "endless.kgp")]
 )
 def test_the_robot_stops_when_its_driver_is_killed(tmp_path: Path, command: tuple[str, ...]) -> None:
-    """A process that is killed cannot stop anything: another one does, and says nothing of its own afterwards."""
+    """If the process is killed, its watchdog stops the robot and prints nothing afterwards."""
     (tmp_path / "endless.kgp").write_text("move at a velocity  forward: 0.5 m/s for 10 min\n", encoding="utf-8")
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
     pipe = subprocess.PIPE
@@ -315,7 +315,7 @@ def test_the_robot_stops_when_its_driver_is_killed(tmp_path: Path, command: tupl
 
 
 def test_a_dead_node_is_told_once(tmp_path: Path) -> None:
-    """A node that was killed and is still registered is named on standard error, with the way out, and in JSON."""
+    """A killed but still registered node is reported on standard error, with instructions, and in JSON."""
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
     pipe = subprocess.PIPE
     with ExitStack() as stack:
@@ -342,7 +342,7 @@ def test_a_dead_node_is_told_once(tmp_path: Path) -> None:
 
 
 def test_what_outlives_its_terminal_goes_on(capsys: pytest.CaptureFixture[str]) -> None:
-    """Where SIGHUP is ignored, as with nohup, it does not end what is done."""
+    """If SIGHUP is ignored, as with nohup, it does not stop the command."""
 
     async def work() -> None:
         os.kill(os.getpid(), signal.SIGHUP)
@@ -358,7 +358,7 @@ def test_what_outlives_its_terminal_goes_on(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_feedback_in_words(capsys: pytest.CaptureFixture[str]) -> None:
-    """What no parameter names is told by the end of its path that no other has, without headers and quaternions."""
+    """A field without a parameter is named by its shortest unique path suffix; headers and quaternions are left out."""
     turned = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
     pose = {"position": {"x": 1.0, "y": None}, "reach": {"w": float("inf")}, "orientation": turned}
     feedback = {"base": {"header": {"seq": 1}, "pose": pose}}
@@ -379,7 +379,7 @@ def test_feedback_in_words(capsys: pytest.CaptureFixture[str]) -> None:
 def test_feedback_is_all_there_only_as_data(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A person, or a log, gets a line of it a second at most; with --json each message is one."""
+    """A terminal or log gets at most one line of feedback a second; with --json each message is one line."""
 
     async def scene(_: Rover) -> None:
         monkeypatch.setattr(driving, "monotonic", lambda: 5.0)

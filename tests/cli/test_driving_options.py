@@ -1,4 +1,4 @@
-"""What `kg robot do` is given on the command line."""
+"""Options of `kg robot do` on the command line."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from kg.errors import UsageError
 
 
 def test_an_argument_is_given_once() -> None:
-    """A parameter that is given twice is refused, not taken as the last one says."""
+    """A repeated parameter is rejected; the last value does not win."""
     options = {"keep": "1", "timeout": None, "way": None}
     with pytest.raises(UsageError, match="given twice"):
         Doing.of(["forward=0.1", "forward=0.2"], **options, dry_run=False, exclusive=False, json=False)

@@ -1,4 +1,4 @@
-"""`kg eval` as a user calls it, on a store of the example workspace."""
+"""`kg eval` as users call it, on a store of the example workspace."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Program:
 
 
 def test_references_are_compared_kept_and_forgotten(built: Program) -> None:
-    """Tables come as JSON Lines and as three files; kept references answer the stored query."""
+    """Tables are given as JSON Lines and as three files; stored references answer the stored query."""
     truth = str(CASES / "truth.jsonl")
     run = built("eval", "completeness", "-r", truth, "--json", "--keep", "-o", "tables")
     assert run.code == 0, run.err
@@ -41,7 +41,7 @@ def test_references_are_compared_kept_and_forgotten(built: Program) -> None:
 
 
 def test_relations_are_compared(built: Program) -> None:
-    """Precision stands where references name all, else a dash with the reason."""
+    """Precision is given if references name all relations; otherwise a dash with the reason."""
     run = built("eval", "correctness", "-r", str(CASES / "truth.jsonl"))
     assert run.code == 0, run.err
     assert "publishes\t100.0 % (2/2)" in run.out
@@ -49,7 +49,7 @@ def test_relations_are_compared(built: Program) -> None:
 
 
 def test_the_code_is_searched(built: Program) -> None:
-    """What the graph lacks is listed with its place."""
+    """Calls missing from the graph are listed with their places."""
     run = built("eval", "completeness", "--code", "--sample", "500", "--missed", "missed.csv")
     assert run.code == 0, run.err
     with (built.folder / "missed.csv").open() as file:
@@ -60,7 +60,7 @@ def test_the_code_is_searched(built: Program) -> None:
 
 
 def test_a_sheet_is_drawn_judged_and_scored(built: Program) -> None:
-    """A sheet goes to a person and comes back."""
+    """A sheet is drawn for a person to judge, and scored afterwards."""
     drawn = built("eval", "sample", "--size", "12", "--relation", "publishes", "--relation", "has function")
     assert drawn.code == 0, drawn.err
     sheet: Path = built.folder / "sheet.csv"
@@ -75,7 +75,7 @@ def test_a_sheet_is_drawn_judged_and_scored(built: Program) -> None:
 
 
 def test_the_search_is_compared(built: Program) -> None:
-    """Every way has a row for each measure."""
+    """Every search method has a row for each measure."""
     pytest.importorskip("sklearn", reason="the extra `evaluate` is not installed")
     run = built("eval", "search", "--queries", str(CASES / "needs.jsonl"))
     assert run.code == 0, run.err
@@ -95,7 +95,7 @@ def test_the_search_is_compared(built: Program) -> None:
     ],
 )
 def test_mistakes_are_explained(built: Program, arguments: tuple[str, ...], words: str) -> None:
-    """A wrong call ends with code 2 and says what is wrong."""
+    """A wrong call exits with code 2 and explains the error."""
     run = built("eval", *arguments)
     assert run.code == 2
     assert words in run.err

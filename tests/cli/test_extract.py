@@ -1,4 +1,4 @@
-"""Tests of descriptions of framework calls that users add: `kg extract check`, and `kg build` with them."""
+"""User-defined descriptions of framework calls: `kg extract check`, and `kg build` with them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FILES: Final = {
 
 
 def example() -> tuple[str, str]:
-    """Return the name and the text of the file that docs/calls.md shows."""
+    """Return the name and the text of the file shown in docs/calls.md."""
     page = (ROOT / "docs" / "calls.md").read_text(encoding="utf-8")
     found = re.search(r"```toml\n# (calls/\w+.toml)\n(.*?)```", page, re.DOTALL)
     assert found is not None
@@ -38,19 +38,19 @@ def example() -> tuple[str, str]:
 
 @pytest.fixture
 def workspace(kg: Program) -> Program:
-    """The program in a workspace whose node uses a framework that is not in the build."""
+    """The program in a workspace whose node uses a framework unknown to kg."""
     written(kg.folder, FILES)
     return kg
 
 
 def topics_of(kg: Program) -> list[str]:
-    """Return what the node publishes in its code."""
+    """Return the topics published in the node's code."""
     lines = kg("nodes", "--json").out.splitlines()
     return [one["name"] for line in lines for one in json.loads(line)["publishes"]]
 
 
 def test_the_example_of_the_manual_is_in_force(workspace: Program) -> None:
-    """A file in calls/ gives a node what its calls create, and each edit of the file makes all packages be read."""
+    """A file in calls/ gives a node the results of its calls, and each edit of the file triggers a full build."""
     name, text = example()
     assert workspace("build", "src").code == 0
     assert "status" not in topics_of(workspace)
@@ -68,14 +68,14 @@ def test_the_example_of_the_manual_is_in_force(workspace: Program) -> None:
 
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_the_setting_names_files_for_all_workers(workspace: Program, jobs: str) -> None:
-    """Any file can be named, and every process that reads packages has its rows."""
+    """Any file can be named, and every reading process has its rows."""
     (workspace.folder / "mine.toml").write_text(example()[1])
     assert workspace("build", "src", "--calls", "mine.toml", "--jobs", jobs).code == 0
     assert "status" in topics_of(workspace)
 
 
 def test_a_build_ends_at_an_error_in_a_description(workspace: Program) -> None:
-    """The error has the code, the place and what to do, and the store stays as it was."""
+    """The error has the code, the place and instructions; the store is unchanged."""
     name, text = example()
     written(workspace.folder, {name: text})
     assert workspace("build", "src").code == 0
@@ -89,7 +89,7 @@ def test_a_build_ends_at_an_error_in_a_description(workspace: Program) -> None:
 
 
 def test_check_lists_all_errors(kg: Program) -> None:
-    """Each error is shown with its line; exit code 1; standard error has the count."""
+    """Each error is shown with its line; the exit code is 1; standard error has the count."""
     (kg.folder / "acme.toml").write_text(
         '[[call]]\nin = ["a"]\nname = "f"\nnodes = 1\n[[class]]\nname = "A"\nis = "x"\n'
     )
@@ -105,7 +105,7 @@ def test_check_lists_all_errors(kg: Program) -> None:
 
 
 def test_check_without_errors(kg: Program) -> None:
-    """Without files those of the setting are checked; without any there is nothing wrong."""
+    """Without arguments, the files of the setting are checked; without any, the check passes."""
     done = kg("extract", "check")
     assert (done.code, done.out, done.err) == (0, "", "0 files checked: nothing wrong\n")
     written(kg.folder, dict([example()]))
@@ -113,7 +113,7 @@ def test_check_without_errors(kg: Program) -> None:
 
 
 def test_check_of_a_file_that_cannot_be_read(kg: Program) -> None:
-    """A file that is missing or is not text is an error with its name."""
+    """A missing or non-text file is an error with its name."""
     done = kg("extract", "check", "none.toml")
     assert (done.code, "error[KG110]" in done.err, "none.toml" in done.err) == (3, True, True)
     (kg.folder / "bad.toml").write_bytes(b"\xff\xfe")

@@ -1,4 +1,4 @@
-"""`kg files`: the files of packages, sorted into code and text."""
+"""`kg files`: the files of packages, classified as code and text."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ def rover(tmp_path_factory: pytest.TempPathFactory) -> Program:
 
 
 def listed(rover: Program, *options: str) -> dict[str, dict[str, Any]]:
-    """Return what is listed, by path within the package."""
+    """Return the listed files by path within the package."""
     rows = map(json.loads, rover("files", "--json", *options).out.splitlines())
     return {row["path"].partition("rover_robot/")[2]: row for row in rows if row["package"] == "rover_robot"}
 
 
 def test_files_are_sorted_into_code_and_text(rover: Program) -> None:
-    """Code with comments is both; manifests have texts, and build files neither."""
+    """Code with comments is both; manifests contain texts, and build files neither."""
     found = listed(rover)
     assert (found["src/scan_filter_nodelet.cpp"]["sort"], found["src/scan_filter_nodelet.cpp"]["nodes"]) == ("both", 1)
     assert found["launch/rover.launch"]["sort"] == "code"
@@ -42,7 +42,7 @@ def test_files_are_sorted_into_code_and_text(rover: Program) -> None:
 
 
 def test_a_sort_and_a_package_narrow_the_list(rover: Program) -> None:
-    """Only what is asked for is listed."""
+    """Only files of the given kind and package are listed."""
     assert {row["sort"] for row in listed(rover, "--sort", "text").values()} == {"text"}
     assert not listed(rover, "--package", "rover_core")
 
@@ -52,7 +52,7 @@ def test_a_sort_and_a_package_narrow_the_list(rover: Program) -> None:
     [(("--sort", "prose"), "code, both, text, other"), (("--package", "rover_robo"), "rover_robot")],
 )
 def test_unknown_names_are_told_with_those_that_are_known(rover: Program, options: tuple[str, str], part: str) -> None:
-    """An unknown sort or package is an error with a way out."""
+    """An unknown kind or package is an error with instructions."""
     run = rover("files", *options)
     assert run.code != Exit.OK
     assert part in run.err

@@ -1,6 +1,6 @@
-"""What commands say, compared with the files in `golden/`, each of which was read by a person.
+"""Output of commands, compared with the reviewed files in `golden/`.
 
-A file holds a command, its exit code and its two streams. After a change that is meant, write them again with
+A file contains a command, its exit code and its two streams. After an intended change, write them again with
 `KG_WRITE_GOLDEN=1 pytest tests/cli/test_golden.py` and read the difference.
 """
 
@@ -55,7 +55,7 @@ def _surroundings(rover: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def said(command: str, folder: Path) -> str:
-    """Return what a command says and how it ends, the working folder written as `FOLDER`."""
+    """Return the output and the exit code of a command, with the working folder written as `FOLDER`."""
     result = CliRunner().invoke(app, shlex.split(command)[1:])
     text = f"$ {command}\n[{result.exit_code}]\n----- stdout\n{result.stdout}----- stderr\n{result.stderr}"
     return re.sub(r" in \d+\.\d+ s$", " in # s", text.replace(str(folder), "FOLDER"), flags=re.MULTILINE)

@@ -1,4 +1,4 @@
-"""What `kg lint` says, compared with the files in `golden/lint/`; see test_golden.py for how they are written."""
+"""Output of `kg lint`, compared with the files in `golden/lint/`; see test_golden.py for how to write them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ CASES: Final = sorted(GOLDEN.glob("*.txt"))
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with launch files and a store that has findings about them."""
+    """Return a folder with launch files and a store with findings about them."""
     folder = tmp_path_factory.mktemp("built") / "robot"
     folder.mkdir()
     write(folder)
@@ -38,7 +38,7 @@ def _surroundings(built: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
 def test_output(case: Path, built: Path) -> None:
-    """The commands that the file begins with, the last of them shown, give its streams and exit code."""
+    """The commands at the top of the file, of which the last is shown, give its streams and exit code."""
     expected = case.read_text(encoding="utf-8")
     commands = re.findall(r"^\$ (.*)$", expected.partition("\n[")[0], re.MULTILINE)
     for command in commands[:-1]:
@@ -53,7 +53,7 @@ def test_output(case: Path, built: Path) -> None:
 
 
 def test_results_are_written_for_ament(built: Path) -> None:
-    """The file is made with its folders, one case a failure; the exit code is the usual one."""
+    """The file is created with its folders, one case a failure; the exit code is the usual one."""
     file = built / "results" / "robot" / "kg_lint.xunit.xml"
     assert "[1]" in said(f"kg lint --xunit-file {file} --code KG412", built)
     suite = ET.fromstring(file.read_text(encoding="utf-8"))  # noqa: S314 - written by the line above
@@ -61,6 +61,6 @@ def test_results_are_written_for_ament(built: Path) -> None:
 
 
 def test_a_file_that_cannot_be_written_is_told(built: Path) -> None:
-    """A result or a baseline below a file is an error of the call."""
+    """A result or a baseline below a file is a usage error."""
     assert "KG003" in said("kg lint --xunit-file kg.toml/x.xml", built)
     assert "KG003" in said("kg lint --write-baseline kg.toml/x.json", built)

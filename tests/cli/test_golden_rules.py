@@ -1,4 +1,4 @@
-"""What `kg rules` says, compared with the files in `golden/rules/`; see test_golden.py for how they are written.
+"""Output of `kg rules`, compared with the files in `golden/rules/`; see test_golden.py for how to write them.
 
 The rules are those of `rules_case/`, the store is that of the rover.
 """
@@ -29,7 +29,7 @@ SHARE: Final = re.compile(r"\b\d+%")
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with rules and the store of the rover, in which no rules were run."""
+    """Return a folder with rules and the store of the rover, before any run of rules."""
     folder = tmp_path_factory.mktemp("built") / "rover"
     shutil.copytree(Path(__file__).parent / "rules_case", folder)
     build(folder / ".kg")
@@ -40,7 +40,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def rover(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return a copy of it, as the working folder."""
+    """Return a copy of the folder, as the working folder."""
     folder = tmp_path / "rover"
     shutil.copytree(built, folder)
     monkeypatch.chdir(folder)
@@ -51,7 +51,7 @@ def rover(built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def masked(text: str) -> str:
-    """Return what a command said without durations."""
+    """Return the output of a command without durations."""
     return "\n".join(
         SHARE.sub("#%", DURATION.sub("#", line)) if re.search(r"second|\ds\b|\d s\b|\s\d+\.\d{4}\b", line) else line
         for line in text.split("\n")
@@ -60,7 +60,7 @@ def masked(text: str) -> str:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
 def test_output(case: Path, rover: Path) -> None:
-    """The commands that the file begins with, the last of them shown, give its streams and exit code."""
+    """The commands at the top of the file, of which the last is shown, give its streams and exit code."""
     expected = case.read_text(encoding="utf-8")
     commands = re.findall(r"^\$ (.*)$", expected.partition("\n[")[0], re.MULTILINE)
     before = "".join(f"$ {command}\n" for command in commands[:-1])

@@ -1,4 +1,4 @@
-"""What commands about launch files say, compared with the files in `golden/systems/`; see test_golden.py."""
+"""Output of commands about launch files, compared with the files in `golden/systems/`; see test_golden.py."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _surroundings(robots: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.stem)
 def test_output(case: Path, robots: Path) -> None:
-    """The command that the file begins with gives its streams and exit code."""
+    """The command at the top of the file gives its streams and exit code."""
     expected = case.read_text(encoding="utf-8")
     match = re.match(r"\$ (.*)\n", expected)
     assert match is not None
@@ -46,7 +46,7 @@ def test_output(case: Path, robots: Path) -> None:
 
 
 def test_python_gets_what_the_command_writes(robots: Path) -> None:
-    """`kg.instances` gives the instances of a launch file, evaluated with other arguments where these are given."""
+    """`kg.instances` returns the instances of a launch file, evaluated with other arguments if given."""
     launch = "rover_robot/launch/rover.launch"
     names = [one["name"] for one in instances(launch, store=robots / ".kg")]
     assert "/rover1/camera_monitor" in names

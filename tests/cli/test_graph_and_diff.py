@@ -38,7 +38,7 @@ REMAPPED = LAUNCH.replace('name="listener"/>', 'name="listener"><remap from="cha
 
 
 def git(folder: Path, *words: str) -> str:
-    """Run git without what the user has set up."""
+    """Run git without the user's configuration."""
     who = ("-c", "user.name=a", "-c", "user.email=a@b.c", "-c", "commit.gpgsign=false", "-c", "init.defaultBranch=main")
     done = subprocess.run(["git", *who, *words], cwd=folder, check=True, capture_output=True, text=True)
     return done.stdout
@@ -46,7 +46,7 @@ def git(folder: Path, *words: str) -> str:
 
 @pytest.fixture(scope="module")
 def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a repository with two commits: the second remaps a topic, and the talker hears another one."""
+    """Return a repository with two commits: the second remaps a topic, and the talker subscribes to another one."""
     root = tmp_path_factory.mktemp("demo")
     texts = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "talker.py": TALKER, "listener.py": LISTENER}
     for name, text in {**texts, "both.launch": LAUNCH}.items():
@@ -63,13 +63,13 @@ def repository(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return an empty cache of a user."""
+    """Return an empty user cache."""
     return tmp_path_factory.mktemp("cache")
 
 
 @pytest.fixture(scope="module")
 def compared(repository: Path, cache: Path) -> Run:
-    """Return what `kg diff` says of both commits, which reads them into the cache."""
+    """Return the output of `kg diff` for both commits, which fills the cache."""
     return diff(repository, cache, "HEAD~1..HEAD")
 
 
@@ -83,7 +83,7 @@ def stored(repository: Path, cache: Path, compared: Run, tmp_path_factory: pytes
 
 
 def store_of(repository: Path, cache: Path, commit: str) -> Path:
-    """Return a store of a commit in the cache."""
+    """Return a cached store of a commit."""
     return next(cache.glob(f"kg/revisions/{git(repository, 'rev-parse', commit).strip()}-*"))
 
 
@@ -93,7 +93,7 @@ def diff(repository: Path, cache: Path, *arguments: str) -> Run:
 
 
 def test_graph_lists_each_end_with_who_is_at_the_other_side(stored: Program) -> None:
-    """Off a terminal it is a table; the only launch file need not be named."""
+    """Without a terminal the output is a table; the only launch file need not be named."""
     run = stored("graph")
     assert run.code == 0
     assert "/talker\tpublishes\t/chatter\tstd_msgs/String\t(nobody subscribes)" in run.out.splitlines()
@@ -101,7 +101,7 @@ def test_graph_lists_each_end_with_who_is_at_the_other_side(stored: Program) -> 
 
 
 def test_depth_limits_the_distance_from_the_focus(stored: Program) -> None:
-    """`--depth` is a whole number from 0."""
+    """`--depth` is a whole number of at least 0."""
     near = json.loads(stored("graph", "--json", "--focus", "talker", "--depth", "0").out)
     assert [one["id"] for one in near["nodes"]] == ["/talker"]
     wrong = stored("graph", "--focus", "talker", "--depth", "near")
@@ -110,7 +110,7 @@ def test_depth_limits_the_distance_from_the_focus(stored: Program) -> None:
 
 
 def test_graph_writes_the_form_that_is_asked_for(stored: Program) -> None:
-    """By a flag, or by the ending of the file."""
+    """The format is given by a flag, or by the suffix of the file."""
     assert stored("graph", "--dot").out.startswith("digraph ")
     assert stored("graph", "--launch", "both.launch", "--mermaid").out.startswith("flowchart LR")
     assert [one["id"] for one in json.loads(stored("graph", "--json", "--focus", "talker").out)["nodes"]] == ["/talker"]
@@ -119,7 +119,7 @@ def test_graph_writes_the_form_that_is_asked_for(stored: Program) -> None:
 
 
 def test_graph_knows_what_was_meant(stored: Program) -> None:
-    """A node that is not there, two forms at once and an ending that says nothing are refused with a way out."""
+    """A missing node, two formats at once and an unknown suffix are rejected with instructions."""
     wrong = stored("graph", "--focus", "takler")
     assert (wrong.code, "KG001" in wrong.err, "/talker" in wrong.err) == (1, True, True)
     assert "KG003" in stored("graph", "--svg", "--dot").err
@@ -127,7 +127,7 @@ def test_graph_knows_what_was_meant(stored: Program) -> None:
 
 
 def test_diff_tells_what_changed_between_commits(repository: Path, cache: Path, compared: Run) -> None:
-    """Interfaces and wiring, in words and as JSON; the work tree and the repository stay as they are."""
+    """Changed interfaces and wiring are listed as text and as JSON; work tree and repository are unchanged."""
     lines = [" ".join(line.split()) for line in compared.out.splitlines()]
     assert "~ subscribes reply -> answer talker.py:6" in lines
     assert "~ subscribes /chatter -> /chat both.launch:3" in lines
@@ -140,7 +140,7 @@ def test_diff_tells_what_changed_between_commits(repository: Path, cache: Path, 
 
 
 def test_diff_writes_markdown_and_a_picture(repository: Path, cache: Path) -> None:
-    """For a pull request: a table, and the nodes that have to do with it."""
+    """A pull request gets a table, and a graph of the affected nodes."""
     text = diff(repository, cache, "HEAD~1..HEAD", "--markdown").out
     assert text.startswith("### `HEAD~1..HEAD`\n\n**")
     assert "| ~ | `subscribes /chatter -> /chat` |" in text
@@ -150,19 +150,19 @@ def test_diff_writes_markdown_and_a_picture(repository: Path, cache: Path) -> No
 
 
 def test_equal_sides_have_no_differences(repository: Path, cache: Path) -> None:
-    """Three dots begin where the two parted; the exit code is 0 then, whatever is asked."""
+    """Three dots compare with the merge base; without differences the exit code is always 0."""
     same = diff(repository, cache, "HEAD...HEAD", "--exit-code")
     assert (same.code, same.out) == (0, "no differences\n")
 
 
 def test_diff_compares_stores(repository: Path, cache: Path, stored: Program) -> None:
-    """Two folders are two stores."""
+    """Two folders are compared as two stores."""
     run = stored("diff", str(store_of(repository, cache, "HEAD~1")), ".kg")
     assert "- /talker to /listener by topic /chatter" in run.out
 
 
 def test_diff_names_what_it_cannot_compare(repository: Path, cache: Path, tmp_path: Path) -> None:
-    """A commit that is not known, a shallow clone, a folder without git, one side only."""
+    """An unknown commit, a shallow clone, a folder without git and a single side are rejected."""
     unknown = diff(repository, cache, "nowhere..HEAD")
     assert (unknown.code, "KG104" in unknown.err, "nowhere" in unknown.err) == (3, True, True)
     assert "KG101" in diff(tmp_path, cache, "a..b").err
@@ -174,7 +174,7 @@ def test_diff_names_what_it_cannot_compare(repository: Path, cache: Path, tmp_pa
 
 
 def test_a_broken_launch_file_is_no_empty_graph(tmp_path: Path) -> None:
-    """The build lists it among its problems; graph says where it is broken and what to do, and its exit code is 1."""
+    """The build lists it as a problem; `kg graph` reports the place and the fix, and exits with 1."""
     launch = tmp_path / "ws" / "demo" / "launch" / "bad.launch"
     launch.parent.mkdir(parents=True)
     (tmp_path / "ws" / "demo" / "package.xml").write_text(MANIFEST)

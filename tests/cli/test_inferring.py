@@ -1,4 +1,4 @@
-"""Rules run wherever a command changes what they read."""
+"""Rules run whenever a command changes their input."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PUBLISHES = "ASK { <urn:x:driver> rnkg:publishes <urn:x:scan> }"
 
 
 def test_what_is_imported_is_inferred_from(kg: Program, tmp_path: Path) -> None:
-    """After `kg import` rules have run, unless --no-rules; then `kg rules run` makes up for it."""
+    """After `kg import` rules run, unless --no-rules; `kg rules run` then catches up."""
     (tmp_path / "robot.ttl").write_text(DATA)
     assert kg("--store", "one", "import", "robot.ttl").code == 0
     assert kg("--store", "one", "query", PUBLISHES).out.strip() == "true"
@@ -33,14 +33,14 @@ def test_what_is_imported_is_inferred_from(kg: Program, tmp_path: Path) -> None:
 
 
 def test_a_build_says_how_much_it_inferred(kg: Program) -> None:
-    """The report has a line for people and an object for programs."""
+    """The report has a line of text, and an object with --json."""
     run = kg("--store", "built", "build", DRONE, "--json")
     assert "inferred" in run.err
     assert json.loads(run.out)["inferred"]["triples"] > 0
 
 
 def test_a_broken_rule_is_a_warning(kg: Program, tmp_path: Path) -> None:
-    """What is read or imported is stored without the rule, and the exit code says that something is wrong."""
+    """The data is stored without the rule, and the exit code reports a problem."""
     (tmp_path / "robot.ttl").write_text(DATA)
     (tmp_path / "rules" / "mine").mkdir(parents=True)
     (tmp_path / "rules" / "mine" / "broken.rq").write_text("CONSTRUCT {")
@@ -56,7 +56,7 @@ def test_a_broken_rule_is_a_warning(kg: Program, tmp_path: Path) -> None:
 
 
 def test_the_status_tells_of_rules_that_changed(kg: Program, tmp_path: Path) -> None:
-    """From when a rule is written until the rules run again."""
+    """The status reports changed rules until they run again."""
     kg("build", DRONE)
     assert "rules have changed since they last ran" not in kg("status").err
     (tmp_path / "rules" / "mine").mkdir(parents=True)
@@ -67,7 +67,7 @@ def test_the_status_tells_of_rules_that_changed(kg: Program, tmp_path: Path) -> 
 
 
 def test_an_import_brings_the_ontologies(kg: Program, tmp_path: Path) -> None:
-    """A store that no build has filled has them too; an ontology that is imported stays as it is."""
+    """A store never filled by a build gets the ontologies; an imported ontology remains unchanged."""
     (tmp_path / "robot.ttl").write_text(DATA)
     kg("import", "robot.ttl")
     assert kg("query", "ASK { GRAPH <https://w3id.org/rnkg/graph/ontology> { ?c a owl:Class } }").out.strip() == "true"

@@ -1,4 +1,4 @@
-"""`kg instances` of a running system that is kept in a store."""
+"""`kg instances` of a recorded running system."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def test_what_was_seen_of_a_running_node_is_counted(kg: Program) -> None:
-    """A node that is of no node type of the store has the topics and services that were seen, and no `?/?`."""
+    """A node without a known type has the topics and services observed, and no `?/?`."""
     store = EmbeddedStore.create(kg.folder / ".kg")
     settings = load({"store": str(kg.folder / ".kg")}, environment={}, folder=kg.folder)
     Keeper(store, settings, address=ADDRESS, name="rover").keep(ROVER)

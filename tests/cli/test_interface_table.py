@@ -19,7 +19,7 @@ ROWS = [
 
 
 def drawn(rows: list[Row], columns: int) -> str:
-    """Return the table as a terminal of so many columns shows it."""
+    """Return the table as shown by a terminal of so many columns."""
     console = Console(file=io.StringIO(), width=columns, color_system=None)
     with console.capture() as captured:
         console.print(interface_table([("publishes", rows)], "local/ws", Links.of([]), columns))
@@ -27,12 +27,12 @@ def drawn(rows: list[Row], columns: int) -> str:
 
 
 def test_wide_terminals_show_whole_paths() -> None:
-    """Where there is room, nothing is left out."""
+    """A wide terminal shows whole paths."""
     assert f"{FOLDER}/driver.cpp:21" in drawn(ROWS, 130)
 
 
 def test_narrower_ones_leave_out_the_folders_that_all_share() -> None:
-    """What tells places apart stays."""
+    """A narrower terminal omits the common folders; the distinguishing parts remain."""
     shown = drawn(ROWS, 105)
     assert " …/driver.cpp:21" in shown
     assert FOLDER not in shown
@@ -40,7 +40,7 @@ def test_narrower_ones_leave_out_the_folders_that_all_share() -> None:
 
 @pytest.mark.parametrize("columns", [64, 80])
 def test_narrow_ones_show_the_file_and_its_line(columns: int) -> None:
-    """Names, types, files and lines are whole; remarks may go below."""
+    """Names, types, files and lines are shown in full; remarks may move to the next line."""
     shown = drawn(ROWS, columns)
     assert all(part in shown for part in ("cmd_vel", "geometry_msgs/Twist", " driver.cpp:21", "parameter"))
 
@@ -61,7 +61,7 @@ def test_narrow_ones_show_the_file_and_its_line(columns: int) -> None:
     st.integers(50, 200),
 )
 def test_no_line_is_wider_than_the_terminal_and_nothing_is_lost(rows: list[Row], columns: int) -> None:
-    """Whatever the names, lines keep to the width, and no letter of a name is left out."""
+    """Whatever the names, lines fit the width, and no letter of a name is lost."""
     shown = drawn(rows, columns)
     assert all(len(line) <= columns for line in shown.splitlines())
     assert sum(map(str.isalpha, shown)) >= sum(sum(map(str.isalpha, row.name + row.type + row.remark)) for row in rows)

@@ -14,13 +14,13 @@ from kg.lint.running import Checked
 
 
 def lines(*findings: Finding) -> list[str]:
-    """Return how findings are drawn, without their sources."""
+    """Return the findings as drawn, without their sources."""
     checked = Checked(Report(findings), (), 1)
     return list(LintView(checked, Links.of([]), Path("/"), color=False).lines())
 
 
 def test_findings_of_one_kind_at_one_line_stand_together() -> None:
-    """The first is drawn whole, the others add their message; beyond some they are counted."""
+    """The first is drawn in full, the others add their message; beyond a limit they are counted."""
     alike = [finding(code="X1", message=f"nothing uses /{number}", subjects=(f"/{number}",)) for number in range(7)]
     assert lines(*alike) == [
         "warning[X1]: nothing uses /0",
@@ -32,13 +32,13 @@ def test_findings_of_one_kind_at_one_line_stand_together() -> None:
 
 
 def test_another_line_is_another_finding() -> None:
-    """Each has its place, and each the empty line behind it."""
+    """Findings at different lines are drawn separately, each followed by an empty line."""
     other = finding(code="X1", place=Evidence("bringup/launch/base.launch", 4, "local/rover"))
     assert lines(finding(code="X1"), other).count("") == 2
 
 
 def test_evidence_beyond_some_lines_is_counted() -> None:
-    """And where the rest is to be found."""
+    """Beyond a limit, evidence is counted, with the way to see the rest."""
     evidence = tuple(Evidence("a.cpp", number, "local/rover", "publishes /a") for number in range(1, 8))
     drawn = lines(finding(code="X1", evidence=evidence, hint="so"))
     assert drawn[2:] == [
@@ -50,7 +50,7 @@ def test_evidence_beyond_some_lines_is_counted() -> None:
 
 
 def test_the_sum_counts_by_severity() -> None:
-    """What was allowed, and what the baseline knows, stands behind it."""
+    """The sum counts findings by severity, followed by the allowed and the baseline ones."""
     found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
     assert list(summary(Checked(found, (), 3))) == [
         "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline",
@@ -59,13 +59,13 @@ def test_the_sum_counts_by_severity() -> None:
 
 
 def test_codes_that_were_found_more_than_once_are_named_at_the_end() -> None:
-    """The help of a code stands at its first finding only; codes of rules of one's own have none."""
+    """The help of a code is shown at its first finding only; codes of user rules have none."""
     found = Report((finding(), finding(subjects=("/b",)), finding(code="X1"), finding(code="X1", subjects=("/b",))))
     assert list(summary(Checked(found, (), 1)))[1:] == ["`kg explain KG407`: details and fixes"]
 
 
 def test_sources_that_are_gone_are_told(tmp_path: Path) -> None:
-    """Without them no lines are shown; sources of which no folder is known are left alone."""
+    """A missing source is reported because its lines cannot be shown; sources without a known folder are skipped."""
     roots = {"a": str(tmp_path), "b": None, "c": str(tmp_path / "c")}
     states = [SourceState(name, None, None, None, False, root, None, None, Counts()) for name, root in roots.items()]
     assert list(gone_sources(Checked(Report(), tuple(states), 1))) == [

@@ -11,14 +11,14 @@ from kg.resources import folder
 
 
 def test_the_manual_page_is_current() -> None:
-    """docs/kg.1 says what the commands say; `python docs/generate.py` mends it."""
+    """docs/kg.1 matches the commands; `python docs/generate.py` updates it."""
     page = Path(folder("queries")).parent / "docs" / "kg.1"
     assert page.read_text(encoding="utf-8") == roff()
 
 
 @pytest.mark.skipif(shutil.which("groff") is None, reason="groff is not installed")
 def test_roff_takes_the_page_without_a_warning() -> None:
-    """Groff formats the page, every command in it, and warns of nothing."""
+    """Groff formats the page, with every command, without warnings."""
     command = ["groff", "-man", "-Tascii", "-ww", "-rLL=100n"]
     ran = subprocess.run(command, input=roff(), capture_output=True, text=True, check=True)
     assert ran.stderr == ""
@@ -26,6 +26,6 @@ def test_roff_takes_the_page_without_a_warning() -> None:
 
 
 def test_no_line_of_text_is_a_request() -> None:
-    """Text that begins with a dot or a quote is escaped: what is a request is one of those the page uses."""
+    """Text that begins with a dot or a quote is escaped; the only requests are those used by the page."""
     requests = {line.split()[0] for line in roff().splitlines() if line.startswith((".", "'"))}
     assert requests <= {".TH", ".SH", ".SS", ".B", ".PP", ".TP", ".nf", ".fi"}

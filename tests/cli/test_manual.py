@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def test_examples_are_kept_and_paragraphs_filled() -> None:
-    """Indented blocks stay as written; the rest is filled to the width."""
+    """Indented blocks are preserved; other text is filled to the width."""
     text = "one two\nthree\n\n    kg  query   'X'\n\nlast"
     shown = plain(Page("kg x", "kg x", text, (("Options", (Entry("--a", "about a"),)),), ""), 40)
     assert shown.split("\n\n") == [
@@ -25,7 +25,7 @@ def test_examples_are_kept_and_paragraphs_filled() -> None:
 
 @pytest.mark.parametrize("columns", [40, 80, 100])
 def test_long_names_and_sentences_wrap_inside_the_width(columns: int) -> None:
-    """No line is wider than asked for, and wrapped sentences stay in their column."""
+    """No line exceeds the width, and wrapped sentences stay in their column."""
     entries = (Entry("--a-rather-long-option NAME", "word " * 40), Entry("-b", "word " * 40))
     lines = plain(Page("kg", "kg", "", (("Options", entries),), ""), columns).splitlines()
     assert max(map(len, lines)) <= columns
@@ -33,7 +33,7 @@ def test_long_names_and_sentences_wrap_inside_the_width(columns: int) -> None:
 
 
 def test_help_of_a_command_shows_its_example_and_options(kg: Program) -> None:
-    """A command's docstring is its help."""
+    """The help of a command is its docstring."""
     out = kg("explain", "--help").out
     assert "Usage: kg explain [OPTIONS] [CODE]" in out
     assert "    kg explain KG301" in out

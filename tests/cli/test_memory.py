@@ -1,4 +1,4 @@
-"""Limits of memory end commands with a code, and leave the store as it was."""
+"""A memory limit ends commands with a code, and leaves the store unchanged."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ROVER = str(ROOT / "examples" / "workspace" / "rover")
 
 
 def kg(*words: str, address_space: int | None = None) -> tuple[int, str]:
-    """Run a command in a process of its own, under `ulimit -v` where bytes are given."""
+    """Run a command in a process of its own, with `ulimit -v` if bytes are given."""
 
     def limit() -> None:
         if address_space:
@@ -50,7 +50,7 @@ def store(tmp_path_factory: pytest.TempPathFactory, tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("command", [("build", ROVER), ("rules", "run", "--full")])
 def test_the_setting_ends_a_command_with_its_code(store: Path, command: tuple[str, ...]) -> None:
-    """KG004 and the code of limits; the generation in force is the one before, and the next command works."""
+    """The command fails with KG004 and its exit code; the generation is unchanged, and the next command works."""
     before = Layout(store).current()
     code, words = kg("--store", str(store), *command, "--memory", "20M")
     assert code == 6, words
@@ -70,7 +70,7 @@ def test_the_setting_ends_a_command_with_its_code(store: Path, command: tuple[st
 def test_little_address_space_ends_a_command_with_its_code(
     store: Path, command: tuple[str, ...], megabytes: int
 ) -> None:
-    """Where allocations fail, in Python, C++ or Rust, a command ends with KG004 if it cannot do its work."""
+    """If allocations fail, in Python, C++ or Rust, a command that cannot finish ends with KG004."""
     before = Layout(store).current()
     code, words = kg("--store", str(store), *command, address_space=megabytes << 20)
     assert code == 0 or (code == 6 and "KG004" in words), words
@@ -78,7 +78,7 @@ def test_little_address_space_ends_a_command_with_its_code(
 
 
 def test_below_the_limit_a_command_ends_as_without_one(tmp_path: Path) -> None:
-    """The exit code and the words are those of the command."""
+    """Below the limit, exit code and output of the command are unchanged."""
     store = ("--store", str(tmp_path / "store"))
     code, words = kg(*store, "build", str(tmp_path / "nowhere"), "--memory", "4G")
     assert (code, words) == kg(*store, "build", str(tmp_path / "nowhere"))
@@ -88,7 +88,7 @@ def test_below_the_limit_a_command_ends_as_without_one(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("limit", [0, 1 << 30])
 def test_a_failure_without_a_reason_counts_under_a_limit_alone(monkeypatch: pytest.MonkeyPatch, limit: int) -> None:
-    """C extensions that could not allocate may end a call without an exception."""
+    """C extensions may end a call without an exception after a failed allocation; only a limit makes that KG004."""
     monkeypatch.setattr("kg.cli.supervising.address_space", lambda: limit)
     error = ImportError("cannot import")
     error.__cause__ = SystemError("error return without exception set")

@@ -16,19 +16,19 @@ WORDS = "scan camera driver merger"
 
 @click.command()
 def asking() -> None:
-    """Print the filters that the answers on standard input give."""
+    """Print the filters given by the answers on standard input."""
     click.echo(json.dumps(narrow(SEARCH, WORDS, {})))
 
 
 def asked(typed: str) -> tuple[dict[str, list[str]], str]:
-    """Return the filters that typed lines give, and what was shown."""
+    """Return the filters given by typed lines, and the output."""
     run = CliRunner().invoke(asking, input=typed)
     assert run.exit_code == 0
     return json.loads(run.stdout.splitlines()[-1]), run.stderr
 
 
 def test_an_answer_is_a_filter() -> None:
-    """It leaves as many hits as the question told."""
+    """An answer is a filter that leaves the number of hits shown by the question."""
     filters, shown = asked("1\nq\n")
     assert len(filters) == 1
     assert len(SEARCH.find(WORDS, filters).hits) < len(SEARCH.find(WORDS).hits)
@@ -36,19 +36,19 @@ def test_an_answer_is_a_filter() -> None:
 
 
 def test_questions_can_be_skipped() -> None:
-    """An empty line goes on to the next question, until there is none."""
+    """An empty line skips to the next question, until none is left."""
     filters, shown = asked("\n" * 20)
     assert filters == {}
     assert shown.count("?") > 1
 
 
 def test_the_end_of_the_input_ends_the_questions() -> None:
-    """So does `q`, and what was answered before holds."""
+    """The end of the input and `q` end the questions; earlier answers remain valid."""
     assert asked("")[0] == asked("q\n")[0] == {}
 
 
 def test_what_is_no_number_is_asked_again() -> None:
-    """The line that was typed is named."""
+    """Input that is not a number is named, and the question is repeated."""
     filters, shown = asked("x\n99\n1\nq\n")
     assert len(filters) == 1
     assert "`x` is not a number from 1 to" in shown

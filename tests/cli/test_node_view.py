@@ -16,7 +16,7 @@ PLACE = Location("src/server.cpp", 12)
 
 
 def shown(slot: PluginSlot, plugins: dict[str, tuple[NodeReference, str]] | None = None) -> str:
-    """Return what a wide terminal shows of a node with one slot."""
+    """Return the output of a wide terminal for a node with one slot."""
     node = NodeType("server", NodeKind.EXECUTABLE, "cpp", 2, Location("src/main.cpp", 3), slots=(slot,))
     record = NodeRecord("local/ws", None, "nav", node, plugins=plugins or {})
     console = Console(file=io.StringIO(), width=200, color_system=None)
@@ -47,5 +47,5 @@ def test_a_slot_shows_its_parameters_and_defaults() -> None:
     ],
 )
 def test_a_slot_says_what_gives_the_class(slot: PluginSlot, words: str) -> None:
-    """The class is that of a parameter, of the code, or not known."""
+    """The class is given by a parameter, by the code, or unknown."""
     assert words in shown(slot)

@@ -1,4 +1,4 @@
-"""Numbers as users type them behind options."""
+"""Numbers as option values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_sizes_are_bytes_or_have_a_unit(text: str, expected: int) -> None:
 
 @pytest.mark.parametrize("text", ["", "0", "0K", "K", "-1", "1.5G", "1T", "1 G", "G1", "²"])
 def test_what_is_no_size_is_refused(text: str) -> None:
-    """With the option, the text, and how one is written."""
+    """An invalid size is rejected with the option, the text and the syntax."""
     with pytest.raises(UsageError, match=f"`--max-memory {text}` is not a size") as caught:
         size(text, "--max-memory")
     assert (caught.value.code, caught.value.hint) == ("KG003", "Write bytes, or 500K, 4M, 1G.")
@@ -40,7 +40,7 @@ def test_what_is_no_number_above_zero_is_refused(read: Callable[[str, str], floa
 
 
 def test_no_timer_is_finer_than_a_millisecond() -> None:
-    """So no duration is; rates and factors may be as small as they like."""
+    """A duration is at least a millisecond; rates and factors may be arbitrarily small."""
     assert seconds("0.001", "--for") == 0.001
     with pytest.raises(UsageError):
         seconds("0.0009", "--for")
@@ -48,7 +48,7 @@ def test_no_timer_is_finer_than_a_millisecond() -> None:
 
 
 def test_whole_numbers_have_bounds() -> None:
-    """Both ends are among them, and the error names them."""
+    """Both bounds are allowed, and the error names them."""
     assert [whole(text, "--limit", 1, 3) for text in ("1", "3")] == [1, 3]
     assert whole("99999", "--limit", 0) == 99999
     for text in ("0", "4", "1.5", "x"):

@@ -1,4 +1,4 @@
-"""`kg query --on-demand`: rules that are evaluated for one query, beside the same rules run over the store."""
+"""`kg query --on-demand`: rules evaluated for one query, compared with the same rules run over the store."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ QUERIES = [
 
 @pytest.fixture
 def kg(kg: Program, tmp_path: Path) -> Program:
-    """Return the program in a folder with an optional family of rules and a store of what it reads."""
+    """Return the program in a folder with an optional family of rules and a store of their input."""
     family = tmp_path / "rules" / "kinship"
     family.mkdir(parents=True)
     (family / "ancestor.srl").write_text(RULES)
@@ -57,14 +57,14 @@ def kg(kg: Program, tmp_path: Path) -> Program:
 
 
 def answer(kg: Program, query: str, *options: str) -> list[str]:
-    """Return the sorted lines that a query prints."""
+    """Return the sorted lines printed by a query."""
     run = kg("query", *options, f"PREFIX : <urn:x:> {query}", "--format", "auto")
     assert run.code == 0, run.err
     return sorted(run.out.splitlines())
 
 
 def test_answers_are_those_over_inferred_triples(kg: Program) -> None:
-    """Of every form of query; the store stays without what was derived."""
+    """Every form of query gives the same result; the store does not receive the derived triples."""
     found = [answer(kg, query, "--on-demand", "kinship") for query in QUERIES]
     assert answer(kg, "ASK { ?x :ancestor ?y }") == ["false"]
     assert kg("rules", "run", "--rule-families", "+kinship").code == 0
@@ -74,7 +74,7 @@ def test_answers_are_those_over_inferred_triples(kg: Program) -> None:
 
 
 def test_what_is_kept_for_the_next_query_is_not_used_after_a_change(kg: Program, tmp_path: Path) -> None:
-    """A new generation, and another rule, are read anew; a second query of the same ones is not."""
+    """A new generation or another rule is read again; a second query with the same ones uses the cache."""
     assert len(answer(kg, QUERIES[1], "--on-demand", "kinship")) == 5
     (kept,) = (tmp_path / ".kg" / "cache" / "on-demand" / "kinship" / "columns").iterdir()
     before = kept.stat().st_mtime_ns
@@ -87,7 +87,7 @@ def test_what_is_kept_for_the_next_query_is_not_used_after_a_change(kg: Program,
 
 
 def test_a_parameter_is_a_constant_of_the_query(kg: Program) -> None:
-    """Values given with --param restrict what is derived."""
+    """Values given with --param restrict the derived triples."""
     run = kg(
         "query", "SELECT ?x { VALUES ?of { UNDEF } ?x <urn:x:ancestor>/<urn:x:name> ?of }", "--param", "of=Cain",
         "--on-demand", "kinship", "--format", "csv",
@@ -96,14 +96,14 @@ def test_a_parameter_is_a_constant_of_the_query(kg: Program) -> None:
 
 
 def test_a_query_of_any_predicate_is_told_that_all_rules_were_evaluated(kg: Program) -> None:
-    """A note says so; a query of predicates has none."""
+    """A query of any predicate gets a note that all rules were evaluated; one with named predicates gets none."""
     whole = kg("query", "--on-demand", "kinship", "SELECT * { <urn:x:cain> ?p ?o }")
     assert "all rules of kinship were evaluated" in whole.err
     assert "evaluated" not in kg("query", "--on-demand", "kinship", "SELECT * { ?x <urn:x:ancestor> ?o }").err
 
 
 def test_what_is_wrong_is_told_as_of_other_queries(kg: Program, tmp_path: Path) -> None:
-    """A family that there is not, a text that is not SPARQL, rules that may never end, a deadline."""
+    """An unknown family, invalid SPARQL, rules that may not terminate and a deadline are reported with their codes."""
     run = kg("query", "--on-demand", "kinshp", "ASK { ?s ?p ?o }")
     assert (run.code, "error[KG001]: unknown family of rules `kinshp`" in run.err) == (1, True)
     assert "Did you mean `kinship`?" in run.err

@@ -1,4 +1,4 @@
-"""Graphs for others, and stores asked together, from the command line."""
+"""Published graphs, and queries over several stores, on the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_pulled_graph_answers_as_the_published_one(kg: Program, store: Path) -> None:
-    """Digests are equal, and so are nodes and hits; the publisher's index is used where that is asked for."""
+    """Digests, nodes and hits are equal; the publisher's index is used on request."""
     published = kg("--store", str(store), "publish", "out")
     pulled = kg("pull", "out", "--store", "copy", "--index")
     digests = [re.search(r"with digest (\w+)", run.err) for run in (published, pulled)]
@@ -33,7 +33,7 @@ def test_a_pulled_graph_answers_as_the_published_one(kg: Program, store: Path) -
 
 
 def test_rules_of_a_publisher_do_not_run(kg: Program, store: Path) -> None:
-    """They are kept, named in a note, and infer nothing by themselves."""
+    """A publisher's rules are stored and listed in a note, and infer nothing by themselves."""
     (kg.folder / "rules" / "mine").mkdir(parents=True)
     (kg.folder / "rules" / "mine" / "spy.rq").write_text("CONSTRUCT { ?s <urn:spied> true } WHERE { ?s a <urn:x> }")
     kg("--store", str(store), "publish", "out", "--no-index", "--rules", "rules")
@@ -46,14 +46,14 @@ def test_rules_of_a_publisher_do_not_run(kg: Program, store: Path) -> None:
 
 
 def test_a_limit_that_is_no_size_is_refused(kg: Program) -> None:
-    """KG002 names the option and the form."""
+    """KG002 names the option and the syntax."""
     run = kg("pull", "out", "--max-bytes", "much")
     assert run.code == 2
     assert "error[KG002]: --max-bytes is 'much', which is not a size" in run.err
 
 
 def test_several_stores_are_asked_as_one(kg: Program, store: Path) -> None:
-    """A query sees the quads of each store named; a server cannot be one of them."""
+    """A query sees the quads of each named store; a server cannot be one of them."""
     (kg.folder / "mine.nt").write_text("<urn:a> <urn:knows> <urn:b> .\n")
     kg("import", "mine.nt", "--no-rules", "--store", "mine")
     text = "SELECT ?o ?node { { <urn:a> <urn:knows> ?o } UNION { ?node a rnkg:NodeType } } LIMIT 500"
@@ -66,7 +66,7 @@ def test_several_stores_are_asked_as_one(kg: Program, store: Path) -> None:
 
 
 def test_the_plan_tells_which_rules_are_local(kg: Program, store: Path) -> None:
-    """Every rule has a verdict, one that is not local a reason; the note warns of a store with one source."""
+    """Every rule has a verdict, with a reason unless it is local; the note warns of a store with one source."""
     run = kg("--store", str(store), "rules", "plan", "--cluster", "--json")
     found = {(one["rule"], one["part"]): one for one in map(json.loads, run.out.splitlines())}
     assert found["communication/subscribes", 1]["local"]

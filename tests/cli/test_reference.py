@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 
 def test_the_page_of_commands_is_current() -> None:
-    """docs/cli.md says what the commands say; `python docs/generate.py` mends it."""
+    """docs/cli.md matches the commands; `python docs/generate.py` updates it."""
     page = Path(folder("queries")).parent / "docs" / "cli.md"
     assert page.read_text(encoding="utf-8") == markdown()
 
 
 def test_programs_can_read_what_commands_there_are(kg: Program) -> None:
-    """`kg --spec` is one JSON object with every command, option, setting and exit code."""
+    """`kg --spec` prints one JSON object with every command, option, setting and exit code."""
     described = json.loads(kg("--spec").out)
     commands = {one["command"]: one for one in described["commands"]}
     assert {"kg", "kg build", "kg query", "kg config show", "kg ontology check"} <= set(commands)

@@ -1,4 +1,4 @@
-"""Commands that read give the same answers over a SPARQL server as over the store with the same graph."""
+"""Reading commands give the same results over a SPARQL server as over the store with the same graph."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module", params=["kg", "oxigraph", pytest.param("virtuoso", marks=pytest.mark.virtuoso)])
 def server(request: pytest.FixtureRequest, store: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The address for queries of a server with the same graph."""
+    """The query address of a server with the same graph."""
     if request.param == "kg":
         with served(store) as serving:
             yield f"{serving.address}/sparql"
@@ -76,7 +76,7 @@ def server(request: pytest.FixtureRequest, store: Path, tmp_path_factory: pytest
 
 @pytest.fixture(scope="module")
 def of_store(store: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Run]:
-    """Return how a command ends over the store, run once for all servers; files of sources are shown by whole paths."""
+    """Return the result of a command over the store, run once for all servers; source files have absolute paths."""
     program = Program(tmp_path_factory.mktemp("elsewhere"))
     return cache(lambda *command: program("--store", str(store), *command))
 
@@ -105,28 +105,28 @@ def test_answers_are_those_of_the_store(
     ids=" ".join,
 )
 def test_other_commands_are_refused(kg: Program, command: list[str]) -> None:
-    """What a server cannot answer is KG309, with what to do, before anything is asked."""
+    """A command that a server cannot answer is KG309, with instructions, before any request."""
     run = kg("--store", "http://127.0.0.1:9/sparql", *command)
     assert run.code == 4
     assert "error[KG309]: the command does not work on a SPARQL server" in run.err
 
 
 def test_credentials_do_not_belong_into_the_address(kg: Program) -> None:
-    """They are refused, and not repeated."""
+    """Credentials in the address are rejected, and not repeated."""
     run = kg("--store", "https://me:secret@example.org/sparql", "nodes")
     assert "error[KG225]: credentials do not belong on the command line" in run.err
     assert "secret" not in run.err
 
 
 def test_a_server_that_is_not_there_is_named(kg: Program) -> None:
-    """KG225 with the address."""
+    """An unreachable server is KG225 with the address."""
     run = kg("--store", "http://127.0.0.1:9/sparql", "nodes")
     assert run.code == 4
     assert "error[KG225]" in run.err
 
 
 def test_a_file_of_settings_names_no_server(kg: Program) -> None:
-    """A kg.toml that comes with a checkout cannot make `kg` connect to a server, or send it credentials."""
+    """A kg.toml of a checkout cannot make `kg` connect to a server, or send it credentials."""
     (kg.folder / "kg.toml").write_text('store = "http://127.0.0.1:9/sparql"\n')
     run = kg("nodes")
     assert run.code == 2

@@ -25,7 +25,7 @@ def rover(tmp_path_factory: pytest.TempPathFactory) -> Program:
 
 
 def test_a_launch_file_is_asked_before_it_runs(rover: Program) -> None:
-    """The table has what the started nodes can do, through which topic, and leaves general capabilities out."""
+    """The table lists the capabilities of the started nodes with their topics, and omits general ones."""
     run = rover("robot", "capabilities", "--launch", "rover.launch")
     lines = [line.split("\t") for line in run.out.splitlines()]
     assert run.code == Exit.OK
@@ -37,7 +37,7 @@ def test_a_launch_file_is_asked_before_it_runs(rover: Program) -> None:
 
 
 def test_json_has_every_capability_with_its_ways(rover: Program) -> None:
-    """Each line is one capability, general ones too, and every key is there."""
+    """Each line is one capability, including general ones, with all keys."""
     run = rover("robot", "capabilities", "--launch", "rover.launch", "--json")
     found = {one["name"]: one for one in map(json.loads, run.out.splitlines())}
     assert found["localizing"]["implied_by"] == ["sensingPose"]
@@ -49,7 +49,7 @@ def test_json_has_every_capability_with_its_ways(rover: Program) -> None:
 
 
 def test_other_arguments_give_other_capabilities(rover: Program) -> None:
-    """A launch file is evaluated anew with an argument, and nothing is written."""
+    """A launch file is evaluated again with an argument, and nothing is written."""
     whole = rover("robot", "capabilities", "--launch", "rover.launch").out
     blind = rover("robot", "capabilities", "--launch", "rover.launch", "--arg", "camera:=false")
     assert blind.code == Exit.OK
@@ -59,7 +59,7 @@ def test_other_arguments_give_other_capabilities(rover: Program) -> None:
 
 
 def test_why_shows_the_line_of_code(rover: Program) -> None:
-    """The proof of a capability ends in the line that makes the publisher, and in the line of the ontology."""
+    """The proof of a capability ends in the line that creates the publisher, and in the line of the ontology."""
     run = rover("robot", "capabilities", "--launch", "rover.launch", "--why", "scan with a laser")
     assert run.code == Exit.OK
     assert "scan_filter_nodelet.cpp:30" in run.out
@@ -67,7 +67,7 @@ def test_why_shows_the_line_of_code(rover: Program) -> None:
 
 
 def test_why_of_what_it_cannot_do_is_an_error(rover: Program) -> None:
-    """A capability that is not there is said not to be, with what was probably meant."""
+    """A missing capability is reported as such, with a suggestion."""
     run = rover("robot", "capabilities", "--launch", "rover.launch", "--why", "laserScaning")
     assert run.code == Exit.FOUND
     assert "KG818" in run.err
@@ -75,7 +75,7 @@ def test_why_of_what_it_cannot_do_is_an_error(rover: Program) -> None:
 
 
 def test_a_package_is_asked_by_itself_and_for_what_it_would_add(rover: Program) -> None:
-    """A package has the capabilities of its nodes; beside a launch file, only those that this lacks are listed."""
+    """A package has the capabilities of its nodes; with a launch file, only those missing there are listed."""
     alone = rover("robot", "capabilities", "--package", "rover_robot")
     added = rover("robot", "capabilities", "--package", "rover_robot", "--launch", "arm.launch")
     assert "\tdrivingAtVelocity\t" in alone.out
@@ -84,7 +84,7 @@ def test_a_package_is_asked_by_itself_and_for_what_it_would_add(rover: Program) 
 
 
 def test_a_package_that_adds_nothing_is_told_from_one_that_can_do_nothing(rover: Program) -> None:
-    """What the launch file has already is not said to be lacking of the package."""
+    """A capability already in the launch file is not reported as missing from the package."""
     added = rover("robot", "capabilities", "--package", "rover_robot", "--launch", "rover.launch")
     assert added.out.count("\n") == 1
     assert "rover_robot would add nothing to rover_robot/launch/rover.launch" in added.err
@@ -103,14 +103,14 @@ def test_a_package_that_adds_nothing_is_told_from_one_that_can_do_nothing(rover:
     ],
 )
 def test_what_cannot_be_asked_is_refused(rover: Program, arguments: tuple[str, ...], code: str, ended: Exit) -> None:
-    """A name or an address that is none is named, with its code; an address that is none is a wrong command."""
+    """An invalid name is reported with its code; an invalid address is a usage error."""
     run = rover("robot", "capabilities", *arguments)
     assert run.code == ended
     assert f"[{code}]" in run.err
 
 
 def test_watching_without_a_robot_leaves_no_store(kg: Program) -> None:
-    """A store that was made for a robot which is not there is removed again."""
+    """The store created for an unreachable robot is removed again."""
     run = kg("robot", "watch", "--robot", "memory://nobody")
     assert run.code == Exit.FOUND
     assert "KG802" in run.err

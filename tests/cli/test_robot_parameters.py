@@ -54,7 +54,7 @@ _ANSWERS: dict[str, tuple[str, Callable[..., Any]]] = {
 
 @pytest.fixture
 def robot(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], None]], None]:
-    """Return what runs a command beside a robot in memory, whose node `/base` has the parameter `speed`."""
+    """Return a function that runs a command with a robot in memory, whose node `/base` has the parameter `speed`."""
     VALUES.clear()
     VALUES["speed"] = {"type": 3, "double_value": 0.5}
 
@@ -86,7 +86,7 @@ def test_parameters_are_shown_with_their_limits(
 
 
 def test_a_parameter_is_set(robot: Callable[[Callable[[], None]], None], capsys: pytest.CaptureFixture[str]) -> None:
-    """The line has the value before and after; with --dry-run nothing is set."""
+    """The line has the old and the new value; with --dry-run nothing is set."""
     robot(lambda: set_parameter(Settings(), "/base", "speed", "1", dry_run=True, json=True))
     told = json.loads(capsys.readouterr().out)
     assert (told["before"], told["value"], told["set"], VALUES["speed"]["double_value"]) == (0.5, 1.0, False, 0.5)
@@ -96,14 +96,14 @@ def test_a_parameter_is_set(robot: Callable[[Callable[[], None]], None], capsys:
 
 
 def test_a_value_out_of_the_limits_is_not_sent(robot: Callable[[Callable[[], None]], None]) -> None:
-    """It is KG843, and the node keeps its value."""
+    """The value is rejected with KG843, and the parameter is unchanged."""
     with pytest.raises(RobotError, match="above its maximum") as refused:
         robot(lambda: set_parameter(Settings(), "/base", "speed", "9", dry_run=False, json=True))
     assert (refused.value.code, VALUES["speed"]["double_value"]) == ("KG843", 0.5)
 
 
 def test_a_recording_has_no_parameters_to_set() -> None:
-    """Setting one is KG851."""
+    """Setting a parameter of a recording is KG851."""
     with pytest.raises(RobotError) as refused:
         set_parameter(Settings(robot="bag://drive.mcap"), "/base", "speed", "1", dry_run=False, json=True)
     assert refused.value.code == "KG851"
@@ -112,7 +112,7 @@ def test_a_recording_has_no_parameters_to_set() -> None:
 def test_nodes_are_listed_with_their_states(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A line has the state of a managed node, and how many topics, services and actions are its own."""
+    """A line has the state of a managed node, and the number of its topics, services and actions."""
 
     async def look(_: str) -> ComputationGraph:
         nodes = (LiveNode("/base", "host", None, "inactive"), LiveNode("/laser"))
@@ -133,7 +133,7 @@ def test_nodes_are_listed_with_their_states(
 
 
 def test_capabilities_say_why_they_are_not_available(capsys: pytest.CaptureFixture[str]) -> None:
-    """The table has a column more when a node is not active, and none otherwise."""
+    """The table has an additional column if a node is not active, and none otherwise."""
     way = Way(kind="topic", name="/cmd_vel", type="geometry_msgs/Twist", node="/base")
     idle = Capability(
         iri="#driving", name="driving", label="drive", modality="write", ways=(way,), unavailable="/base is inactive"

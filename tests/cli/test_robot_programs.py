@@ -31,19 +31,19 @@ wait until x of sensingPose > 20 m within 300 ms
 
 
 def saved(folder: Path, text: str, name: str = "a.kgp") -> str:
-    """Write a program into a file and return its name."""
+    """Write a program to a file and return its name."""
     (folder / name).write_text(text, encoding="utf-8")
     return name
 
 
 def test_a_sound_program_is_told(kg: Program) -> None:
-    """Without a robot, a program is checked against all that robots can do."""
+    """Without a robot, a program is checked against all known capabilities."""
     run = kg("robot", "check", saved(kg.folder, "go to a pose  x: 3 m, y: 1 m within 60 s\n"))
     assert (run.code, run.out, run.err) == (0, "", "note: the program is sound for the ontology\n")
 
 
 def test_problems_stand_at_their_lines(kg: Program) -> None:
-    """Each problem has its line with a caret, and the way out; the exit code is 1."""
+    """Each problem has its line with a caret, and instructions; the exit code is 1."""
     run = kg("robot", "check", saved(kg.folder, WRONG))
     assert (run.code, run.out) == (1, "")
     assert " --> a.kgp:2:42\n" in run.err
@@ -65,7 +65,7 @@ def test_problems_are_objects_too(kg: Program) -> None:
 
 @pytest.mark.parametrize("command", ["check", "run"])
 def test_what_is_no_program_is_told_as_json(kg: Program, command: str) -> None:
-    """A text that cannot be read is an object on standard output, too, with its place; no words stand beside it."""
+    """Text that cannot be parsed is a JSON object on standard output, with its place and without other output."""
     run = kg("robot", command, saved(kg.folder, "log 1\nwait\n"), "--json")
     (found,) = (json.loads(line) for line in run.out.splitlines())
     assert (found["severity"], found["code"], found["path"], found["id"]) == ("error", "KG830", "", None)
@@ -74,7 +74,7 @@ def test_what_is_no_program_is_told_as_json(kg: Program, command: str) -> None:
 
 
 def test_text_that_is_no_program_is_refused(kg: Program) -> None:
-    """The error names the line and the word that was meant."""
+    """The error names the line and suggests a word."""
     run = kg("robot", "check", saved(kg.folder, "reapeat 4 times\nend\n"))
     assert run.code == 1
     assert " --> a.kgp:1:9\n" in run.err
@@ -82,7 +82,7 @@ def test_text_that_is_no_program_is_refused(kg: Program) -> None:
 
 
 def test_a_program_is_a_behaviour_tree_and_back(kg: Program) -> None:
-    """`--to bt` writes XML for BehaviorTree.CPP; converted again it is the same text."""
+    """`--to bt` writes XML for BehaviorTree.CPP; the reverse conversion gives the same text."""
     text = 'program "fetch"\ngo to a pose  x: 300 cm, y: 1 m within 1 min\n'
     tree = kg("robot", "convert", saved(kg.folder, text), "--to", "bt")
     assert '<goingToPose x="3" y="1"/>' in tree.out
@@ -91,14 +91,14 @@ def test_a_program_is_a_behaviour_tree_and_back(kg: Program) -> None:
 
 
 def test_a_behaviour_tree_is_not_run_as_it_is(kg: Program) -> None:
-    """Who runs one is told how it becomes a program."""
+    """Running a tree fails with instructions to convert it."""
     run = kg("robot", "check", saved(kg.folder, "<root/>", "b.xml"))
     assert "error[KG830]" in run.err
     assert "kg robot convert b.xml > b.kgp" in run.err
 
 
 def test_forms_are_converted_into_each_other(kg: Program) -> None:
-    """Text becomes JSON, and that the same text."""
+    """Text converts to JSON and back to the same text."""
     text = "# round\nrepeat 4 times\n  wait 1 s\nend\n"
     run = kg("robot", "convert", saved(kg.folder, text), "--to", "json")
     assert run.code == 0
@@ -122,7 +122,7 @@ def test_what_a_program_takes_is_counted(kg: Program) -> None:
     ],
 )
 def test_wrong_words_are_refused(kg: Program, arguments: tuple[str, ...], said: str) -> None:
-    """What cannot be meant is an error of usage."""
+    """Invalid combinations of options are usage errors."""
     saved(kg.folder, ROUND)
     run = kg("robot", *arguments)
     assert run.code == 2
@@ -132,7 +132,7 @@ def test_wrong_words_are_refused(kg: Program, arguments: tuple[str, ...], said: 
 @pytest.mark.ros
 @pytest.mark.skipif(not has_ros(), reason="Debian's ROS 1 (rospy, rosmaster, move_base_msgs) is missing")
 def test_programs_run_in_ros(kg: Program) -> None:
-    """A program tells what it does in ROS 1, and fails at its line; a dry run moves nothing; Ctrl-C stops."""
+    """A program reports its progress in ROS 1, and fails at its line; a dry run moves nothing; Ctrl-C stops it."""
     file = saved(kg.folder, ROUND)
     with ros(kg.folder) as (environment, said):
         address = environment["ROS_MASTER_URI"].replace("http", "ros1")
@@ -154,7 +154,7 @@ def test_programs_run_in_ros(kg: Program) -> None:
         out, err = running.communicate(timeout=patient(20))
         end = time.monotonic() + patient(10)
         while (told := said.read_text(encoding="utf-8").splitlines())[-1] != "speed 0" and time.monotonic() < end:
-            time.sleep(0.05)  # the trolley says what it was told when it has its turn
+            time.sleep(0.05)  # the trolley reports a command when its turn comes
     assert (running.returncode, err) == (130, "\ninterrupted\n")
     assert "cancelled after 2 statements" in out
     assert told[-1] == "speed 0"

@@ -1,4 +1,4 @@
-"""`kg robot topics`, `read`, `do`, `watch` and `record` on recordings and into them."""
+"""`kg robot topics`, `read`, `do`, `watch` and `record` with recordings as input and output."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def here(tmp_path: Path) -> Program:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_topics_of_a_recording_have_counts_and_rates(here: Program, form: str) -> None:
-    """Each topic has its type, its publishers, how many messages there are, and how many a second."""
+    """Each topic has its type, its publishers, its number of messages and its rate."""
     run = here("robot", "topics", "--robot", write(here.folder, form, odometry(21, every=0.1)))
     node = "/base" if form == "bag" else "/_recorded"
     assert run.out.splitlines()[1:] == [f"/odom\tnav_msgs/Odometry\t{node}\t\t21\t10.5"]
@@ -69,7 +69,7 @@ def test_topics_as_json(here: Program) -> None:
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_capability_is_read_from_a_recording(here: Program, form: str) -> None:
-    """All values come, and the command ends well with the recording."""
+    """All values are printed, and the command succeeds at the end of the recording."""
     address = write(here.folder, form, odometry(3))
     run = here("robot", "read", "sensingPose", "--robot", address)
     assert run.code == Exit.OK
@@ -77,7 +77,7 @@ def test_a_capability_is_read_from_a_recording(here: Program, form: str) -> None
 
 
 def test_a_topic_is_read_from_a_recording(here: Program) -> None:
-    """Messages of a topic are lines of JSON; a path may have blanks."""
+    """Messages of a topic are lines of JSON; a path may contain spaces."""
     folder = here.folder / "my drives"
     folder.mkdir()
     address = write(folder, "bag", [Sent("/text", "std_msgs/String", 0, {"data": "one"})])
@@ -86,7 +86,7 @@ def test_a_topic_is_read_from_a_recording(here: Program) -> None:
 
 
 def test_a_topic_without_a_message_is_told(here: Program) -> None:
-    """Where nothing comes before the end, that is an error, not silence."""
+    """A topic without a message before the end is an error."""
     address = write(here.folder, "bag", odometry(2))
     run = here("robot", "read", "/odom", "--robot", f"{address}?start=5")
     assert run.code == Exit.FOUND
@@ -94,7 +94,7 @@ def test_a_topic_without_a_message_is_told(here: Program) -> None:
 
 
 def test_a_recording_is_not_driven(here: Program) -> None:
-    """Driving is refused with its code and the reason, whatever the recording can do."""
+    """Driving a recording is rejected with its code and the reason, whatever its capabilities."""
     run = here("robot", "do", "drivingAtVelocity", "--for", "1", "--robot", write(here.folder, "bag", odometry(1)))
     assert run.code == Exit.FOUND
     assert "[KG851]" in run.err
@@ -102,7 +102,7 @@ def test_a_recording_is_not_driven(here: Program) -> None:
 
 
 def test_the_wiring_of_a_recording_is_checked(here: Program) -> None:
-    """A recording goes into a store as a running robot does, and `kg lint` finds the near miss in it."""
+    """A recording is stored like a running robot, and `kg lint` finds the near miss in it."""
     other = Sent("/odmo", "nav_msgs/Odometry", 0, node="/other")
     address = write(here.folder, "bag", [*odometry(2), other])
     assert here("robot", "watch", "--once", "--robot", address).code == Exit.OK
@@ -113,7 +113,7 @@ def test_the_wiring_of_a_recording_is_checked(here: Program) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_a_recording_with_a_complete_file(tmp_path: Path, number: signal.Signals) -> None:
-    """Ctrl-C and a polite kill leave a file that is read again."""
+    """Ctrl-C and SIGTERM leave a readable file."""
     with subprocess.Popen([sys.executable, "-c", TALKER], stdout=subprocess.PIPE, text=True) as talker:
         assert talker.stdout is not None
         address = talker.stdout.readline().strip()
@@ -131,7 +131,7 @@ def test_a_signal_ends_a_recording_with_a_complete_file(tmp_path: Path, number: 
 
 
 def test_a_recording_ends_after_its_time(here: Program) -> None:
-    """--for ends it; what is in the file is listed, and read again."""
+    """--for ends the recording; its content is listed, and can be read."""
     with subprocess.Popen([sys.executable, "-c", TALKER], stdout=subprocess.PIPE, text=True) as talker:
         assert talker.stdout is not None
         address = talker.stdout.readline().strip()
@@ -143,7 +143,7 @@ def test_a_recording_ends_after_its_time(here: Program) -> None:
 
 
 def test_a_recording_of_nothing_is_an_error(here: Program) -> None:
-    """Where no message came there is no file, and a word why."""
+    """Without messages no file is written, and the error gives the reason."""
     address = write(here.folder, "bag", odometry(1))
     run = here("robot", "record", "none.bag", "/nobody", "--robot", address, "--for", "0.1")
     assert run.code == Exit.FOUND

@@ -1,4 +1,4 @@
-"""What is said of a running robot beside its capabilities."""
+"""Messages about a running robot apart from its capabilities."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def test_a_dead_node_is_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    """Who asks a running robot is warned on stderr of each node that does not answer, and still gets the rest."""
+    """Each node that does not respond is a warning on stderr; the rest of the output is complete."""
 
     async def look(_: str) -> ComputationGraph:
         dead = GraphProblem("KG811", "/gone", "it does not answer at 127.0.0.1:4")

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def rover(kg: Program) -> Program:
-    """Return the program beside the store of the rover."""
+    """Return the program with the store of the rover."""
     build(kg.folder / ".kg")
     return kg
 
 
 def test_hits_are_tab_separated_off_a_terminal(rover: Program) -> None:
-    """A head and a line for each hit, with the reasons; what was understood goes to standard error."""
+    """A header and a line for each hit, with the reasons; the interpretation goes to standard error."""
     run = rover("search", "plan", "the", "way", "for", "ROS", "1")
     assert run.code == 0
     head, first, *_ = run.out.splitlines()
@@ -32,7 +32,7 @@ def test_hits_are_tab_separated_off_a_terminal(rover: Program) -> None:
 
 
 def test_hits_have_their_reasons_below_them_on_a_terminal(rover: Program) -> None:
-    """Every hit has a head, then reasons, each with its line of code; a place is never broken."""
+    """Every hit has a header, then reasons, each with its line of code; a place is never broken."""
     shown = on_terminal(rover.folder, "search", "planner", NO_COLOR="1").replace("\r\n", "\n")
     head, *reasons = [line.strip() for line in shown[shown.index("1. ") :].split("\n\n")[0].splitlines()]
     assert head.startswith("1. nav/planner")
@@ -40,7 +40,7 @@ def test_hits_have_their_reasons_below_them_on_a_terminal(rover: Program) -> Non
 
 
 def test_a_search_needs_words_or_filters(rover: Program) -> None:
-    """Nothing asked for is a wrong call, not a search that found nothing."""
+    """A search without words or filters is a usage error."""
     for arguments in ((), ("",), ("  ",)):
         run = rover("search", *arguments)
         assert (run.code, run.out) == (2, "")
@@ -48,7 +48,7 @@ def test_a_search_needs_words_or_filters(rover: Program) -> None:
 
 
 def test_hits_are_json_lines(rover: Program) -> None:
-    """`--json` writes an object a hit, best first, with the name that `kg node` takes."""
+    """`--json` writes one object a hit, best first, with the name accepted by `kg node`."""
     run = rover("search", "planner", "--json")
     hits = [json.loads(line) for line in run.out.splitlines()]
     assert [hit["rank"] for hit in hits] == list(range(1, len(hits) + 1))
@@ -56,19 +56,19 @@ def test_hits_are_json_lines(rover: Program) -> None:
 
 
 def test_nothing_found_is_said(rover: Program) -> None:
-    """No hit is no error of the command; the exit code tells scripts."""
+    """An empty result is not an error; the exit code reports it to scripts."""
     run = rover("search", "zygomorphic")
     assert run.code == 1
     assert "no results; try fewer words" in run.err
 
 
 def test_a_name_that_is_nearly_right_is_named(rover: Program) -> None:
-    """A word that nothing has may be a name with a slip in it."""
+    """An unknown word may be a misspelt name, which is suggested."""
     assert "Did you mean `planner`" in rover("search", "plannner").err
 
 
 def test_where_nothing_fits_the_nearest_are_shown(rover: Program) -> None:
-    """The hits follow, each marked in JSON, and the word that no node mentions is named."""
+    """Without a full match, the nearest nodes follow, marked in JSON, and the word without a match is named."""
     run = rover("search", "RPLIDAR", "planner", "--json")
     assert run.code == 0
     assert "no node mentions `RPLIDAR`" in run.err
@@ -78,14 +78,14 @@ def test_where_nothing_fits_the_nearest_are_shown(rover: Program) -> None:
 
 
 def test_a_filter_that_nothing_fulfils_is_refused(rover: Program) -> None:
-    """The error names the code and what there is."""
+    """The error has the code and the available values."""
     run = rover("search", "--publishes", "Twits")
     assert run.code == 2
     assert "KG701" in run.err
 
 
 def test_values_of_filters_are_completed(rover: Program, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tab offers what nodes have, types by their last part too; without a store nothing."""
+    """Tab completes the values of nodes, types also by their last part; without a store nothing."""
     monkeypatch.chdir(rover.folder)
     kinds = features("kind")("")
     assert kinds == sorted(kinds)

@@ -1,4 +1,4 @@
-"""Tests of what `kg serve` says and refuses before it serves."""
+"""Tests of the output and the refusals of `kg serve` before it serves."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def store(tmp_path: Path) -> Path:
 
 
 def run(*arguments: str, cwd: Path, **environment: str) -> tuple[int, str]:
-    """Return the exit code of `kg serve` and what it said on standard error."""
+    """Return the exit code of `kg serve` and its standard error."""
     clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
     program = "from kg.cli.main import run; run()"
     command = [sys.executable, "-c", program, "serve", *arguments]
@@ -48,7 +48,7 @@ def run(*arguments: str, cwd: Path, **environment: str) -> tuple[int, str]:
 
 
 def test_no_store(tmp_path: Path) -> None:
-    """Without a store nothing listens."""
+    """Without a store, no port is opened."""
     code, said = run(cwd=tmp_path)
     assert code == 4
     assert "KG301" in said
@@ -56,14 +56,14 @@ def test_no_store(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("arguments", [["--write"], ["--store", "elsewhere"]])
 def test_no_store_to_change_or_of_that_name(tmp_path: Path, arguments: list[str]) -> None:
-    """A robot does not replace a store that is to be changed, or that is named."""
+    """A robot does not replace a store that was named or is to be changed."""
     code, said = run("--robot", "memory://none", *arguments, cwd=tmp_path, KG_TOKEN=TOKEN)
     assert code == 4
     assert "KG301" in said
 
 
 def test_a_robot_needs_no_store(tmp_path: Path) -> None:
-    """In a folder without a store, the pages of a robot are served with an empty one, which is gone afterwards."""
+    """In a folder without a store, the robot pages are served with an empty one, which is removed afterwards."""
     program = "from kg.cli.main import run; run()"
     command = [sys.executable, "-c", program, "serve", "--port", "0", "--log", "off", "--robot", "memory://none"]
     temporary = tmp_path / "temporary"
@@ -83,7 +83,7 @@ def test_a_robot_needs_no_store(tmp_path: Path) -> None:
 
 
 def test_port_in_use(store: Path) -> None:
-    """A port that is taken is told with what to do, and not by a traceback."""
+    """A port in use is reported with instructions and without a traceback."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -109,14 +109,14 @@ def test_port_in_use(store: Path) -> None:
     ],
 )
 def test_refusals(store: Path, arguments: list[str], code: str) -> None:
-    """Options that cannot be are told before anything listens."""
+    """Invalid options are reported before the port is opened."""
     refused = Program(store)("serve", *arguments)
     assert refused.code == 2
     assert code in refused.err
 
 
 def test_it_serves(store: Path) -> None:
-    """It says where it listens and what is served, and ends well when told to."""
+    """The server prints its address and its data, and exits cleanly on request."""
     program = "from kg.cli.main import run; run()"
     command = [sys.executable, "-c", program, "serve", "--port", "0", "--log", "off"]
     with subprocess.Popen(command, cwd=store, stderr=subprocess.PIPE, text=True) as process:
@@ -129,7 +129,7 @@ def test_it_serves(store: Path) -> None:
 
 
 def test_without_libraries_it_says_so(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the libraries of the pages were not built, the start tells what is lacking and how to get it."""
+    """If the libraries of the pages were not built, the start reports the missing parts and how to get them."""
     monkeypatch.setattr(libraries, "libraries", tuple)
     said: list[str] = []
     announce(
@@ -143,7 +143,7 @@ def test_without_libraries_it_says_so(store: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_settings_come_from_flags_variables_and_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A flag wins over the variable, that over `[serve]` in kg.toml; the token comes from its variable alone."""
+    """A flag wins over the variable, and that over `[serve]` in kg.toml; the token comes only from its variable."""
     (tmp_path / "kg.toml").write_text("[serve]\nport = 1\nmax_rows = 7\ntimeout = 2\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("KG_TOKEN", "from-the-environment")
@@ -158,7 +158,7 @@ def test_settings_come_from_flags_variables_and_the_file(tmp_path: Path, monkeyp
     "line", ['host = "0.0.0.0"', "write = true", "no_auth = true", 'cors = ["https://evil.example"]']
 )
 def test_a_file_cannot_open_the_server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
-    """Whom the server lets in is set by flags and variables; a kg.toml that tries is refused with its line."""
+    """Access is set by flags and variables; a kg.toml that sets it is rejected with its line."""
     (tmp_path / "kg.toml").write_text(f"[serve]\nport = 0\n{line}\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UsageError, match="cannot be set in a file") as caught:
@@ -168,7 +168,7 @@ def test_a_file_cannot_open_the_server(tmp_path: Path, monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("terminal", [True, False])
 def test_a_link_logs_in_from_terminals_alone(store: Path, monkeypatch: pytest.MonkeyPatch, terminal: bool) -> None:  # noqa: FBT001 - of a parametrised test
-    """The link has the token behind the `#`, which no server is sent; what is written to files does not have it."""
+    """The link has the token after the `#`, which no server receives; output to files omits it."""
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     monkeypatch.setenv("KG_TOKEN", TOKEN)
     said: list[str] = []

@@ -1,4 +1,4 @@
-"""`kg robot do` and `run` whose process is suspended, blocked or killed: the robot stops, and nothing goes on later."""
+"""`kg robot do` and `run` in a suspended, blocked or killed process: the robot stops, and no work resumes."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[subprocess.Pope
 def test_a_silent_controller_stops_and_does_not_go_on(
     robot: Drivable, tmp_path: Path, command: tuple[str, ...], pause: signal.Signals, resume: signal.Signals
 ) -> None:
-    """A process that is suspended, or whose loop is blocked, is replaced by zero; when it runs again it ends, KG828."""
+    """The watchdog sends zero for a suspended process or a blocked loop, which exits with KG828 when it resumes."""
     with kg(robot, tmp_path, *command) as process:
         robot.until("speed 0.5")
         process.send_signal(pause)
@@ -77,9 +77,9 @@ def test_a_silent_controller_stops_and_does_not_go_on(
 
 @pytest.mark.parametrize(("robot", "command"), [(1, DO), (2, RUN)], indirect=["robot"], ids=["ros1-do", "dds-run"])
 def test_ctrl_z_stops_at_once(robot: Drivable, tmp_path: Path, command: tuple[str, ...]) -> None:
-    """SIGTSTP ends the command as Ctrl-C does, with KG828; no watchdog has to."""
+    """SIGTSTP ends the command like Ctrl-C, with KG828; no watchdog is needed."""
     with kg(robot, tmp_path, *command, "--watchdog", "3600") as process:
-        for _ in range(8):  # a subscriber of kg opens its reader again when it finds a publisher, and misses what comes
+        for _ in range(8):  # a subscriber of kg reopens its reader for a new publisher, and misses messages in between
             robot.until("speed 0.5")
         process.send_signal(signal.SIGTSTP)
         _, err = process.communicate(timeout=patient(20))

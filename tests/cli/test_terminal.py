@@ -21,7 +21,7 @@ _ESCAPE: Final = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\]8;[^\x1b]*\x1b\\")
 
 
 def on_terminal(where: Path, *arguments: str, **environment: str) -> str:
-    """Return all that `kg` shows on a terminal of eighty columns."""
+    """Return the output of `kg` on a terminal of eighty columns."""
     here, there = pty.openpty()
     clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_") and name != "NO_COLOR"}
     process = subprocess.Popen(
@@ -52,7 +52,7 @@ def on_terminal(where: Path, *arguments: str, **environment: str) -> str:
     [["nodes"], ["packages"], ["topics"], ["node", "rover_base/driver", "--all"], ["stats"], ["status"], ["--help"]],
 )
 def test_nothing_is_wider_than_the_terminal(tmp_path: Path, arguments: list[str]) -> None:
-    """Tables fit eighty columns, whatever has to be shortened for it."""
+    """Tables fit eighty columns, with texts shortened if necessary."""
     build(tmp_path / ".kg")
     lines = _ESCAPE.sub("", on_terminal(tmp_path, *arguments)).splitlines()
     tables = [line for line in lines if not line.startswith("note: ")]
@@ -61,7 +61,7 @@ def test_nothing_is_wider_than_the_terminal(tmp_path: Path, arguments: list[str]
 
 
 def test_lists_are_tables_in_colour(tmp_path: Path) -> None:
-    """On a terminal there is a head, a rule and bold names; NO_COLOR leaves out the colours."""
+    """A terminal shows a header, a rule and bold names; NO_COLOR removes the colours."""
     build(tmp_path / ".kg")
     assert "\x1b[1m" in on_terminal(tmp_path, "nodes")
     plain = on_terminal(tmp_path, "nodes", NO_COLOR="1")
@@ -71,14 +71,14 @@ def test_lists_are_tables_in_colour(tmp_path: Path) -> None:
 
 
 def test_places_lead_to_the_file(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Places are links that terminals open (OSC 8), for nodes, in answers and below hits."""
+    """Places are terminal links (OSC 8), for nodes, in results and below hits."""
     copied(example(tmp_path_factory) / ".kg", tmp_path / ".kg")
     for arguments in (["node", "base_controller"], ["query", "demo/laser-scans"], ["search", "laser scan"]):
         assert re.search(r"\x1b\]8;[^;]*;file://[^\x1b]*\.cpp\x1b\\", on_terminal(tmp_path, *arguments)), arguments
 
 
 def test_a_build_shows_a_bar_and_then_the_sums(tmp_path: Path) -> None:
-    """The bar counts packages and goes away; no line is written for each package."""
+    """The bar counts packages and disappears; no line is written for each package."""
     shown = on_terminal(tmp_path, "build", str(folder("examples") / "workspace"))
     assert "/5" in shown
     assert "━" in shown
@@ -87,7 +87,7 @@ def test_a_build_shows_a_bar_and_then_the_sums(tmp_path: Path) -> None:
 
 
 def test_a_picture_is_not_poured_over_the_terminal(tmp_path: Path) -> None:
-    """On a terminal the picture goes into a file named after the node."""
+    """On a terminal the picture is written to a file named after the node."""
     build(tmp_path / ".kg")
     assert "wrote planner.svg" in on_terminal(tmp_path, "node", "planner", "--picture")
     assert (tmp_path / "planner.svg").read_text().startswith("<svg ")

@@ -1,4 +1,4 @@
-"""Trees of explanations on narrow terminals: text is folded inside its branches, places stay whole."""
+"""Trees of explanations on narrow terminals: text wraps inside its branches, places are never broken."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ LINE = Line("│  ├─ ", "camera_monitor#publisher/image rnkg:connectsTo /cam
 
 
 def rows(width: int, monkeypatch: pytest.MonkeyPatch, lines: Sequence[Line] = (LINE,)) -> list[str]:
-    """Return the rows that lines take on a terminal of some width."""
+    """Return the rows that lines occupy on a terminal of some width."""
     monkeypatch.setattr(trees, "line_width", lambda: width)
     return [row.plain for line in lines for row in trees._folded(line, Links.of([]))]
 
 
 @pytest.mark.parametrize("width", [20, 40, 60, 80, 200])
 def test_places_are_never_broken(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A place stands whole on one row, however narrow the terminal, so that it can be clicked and copied."""
+    """A place is whole on one row, however narrow the terminal, for clicking and copying."""
     assert sum(PLACE in row for row in rows(width, monkeypatch)) == 1
 
 
 @pytest.mark.parametrize("width", [40, 60, 80])
 def test_what_does_not_fit_goes_on_inside_the_branches(width: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Rows below the first have the branch that leads on, and no row is wider than the terminal but for a place."""
+    """Continuation rows keep the lines of their branches, and no row exceeds the terminal except for a place."""
     first, *others = rows(width, monkeypatch)
     assert first.startswith("│  ├─ ")
     assert all(row.startswith("│  │    ") for row in others)
@@ -40,5 +40,5 @@ def test_what_does_not_fit_goes_on_inside_the_branches(width: int, monkeypatch: 
 
 
 def test_wide_terminals_fold_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where there is room a line is one row."""
+    """On a wide terminal a line is one row."""
     assert len(rows(200, monkeypatch)) == 1

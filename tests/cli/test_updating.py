@@ -1,4 +1,4 @@
-"""Tests of the commands that change, copy and put back a store."""
+"""Tests of the commands that change, copy and restore a store."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PUBLISHES = "ASK { <urn:x:driver> rnkg:publishes <urn:x:map> }"
 
 
 def test_an_update_is_tried_and_made(kg: Program, tmp_path: Path) -> None:
-    """With --dry-run the changes are told by graph; then they are made, and rules infer what follows."""
+    """With --dry-run the changes are listed by graph; without it they are applied, and rules infer the consequences."""
     (tmp_path / "robot.ttl").write_text(DATA)
     (tmp_path / "move.ru").write_text(MOVE)
     kg("import", "robot.ttl")
@@ -38,7 +38,7 @@ def test_an_update_is_tried_and_made(kg: Program, tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_done_is_told(kg: Program, tmp_path: Path) -> None:
-    """No store, no text, no SPARQL, and a graph of kg's own: each with its code, and nothing happens."""
+    """No store, no text, invalid SPARQL, and a graph of kg's own: each has its code, and nothing changes."""
     (tmp_path / "robot.ttl").write_text(DATA)
     assert kg("update", "CLEAR ALL").code == 4
     kg("import", "robot.ttl")
@@ -52,7 +52,7 @@ def test_what_cannot_be_done_is_told(kg: Program, tmp_path: Path) -> None:
 
 
 def test_a_store_is_copied_and_put_back(kg: Program, tmp_path: Path) -> None:
-    """A copy opens as a store; put back, it takes the place of what was there."""
+    """A copy opens as a store; restored, it replaces the previous content."""
     (tmp_path / "robot.ttl").write_text(DATA)
     kg("import", "robot.ttl")
     made = kg("backup", "monday", "--json")

@@ -14,7 +14,7 @@ CASE: Final = Path(__file__).parent / "rules_case"
 
 
 def test_watching_ends_quietly(tmp_path: Path) -> None:
-    """`kg rules watch` looks at the rules at once, and Ctrl-C ends it with exit code 0."""
+    """`kg rules watch` checks the rules at once, and exits with 0 on Ctrl-C."""
     shutil.copytree(CASE, tmp_path, dirs_exist_ok=True)
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
     with subprocess.Popen(

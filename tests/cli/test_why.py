@@ -1,4 +1,4 @@
-"""`kg why` and `kg why-not` as a user calls them, on a store of the example workspace."""
+"""`kg why` and `kg why-not` as users call them, on a store of the example workspace."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Program:
 
 
 def test_a_proof_ends_in_lines_of_code_and_of_ontologies(built: Program) -> None:
-    """An inferred capability leads to the line that publishes and to the line of the ontology."""
+    """An inferred capability leads to the line of the publisher and to the line of the ontology."""
     run = built("why", "scan_filter", "hasCapability", "measure distances")
     assert run.code == 0, run.err
     assert "scan_filter_nodelet.cpp:30" in run.out
@@ -42,7 +42,7 @@ def test_all_ways_as_one_picture_and_as_lines_of_json(built: Program) -> None:
 
 
 def test_a_row_of_an_answer(built: Program) -> None:
-    """The facts that a query matched for one of its rows are explained."""
+    """The facts matched by a query for one of its rows are explained."""
     run = built("why", "--query", "evidence-of-topic", "--param", "topic=/odom", "--row", "1")
     assert run.code == 0, run.err
     assert "rnkg:connectsTo /odom" in run.out
@@ -63,14 +63,14 @@ def test_a_row_of_an_answer(built: Program) -> None:
     ],
 )
 def test_wrong_calls(built: Program, arguments: tuple[str, ...], words: str) -> None:
-    """A call that cannot be meant is an error of usage that says why."""
+    """An invalid call is a usage error with the reason."""
     run = built(*arguments)
     assert (run.code, run.out) == (2, "")
     assert words in run.err
 
 
 def test_a_fact_that_is_not_there_leads_to_why_not(built: Program) -> None:
-    """The way out of `why` is `why-not`, which names what is missing and what is nearest."""
+    """The error of `why` suggests `why-not`, which names the missing facts and the nearest ones."""
     run = built("why", "patrol", "rnkg:feeds", "flight_controller")
     assert run.code == 1
     assert "kg why-not" in run.err
@@ -80,7 +80,7 @@ def test_a_fact_that_is_not_there_leads_to_why_not(built: Program) -> None:
 
 
 def test_a_fact_that_is_there_needs_no_why_not(built: Program) -> None:
-    """`why-not` of a fact that holds says so."""
+    """`why-not` of a fact that holds reports that it holds."""
     run = built("why-not", "patrol", "subscribes", "scan_filtered")
     assert run.code == 1
     assert "kg why" in run.err

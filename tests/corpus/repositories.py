@@ -1,4 +1,4 @@
-"""Git repositories for tests, made on the spot, and servers that serve them well or badly."""
+"""Git repositories created for tests, and servers that serve them, with optional faults."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _IDENTITY: Final = {
 
 
 def git(folder: Path, *arguments: str, given: bytes = b"") -> str:
-    """Run git in a folder and return what it prints."""
+    """Run git in a folder and return its output."""
     done = subprocess.run(
         ("git", "-C", str(folder), *arguments),
         check=True,
@@ -42,7 +42,7 @@ def git(folder: Path, *arguments: str, given: bytes = b"") -> str:
 
 
 def repository(folder: Path, branches: Mapping[str, Mapping[str, str]]) -> Path:
-    """Make a bare repository with branches, each a mapping of paths to texts; the first is the default."""
+    """Create a bare repository with branches, each a mapping of paths to texts; the first is the default."""
     folder.mkdir(parents=True)
     git(folder, "init", "--quiet", "--bare")
     git(folder, "symbolic-ref", "HEAD", f"refs/heads/{next(iter(branches))}")
@@ -68,13 +68,13 @@ def commit_tree(folder: Path, files: Mapping[str, str]) -> str:
 
 
 def plumb(folder: Path, entries: bytes) -> None:
-    """Let the branch `main` have a tree of raw bytes, as no honest git writes it."""
+    """Set the branch `main` to a tree of raw bytes that git itself would never write."""
     tree = git(folder, "hash-object", "-w", "-t", "tree", "--literally", "--stdin", given=entries)
     git(folder, "update-ref", "refs/heads/main", git(folder, "commit-tree", "-m", "x", tree))
 
 
 class Behaviour:
-    """How a server treats requests: a path to the status it answers with, to fail so often first, or to hang."""
+    """The server's treatment of requests: a status by path, a number of initial failures, or a hang."""
 
     def __init__(self) -> None:
         self.moved: dict[str, str] = {}
@@ -86,7 +86,7 @@ class Behaviour:
 
 @contextmanager
 def served(root: Path) -> Iterator[tuple[str, Behaviour]]:
-    """Serve the repositories below a folder by git's smart HTTP; yields the address and how to misbehave."""
+    """Serve the repositories below a folder by git's smart HTTP; yield the address and the server's behaviour."""
     behaviour = Behaviour()
 
     class Handler(BaseHTTPRequestHandler):
@@ -137,7 +137,7 @@ def served(root: Path) -> Iterator[tuple[str, Behaviour]]:
             self.wfile.write(content)
 
         def log_message(self, *_: object) -> None:
-            """Say nothing."""
+            """Print nothing."""
 
     server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
     server.daemon_threads = True

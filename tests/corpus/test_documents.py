@@ -1,4 +1,4 @@
-"""Pages of documentation: which are a package's own, and which around it are about it."""
+"""Pages of documentation: a package's own, and surrounding ones about it."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ def pages(root: Path, package: str, *paths: str) -> list[str]:
 
 
 def test_own_pages_come_first(tmp_path: Path) -> None:
-    """The pages of a package come before those of the root, and READMEs before what is beside them."""
+    """Pages of a package precede those of the root, and READMEs precede their neighbours."""
     found = pages(tmp_path, "laser", "README.md", "laser/doc/a.rst", "laser/README.md", "laser/about.md")
     assert found == ["laser/README.md", "laser/about.md", "laser/doc/a.rst", "README.md"]
 
 
 def test_pages_about_another_package_are_left_out(tmp_path: Path) -> None:
-    """A page in a folder that has the name of another package is about that one."""
+    """A page in a folder named like another package is about that package."""
     assert pages(tmp_path, "laser", "doc/arm/a.rst", "doc/laser/a.rst") == ["doc/laser/a.rst"]
     assert pages(tmp_path, "arm", "laser/README.md") == ["doc/arm/a.rst"]
 
 
 def test_formal_pages_are_left_out(tmp_path: Path) -> None:
-    """Change logs, licences, and pages at the root outside of `doc` are left out."""
+    """Change logs, licences, and pages at the root outside of `doc` are excluded."""
     assert pages(tmp_path, "laser", "laser/CHANGELOG.rst", "LICENSE", "notes/x.md", "laser/words.txt") == []
 
 
 def test_an_unknown_source_has_no_pages() -> None:
-    """A repository that is not of the build has no pages."""
+    """A repository outside the build has no pages."""
     assert Workspace([]).documents("local/none", ".") == ()

@@ -1,4 +1,4 @@
-"""Tests of fetching, from repositories on this machine and from a server that does not always behave."""
+"""Tests of fetching, from repositories on this machine and from a faulty server."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ ROS1, ROS2 = ({"package.xml": MANIFESTS[version]} for version in ("1", "2"))
 
 
 class Quiet:
-    """Is told of the progress and keeps it."""
+    """Records the progress."""
 
     def __init__(self) -> None:
         self.entries: list[Entry] = []
 
     def begin(self, repositories: int) -> None:
-        """Nothing is kept of that."""
+        """Ignore the start."""
 
     def ended(self, entry: Entry) -> None:
-        """Keep it."""
+        """Record the end."""
         self.entries.append(entry)
 
 
@@ -63,7 +63,7 @@ def server(tmp_path: Path) -> Iterator[tuple[str, Behaviour]]:
 
 
 def test_files_of_one_commit(tmp_path: Path) -> None:
-    """A checkout has the files of the newest commit and no history; the lock file pins it; nothing else is left."""
+    """A checkout has the files of the newest commit and no history; the lock file pins it; nothing else remains."""
     source = repository(tmp_path / "srv" / "robot", {"main": {**ROS1, "src/a.cpp": "int a;"}})
     entry = run(tmp_path / "into", source.as_uri())["robot"]
     place = tmp_path / "into" / "local" / "robot"
@@ -76,7 +76,7 @@ def test_files_of_one_commit(tmp_path: Path) -> None:
 
 
 def test_the_lock_is_fetched_again(tmp_path: Path) -> None:
-    """Elsewhere the lock file gives the same commits although the branches moved; --update takes the new ones."""
+    """Elsewhere the lock file gives the same commits although the branches moved; --update uses the new ones."""
     source = repository(tmp_path / "srv" / "robot", {"main": {**ROS1, "a": "old"}})
     old = run(tmp_path / "one", source.as_uri())["robot"].commit
     git(source, "update-ref", "refs/heads/main", commit_tree(source, {**ROS1, "a": "new"}))
@@ -94,7 +94,7 @@ def test_the_lock_is_fetched_again(tmp_path: Path) -> None:
 
 
 def test_what_is_there_is_not_fetched(server: tuple[str, Behaviour], tmp_path: Path) -> None:
-    """What stands at its pinned commit costs no request; without a lock file one look at the branches."""
+    """A checkout at its pinned commit needs no request; without a lock file only the branches are listed."""
     url, behaviour = server
     repository(tmp_path / "srv" / "robot", {"main": ROS1})
     run(tmp_path / "into", f"{url}/robot")
@@ -107,7 +107,7 @@ def test_what_is_there_is_not_fetched(server: tuple[str, Behaviour], tmp_path: P
 
 
 def test_a_damaged_checkout_stops_nobody_else(tmp_path: Path) -> None:
-    """A checkout that stands at the commit and lacks objects of it is said to be in the way; others are fetched."""
+    """A checkout at the commit with missing objects is reported as in the way; others are fetched."""
     files = {**ROS1, "src/a.cpp": "a"}
     sources = [repository(tmp_path / "src" / name, {"main": files}) for name in ("robot", "other")]
     robot = sources[0].as_uri()
@@ -122,7 +122,7 @@ def test_a_damaged_checkout_stops_nobody_else(tmp_path: Path) -> None:
 
 
 def test_changes_of_the_user_stay(tmp_path: Path) -> None:
-    """A checkout whose files were changed is reported and left alone, and so is a folder that is no checkout."""
+    """A checkout with changed files is reported and untouched, and so is a folder that is not a checkout."""
     source = repository(tmp_path / "srv" / "robot", {"main": {**ROS1, "a": "old"}})
     other = repository(tmp_path / "srv" / "other", {"main": ROS1})
     run(tmp_path / "into", source.as_uri())
@@ -136,13 +136,13 @@ def test_changes_of_the_user_stay(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("ros", "branch"), [("1", "noetic-devel"), ("2", "main"), ("any", "main")])
 def test_branch_of_a_version(ros: str, branch: str, tmp_path: Path) -> None:
-    """The branch is taken that is for the version asked for."""
+    """The branch for the requested version is used."""
     source = repository(tmp_path / "srv" / "robot", {"main": ROS2, "noetic-devel": ROS1, "humble-old": ROS2})
     assert run(tmp_path / "into", source.as_uri(), options=replace(QUICK, ros=ros))["robot"].branch == branch
 
 
 def test_manifests_have_the_last_word(tmp_path: Path) -> None:
-    """A branch that turns out to be for the other version is given up for the next; without any, it is reported."""
+    """A branch whose manifests are for the other version is replaced by the next; without any, it is reported."""
     moved = repository(tmp_path / "srv" / "moved", {"main": ROS2, "master": ROS1})
     only = repository(tmp_path / "srv" / "only", {"main": ROS2})
     found = run(tmp_path / "into", moved.as_uri(), only.as_uri(), options=replace(QUICK, ros="1"))
@@ -152,7 +152,7 @@ def test_manifests_have_the_last_word(tmp_path: Path) -> None:
 
 
 def test_servers_that_misbehave(server: tuple[str, Behaviour], tmp_path: Path) -> None:
-    """What is gone, moved, failing now and then, or always: each is told apart and none stops the others."""
+    """Missing, moved, intermittent and permanent failures are distinguished, and none stops the others."""
     url, behaviour = server
     for name in ("good", "flaky", "down"):
         repository(tmp_path / "srv" / name, {"main": ROS1})
@@ -175,7 +175,7 @@ def test_servers_that_misbehave(server: tuple[str, Behaviour], tmp_path: Path) -
 
 
 def test_time_is_bounded(server: tuple[str, Behaviour], tmp_path: Path) -> None:
-    """A server that does not answer is given up, without trying again, and leaves nothing."""
+    """A server that does not respond times out, without another attempt, and leaves nothing."""
     url, behaviour = server
     behaviour.hanging.add("hanging")
     limits = replace(QUICK.limits, seconds=patient(0.5))
@@ -186,7 +186,7 @@ def test_time_is_bounded(server: tuple[str, Behaviour], tmp_path: Path) -> None:
 
 
 def test_size_is_bounded(tmp_path: Path) -> None:
-    """What is too large as it comes, or once it is unpacked, is given up and nothing of it stays."""
+    """A repository too large in transfer or unpacked is aborted, and nothing of it remains."""
     noise = os.urandom(1_500_000).hex()
     coming = repository(tmp_path / "srv" / "coming", {"main": {"noise": noise}})
     unpacked = repository(tmp_path / "srv" / "unpacked", {"main": {"zeros": "0" * 3_000_000}})
@@ -203,7 +203,7 @@ def test_size_is_bounded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", [b"..", b".git", b".GIT", b"a/../../b"])
 def test_trees_that_lead_out(name: bytes, tmp_path: Path) -> None:
-    """A tree with a path that no honest git writes is refused."""
+    """A tree with a path that git itself would never write is rejected."""
     source = repository(tmp_path / "srv" / "evil", {"main": ROS1})
     plumb(source, b"100644 " + name + b"\0" + bytes.fromhex(git(source, "rev-parse", "main:package.xml")))
     assert run(tmp_path / "into", source.as_uri())["evil"].state == "refused"
@@ -212,7 +212,7 @@ def test_trees_that_lead_out(name: bytes, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("field", ["url = -u./x", "path = -x", "url = ext::touch {ran}\n path = ../x"])
 def test_submodules_that_are_options(field: str, tmp_path: Path) -> None:
-    """Submodules whose address or path is an option, or leads out, make git refuse the repository or are not run."""
+    """Submodules whose address or path is an option, or leads outside, make git fail or are not fetched."""
     ran = tmp_path / "ran"
     modules = f'[submodule "x"]\n path = x\n url = https://h/x\n {field.format(ran=ran)}\n'
     source = repository(tmp_path / "srv" / "evil", {"main": {".gitmodules": modules, **ROS1}})
@@ -222,7 +222,7 @@ def test_submodules_that_are_options(field: str, tmp_path: Path) -> None:
 
 
 def test_links_that_lead_out_are_left_out(tmp_path: Path) -> None:
-    """Links out of the checkout, or into .git, are not made; those within are; git sees no change."""
+    """Links out of the checkout, or into .git, are omitted; inner ones are created; git sees no change."""
     links = {"out": "->/etc/passwd", "up": "->../../x", "git": "->.git/config", "in": "->package.xml"}
     source = repository(tmp_path / "srv" / "robot", {"main": {**ROS1, **links}})
     entry = run(tmp_path / "into", source.as_uri())["robot"]
@@ -233,7 +233,7 @@ def test_links_that_lead_out_are_left_out(tmp_path: Path) -> None:
 
 
 def test_nothing_of_a_repository_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Neither filters nor hooks of the user's templates run, and submodules come only when asked for."""
+    """Neither filters nor hooks of the user's templates run, and submodules are fetched only on request."""
     trace = tmp_path / "trace"
     (tmp_path / "templates" / "hooks").mkdir(parents=True)
     hook = tmp_path / "templates" / "hooks" / "post-checkout"
@@ -264,7 +264,7 @@ def test_nothing_of_a_repository_runs(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_names_in_a_lock_file_are_checked(tmp_path: Path) -> None:
-    """A lock file of somebody else cannot name another folder than that of the address, nor another kind of address."""
+    """A foreign lock file cannot name a folder other than that of the address, or another kind of address."""
     lock = tmp_path / "into" / "lock.toml"
     source = repository(tmp_path / "srv" / "robot", {"main": ROS1}).as_uri()
     write_lock(lock, [Entry("../../out", source), Entry("local/x", "ext::sh", commit="a" * 40)])
@@ -274,7 +274,7 @@ def test_names_in_a_lock_file_are_checked(tmp_path: Path) -> None:
 
 
 def test_a_commit_that_is_gone(tmp_path: Path) -> None:
-    """A pinned commit that the server has no longer is reported, and stays pinned."""
+    """A pinned commit missing on the server is reported, and remains pinned."""
     source = repository(tmp_path / "srv" / "robot", {"main": ROS1}).as_uri()
     lock = tmp_path / "lock.toml"
     write_lock(lock, [Entry("local/robot", source, commit="a" * 40, branch="main")])
@@ -283,14 +283,14 @@ def test_a_commit_that_is_gone(tmp_path: Path) -> None:
 
 
 def test_one_process_at_a_time(tmp_path: Path) -> None:
-    """A second process that fetches into the same folder is refused."""
+    """A second process that fetches into the same folder is rejected."""
     with fetching._workspace(tmp_path), pytest.raises(SourceError) as caught, fetching._workspace(tmp_path):
         raise AssertionError
     assert caught.value.code == "KG138"
 
 
 def test_leftovers_are_removed(tmp_path: Path) -> None:
-    """What a run left that was killed is neither taken for a checkout nor kept."""
+    """Leftovers of a killed run are not taken for a checkout, and are removed."""
     (tmp_path / "into" / ".fetching" / "0" / "tree").mkdir(parents=True)
     source = repository(tmp_path / "srv" / "robot", {"main": ROS1})
     assert run(tmp_path / "into", source.as_uri())["robot"].state == "fetched"
@@ -298,7 +298,7 @@ def test_leftovers_are_removed(tmp_path: Path) -> None:
 
 
 def test_ctrl_c(server: tuple[str, Behaviour], tmp_path: Path) -> None:
-    """Ctrl-C ends git and the command; what was done is pinned, what was under way leaves nothing."""
+    """Ctrl-C ends git and the command; finished checkouts are pinned, unfinished ones leave nothing."""
     url, behaviour = server
     repository(tmp_path / "srv" / "robot", {"main": ROS1})
     behaviour.hanging |= {"slow", "slower"}
@@ -318,7 +318,7 @@ def test_ctrl_c(server: tuple[str, Behaviour], tmp_path: Path) -> None:
 
 
 def test_many_at_a_time(tmp_path: Path) -> None:
-    """More repositories than are fetched at a time all come, each told once."""
+    """More repositories than concurrent fetches are all fetched, each reported once."""
     sources = [repository(tmp_path / "srv" / f"r{number}", {"main": ROS1}).as_uri() for number in range(8)]
     told = Quiet()
     done = fetch(wanted_among(sources), tmp_path / "into", tmp_path / "lock", replace(QUICK, jobs=3), told)

@@ -1,4 +1,4 @@
-"""Tests of choosing branches; the cases stand in a file."""
+"""Tests of choosing branches; the cases are in a file."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ NAMES = st.lists(st.sampled_from(["main", "master", "ros2", "noetic-devel", "hum
 @pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["about"])
 def test_branches(case: dict[str, Any], version: str) -> None:
-    """The branches of a server give those to try for a version."""
+    """The branches of a server give the candidates for a version."""
     default = case["branches"][0] if case.get("default", True) else None
     assert list(branches_to_try(default, case["branches"], version)) == case[version]
 
 
 @given(NAMES, st.sampled_from(VERSIONS))
 def test_only_branches_that_are_there(names: list[str], version: str) -> None:
-    """Each branch to try is one that is there, once, and none is marked for the other version."""
+    """Each candidate exists, is listed once, and is not marked for the other version."""
     found = branches_to_try(names[0] if names else None, names, version)
     assert len(set(found)) == len(found)
     assert set(found) <= set(names)

@@ -1,4 +1,4 @@
-"""Tests of what is fetched: addresses that git may be given, and the folders that they get."""
+"""Tests of fetched addresses: those safe for git, and their folders."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     ],
 )
 def test_addresses_that_are_refused(address: str, why: str) -> None:
-    """Options, programs, paths that lead out and folders that git keeps to itself are refused before git runs."""
+    """Options, programs, paths that lead outside and folders reserved by git are rejected before git runs."""
     (found,) = wanted_among([address])
     assert why in found.problem
 
@@ -58,14 +58,14 @@ def test_addresses_that_are_refused(address: str, why: str) -> None:
     ],
 )
 def test_addresses_that_are_fetched(address: str, name: str, allowed: str) -> None:
-    """An address gives the folder of its checkout, and git may use no other protocol than its own."""
+    """An address gives the folder of its checkout, and git may use only its own protocol."""
     (found,) = wanted_among([address])
     assert (found.name, found.problem) == (name, "")
     assert protocols(found.url) == allowed
 
 
 def test_one_folder_for_each() -> None:
-    """What is named twice is fetched once; folders in each other, or the same but for case, are refused."""
+    """A repeated address is fetched once; nested folders, or the same ones except for case, are rejected."""
     addresses = ["https://h/a/b", "https://h/a/b.git", "https://h/A/b", "https://h/a", "https://h/a/c@v1"]
     found = {one.name: one for one in wanted_among(addresses)}
     assert list(found) == ["h/a/b", "h/A/b", "h/a", "h/a/c"]
@@ -80,7 +80,7 @@ _REPOSITORIES = ("file:///srv/b.git", "file:///opt/b", "file:///opt/c", "https:/
 
 @given(st.lists(st.tuples(st.sampled_from(_REPOSITORIES), st.sampled_from(("", "@v1", "@v2"))), max_size=6))
 def test_no_address_is_dropped(addresses: list[tuple[str, str]]) -> None:
-    """Each address with its ref is fetched into the folder of its name, or refused with what has that folder."""
+    """Each address with its ref is fetched into its folder, or rejected with the conflicting one."""
     found = wanted_among(url + ref for url, ref in addresses)
     fetched = {one.name: one for one in found if not one.problem}
     for url, ref in addresses:
@@ -93,14 +93,14 @@ def test_no_address_is_dropped(addresses: list[tuple[str, str]]) -> None:
 
 @given(st.text(max_size=80))
 def test_any_text_as_address(text: str) -> None:
-    """No address, however odd, stops the reading or gets a folder outside."""
+    """Any text is accepted or rejected, and never gets a folder outside."""
     for one in wanted_among([text]):
         parts = one.name.split("/")
         assert one.problem or not {"", ".", "..", ".git"} & set(parts)
 
 
 def test_list_of_repositories(tmp_path: Path) -> None:
-    """A list has an address a line; comments and empty lines do not count."""
+    """A list has one address a line; comments and empty lines are ignored."""
     (tmp_path / "list").write_text("# robots\n\nhttps://h/a/b@v1 # pinned\n")
     assert [(one.url, one.ref) for one in read_wanted(tmp_path / "list")] == [("https://h/a/b", "v1")]
     with pytest.raises(SourceError) as caught:

@@ -38,7 +38,7 @@ ENTRIES = st.lists(
 
 @given(ENTRIES)
 def test_round_trip(tmp_path_factory: pytest.TempPathFactory, entries: list[Entry]) -> None:
-    """What is written is read again, sorted by name, and written again it is the same text."""
+    """A written file is parsed back, sorted by name, and written again it is the same text."""
     path = tmp_path_factory.mktemp("lock") / "corpus.lock.toml"
     written = write_lock(path, entries)
     assert read_lock(path) == written
@@ -76,7 +76,7 @@ def test_a_change_of_one_changes_its_lines_only(tmp_path: Path) -> None:
     ],
 )
 def test_malformed_lock(text: str, line: int | None, says: str, tmp_path: Path) -> None:
-    """What is wrong in a lock file is named with its line."""
+    """An error in a lock file is reported with its line."""
     path = tmp_path / "lock"
     path.write_text(text)
     with pytest.raises(SourceError, match=says) as caught:
@@ -87,7 +87,7 @@ def test_malformed_lock(text: str, line: int | None, says: str, tmp_path: Path) 
 
 
 def test_what_stands_there(tmp_path: Path) -> None:
-    """Checkouts are told apart: as pinned, at another commit, changed, missing."""
+    """Checkouts are classified: pinned, at another commit, changed, missing."""
     for name in ("same", "other", "changed"):
         (tmp_path / name).mkdir()
         git(tmp_path / name, "init", "--quiet")

@@ -40,17 +40,17 @@ from kg.facts import FileKind
     ],
 )
 def test_sorting(name: str, folder: str, kind: FileKind | None) -> None:
-    """Files are sorted by name, ending and the folder ROS keeps them in."""
+    """Files are classified by name, suffix and the folder that ROS uses for them."""
     assert sort_file(name, folder) is kind
 
 
 def test_modules_of_a_package_called_launch_are_code() -> None:
-    """A Python package that happens to be called `launch` holds modules, but its launch files stay launch files."""
+    """A Python package named `launch` contains modules, but its launch files remain launch files."""
     assert sort_file("actions.py", "launch", in_module=True) is FileKind.PYTHON
     assert sort_file("demo.launch.py", "launch", in_module=True) is FileKind.LAUNCH
 
 
 def test_join_knows_the_root() -> None:
-    """Paths of a package in the root of its source have no folder in front."""
+    """Paths of a package in the root of its source have no folder prefix."""
     assert PackageFolder("a", ".", None, ()).join("src/x.cpp") == "src/x.cpp"
     assert PackageFolder("a", "nav/a", None, ()).join("src/x.cpp") == "nav/a/src/x.cpp"

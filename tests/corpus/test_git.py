@@ -19,7 +19,7 @@ NAMES = st.from_regex(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,12}[A-Za-z0-9_]", fullmatch
 
 
 def run(folder: Path, *arguments: str) -> str:
-    """Run git in a folder, with a name to commit under, and return what it prints."""
+    """Run git in a folder, with a name to commit under, and return its output."""
     command = ("git", "-C", str(folder), "-c", "user.name=A", "-c", "user.email=a@example.org", *arguments)
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
 
@@ -49,19 +49,19 @@ def test_every_spelling_of_an_address(owner: str, name: str, end: str) -> None:
     "address", ["/home/me/robot", "../robot", "file:///srv/robot.git", "", "C:", "https://github.com/"]
 )
 def test_addresses_of_this_machine(address: str) -> None:
-    """A remote on this machine, or none, names no repository."""
+    """A remote on this machine, or none, gives no repository name."""
     assert repository_name(address) is None
 
 
 @given(st.text(max_size=60))
 def test_any_text_as_address(address: str) -> None:
-    """No remote, however odd, stops the naming; a name never climbs out of its host."""
+    """Any remote gives a name or none; a name never leaves its host."""
     name = repository_name(address)
     assert name is None or not {"", ".", ".."} & set(name.split("/")[1:])
 
 
 def test_checkout_is_described(checkout: Path) -> None:
-    """Name, commit, branch and remote are known; the remote's password is not."""
+    """Name, commit, branch and remote are included; the remote's password is not."""
     found = describe(checkout)
     assert found.name == "github.com/Acme/robot"
     assert found.commit == run(checkout, "rev-parse", "HEAD")
@@ -82,7 +82,7 @@ def test_detached_head_has_no_branch(checkout: Path) -> None:
 
 
 def test_repository_without_commit(tmp_path: Path) -> None:
-    """A repository that was only begun has no commit."""
+    """A new repository has no commit."""
     run(tmp_path, "init", "--quiet")
     assert describe(tmp_path).commit is None
 
@@ -94,14 +94,14 @@ def test_plain_folder(tmp_path: Path) -> None:
 
 
 def test_folder_ignored_by_the_checkout_around_it(checkout: Path) -> None:
-    """A folder that only lies in a checkout, not committed there, is a local source."""
+    """A folder inside a checkout, but not committed there, is a local source."""
     (checkout / "scratch").mkdir()
     assert describe(checkout / "scratch").name == "local/scratch"
 
 
 @pytest.mark.parametrize("packed", [False, True])
 def test_without_git(checkout: Path, monkeypatch: pytest.MonkeyPatch, packed: bool) -> None:  # noqa: FBT001  (a case)
-    """Where git is not installed the files in `.git` tell the same, packed or not."""
+    """Without git the files in `.git` give the same state, packed or not."""
     expected = describe(checkout)
     if packed:
         run(checkout, "pack-refs", "--all")
@@ -110,7 +110,7 @@ def test_without_git(checkout: Path, monkeypatch: pytest.MonkeyPatch, packed: bo
 
 
 def test_worktree_without_git(checkout: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A worktree, whose `.git` is a file, is understood without git too."""
+    """A worktree, whose `.git` is a file, is supported without git, too."""
     run(checkout, "worktree", "add", "--quiet", "-b", "side", str(tmp_path / "tree"))
     expected = describe(tmp_path / "tree")
     monkeypatch.setattr(git, "run_git", _no_git)
@@ -130,7 +130,7 @@ def test_worktree_without_git(checkout: Path, tmp_path: Path, monkeypatch: pytes
     ],
 )
 def test_settings_of_a_repository_run_nothing(checkout: Path, tmp_path: Path, setting: str) -> None:
-    """A repository cannot make the reading of its state run programs that its own settings name."""
+    """Reading the state of a repository runs no program named by its settings."""
     trace = tmp_path / "trace"
     program = tmp_path / "post-index-change"
     program.write_text(f"#!/bin/sh\ntouch {trace}\ncat\n")
@@ -143,7 +143,7 @@ def test_settings_of_a_repository_run_nothing(checkout: Path, tmp_path: Path, se
 
 
 def test_partial_clone_fetches_nothing(checkout: Path, tmp_path: Path) -> None:
-    """A clone that lacks objects does not fetch them, and so does not run what its settings name for that."""
+    """A clone with missing objects does not fetch them, so programs in its settings for that do not run."""
     trace = tmp_path / "trace"
     program = tmp_path / "ssh"
     program.write_text(f"#!/bin/sh\ntouch {trace}\n")

@@ -15,7 +15,7 @@ from kg.facts import Repository
 
 
 def test_reading_is_on_record(tmp_path: Path) -> None:
-    """Every file read stands in the inputs with its digest, once."""
+    """Every file read is in the inputs with its digest, once."""
     reader = reader_of(tmp_path, {"a.cpp": "int a;\n", "b.cpp": "int b;\n"})
     assert reader.read("demo/a.cpp") == b"int a;\n"
     assert reader.read(FilePath(reader.repository, "demo/a.cpp")) == b"int a;\n"
@@ -35,7 +35,7 @@ def test_reading_is_on_record(tmp_path: Path) -> None:
     ],
 )
 def test_content(tmp_path: Path, content: bytes, text: str | None, problem: tuple[str, int | None] | None) -> None:
-    """Text comes out as UTF-8 without a mark; binary and too large files do not come out at all."""
+    """Text is returned as UTF-8 without a mark; binary and too large files are not returned."""
     reader = reader_of(tmp_path, {"a.cpp": content})
     reader.limit_bytes = 1000
     read = reader.read("demo/a.cpp")
@@ -44,7 +44,7 @@ def test_content(tmp_path: Path, content: bytes, text: str | None, problem: tupl
 
 
 def test_missing_file(tmp_path: Path) -> None:
-    """A file that is gone is a problem, not an exception."""
+    """A missing file is a problem, not an exception."""
     reader = reader_of(tmp_path, {"a.cpp": "x"})
     (tmp_path / "demo" / "a.cpp").unlink()
     assert reader.read("demo/a.cpp") is None
@@ -53,7 +53,7 @@ def test_missing_file(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root reads every file")
 def test_unreadable_file(tmp_path: Path) -> None:
-    """A file that may not be opened is a problem."""
+    """A file without read permission is a problem."""
     reader = reader_of(tmp_path, {"a.cpp": "x"})
     (tmp_path / "demo" / "a.cpp").chmod(0)
     assert reader.read("demo/a.cpp") is None
@@ -61,7 +61,7 @@ def test_unreadable_file(tmp_path: Path) -> None:
 
 
 def test_paths_out_of_the_source(tmp_path: Path) -> None:
-    """Neither `..` nor a link nor an absolute path leads to a file outside of the source."""
+    """Neither `..` nor a link nor an absolute path leads to a file outside the source."""
     (tmp_path / "secret").write_text("secret")
     root = tmp_path / "root"
     reader = reader_of(root, {"a.cpp": "x"})
@@ -73,7 +73,7 @@ def test_paths_out_of_the_source(tmp_path: Path) -> None:
 
 
 def test_pipe_does_not_block(tmp_path: Path) -> None:
-    """A pipe put where a file was is refused at once."""
+    """A pipe in place of a file is rejected at once."""
     reader = reader_of(tmp_path, {"a.cpp": "x"})
     (tmp_path / "demo" / "a.cpp").unlink()
     os.mkfifo(tmp_path / "demo" / "a.cpp")
@@ -82,14 +82,14 @@ def test_pipe_does_not_block(tmp_path: Path) -> None:
 
 
 def test_unknown_source(tmp_path: Path) -> None:
-    """A file of a source that is not in the build is a problem."""
+    """A file of a source outside the build is a problem."""
     reader = reader_of(tmp_path, {})
     assert reader.read(FilePath("local/else", "x.cpp")) is None
     assert codes(reader.problems) == [("KG110", None)]
 
 
 def test_problem_codes_are_checked(tmp_path: Path) -> None:
-    """A problem must have a code of the catalogue; said twice it is kept once."""
+    """A problem must have a code of the catalogue; a repeated one is stored once."""
     reader = reader_of(tmp_path, {})
     reader.problem("KG115", "m", "a.cpp", 3)
     reader.problem("KG115", "m", "a.cpp", 3)
@@ -100,7 +100,7 @@ def test_problem_codes_are_checked(tmp_path: Path) -> None:
 
 @given(st.binary(max_size=300))
 def test_any_bytes_come_out_as_utf8(data: bytes) -> None:
-    """Whatever a file holds, what is read is UTF-8 or nothing."""
+    """For any file, the returned content is UTF-8 or absent."""
     repository = Repository("local/x", "/")
     source = Source(repository, Path("/"), ())
     reader = Reader(Workspace([source]), source, PackageFolder("x", ".", None, ()))

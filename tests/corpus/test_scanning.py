@@ -49,7 +49,7 @@ def test_packages_own_their_files(tmp_path: Path) -> None:
 
 
 def test_name_comes_from_the_manifest(tmp_path: Path) -> None:
-    """A package is called as its package.xml says, not as its folder."""
+    """A package is named by its package.xml, not by its folder."""
     package(tmp_path, "folder", "real_name")
     assert [found.name for found in scan(tmp_path).packages] == ["real_name"]
 
@@ -63,7 +63,7 @@ def test_package_in_the_root(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("marker", ["COLCON_IGNORE", "CATKIN_IGNORE", "AMENT_IGNORE", "pyvenv.cfg"])
 def test_ignore_markers(tmp_path: Path, marker: str) -> None:
-    """A folder with an ignore marker is left out with all below it."""
+    """A folder with an ignore marker is excluded with its subfolders."""
     package(tmp_path, "kept")
     package(tmp_path, "skipped/deeper")
     (tmp_path / "skipped" / marker).touch()
@@ -72,14 +72,14 @@ def test_ignore_markers(tmp_path: Path, marker: str) -> None:
 
 @pytest.mark.parametrize("folder", ["build", "install", "devel", "log", ".hidden", "node_modules", "x.egg-info"])
 def test_what_builds_leave_behind(tmp_path: Path, folder: str) -> None:
-    """Results of builds and hidden folders are no sources."""
+    """Build results and hidden folders are not sources."""
     package(tmp_path, "kept")
     package(tmp_path, f"{folder}/copy")
     assert [found.name for found in scan(tmp_path).packages] == ["kept"]
 
 
 def test_folder_named_log_inside_a_package_is_source(tmp_path: Path) -> None:
-    """Inside a package the same names are ordinary folders unless a build left its traces there."""
+    """Inside a package the same names are ordinary folders unless they contain traces of a build."""
     folder = package(tmp_path, "pkg")
     for name in ("log", "build"):
         (folder / name).mkdir()
@@ -97,7 +97,7 @@ def test_rosbuild_package(tmp_path: Path) -> None:
 
 
 def test_duplicate_names(tmp_path: Path) -> None:
-    """The deeper of two packages of one name is kept under its folder, and reported."""
+    """The deeper of two packages of one name is named after its folder, and reported."""
     package(tmp_path, "deep/er/twin", "twin")
     package(tmp_path, "twin", "twin")
     source = scan(tmp_path)
@@ -109,7 +109,7 @@ def test_duplicate_names(tmp_path: Path) -> None:
 
 
 def test_root_without_manifest_is_one_package(tmp_path: Path) -> None:
-    """Loose ROS code is read as one package named after the folder, and that is said."""
+    """Loose ROS code is read as one package named after the folder, which is reported."""
     (tmp_path / "loose").mkdir()
     (tmp_path / "loose" / "node.py").write_text("import rospy\n")
     source = scan(tmp_path / "loose")
@@ -119,28 +119,28 @@ def test_root_without_manifest_is_one_package(tmp_path: Path) -> None:
 
 
 def test_folder_without_code(tmp_path: Path) -> None:
-    """A folder with nothing to read yields no package and says so."""
+    """A folder without readable code yields no package, which is reported."""
     source = scan(tmp_path)
     assert source.packages == ()
     assert codes(source) == [("KG102", ".")]
 
 
 def test_missing_root(tmp_path: Path) -> None:
-    """A root that is not there is an error of its own, the only one a scan raises."""
+    """A missing root is an error of its own, the only one raised by a scan."""
     with pytest.raises(SourceError) as caught:
         scan(tmp_path / "nowhere")
     assert caught.value.code == "KG101"
 
 
 def test_malformed_manifest_keeps_the_package(tmp_path: Path) -> None:
-    """A package whose manifest cannot be read is named after its folder."""
+    """A package with an unreadable manifest is named after its folder."""
     folder = package(tmp_path, "broken")
     (folder / "package.xml").write_bytes(b"\xff\xfe<<<")
     assert [found.name for found in scan(tmp_path).packages] == ["broken"]
 
 
 def test_executable_bit_and_shebang(tmp_path: Path) -> None:
-    """Executables are marked; a program without ending is Python when its first line says so."""
+    """Executables are marked; a program without suffix is Python if its first line names it."""
     folder = package(tmp_path, "pkg") / "scripts"
     folder.mkdir()
     (folder / "talker").write_text("#!/usr/bin/env python3\n")
@@ -154,7 +154,7 @@ def test_executable_bit_and_shebang(tmp_path: Path) -> None:
 
 
 def test_links(tmp_path: Path) -> None:
-    """Links inside the source are read; links that leave it, lead nowhere or loop are named and left."""
+    """Links inside the source are read; external, dangling and looping ones are reported and skipped."""
     root = tmp_path / "root"
     folder = package(root, "pkg")
     (tmp_path / "secret.cpp").write_text("// not ours\n")
@@ -173,7 +173,7 @@ def test_links(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root reads every folder")
 def test_unreadable_folder(tmp_path: Path) -> None:
-    """A folder that may not be listed is named, the rest is read."""
+    """An unreadable folder is reported, and the rest is read."""
     folder = package(tmp_path, "pkg")
     (folder / "src").chmod(0)
     source = scan(tmp_path)
@@ -182,7 +182,7 @@ def test_unreadable_folder(tmp_path: Path) -> None:
 
 
 def test_names_that_are_no_text(tmp_path: Path) -> None:
-    """A name with bytes that are not UTF-8 is printed readably and left out; others in any script are read."""
+    """A name that is not UTF-8 is shown escaped and skipped; others in any script are read."""
     folder = package(tmp_path, "pkg")
     (folder / "src" / "узел.cpp").touch()
     with open(os.fsencode(folder / "src") + b"/bad\xff.cpp", "wb"):  # noqa: PTH123  (a Path cannot be made of bytes)
@@ -193,7 +193,7 @@ def test_names_that_are_no_text(tmp_path: Path) -> None:
 
 
 def test_pipes_are_no_files(tmp_path: Path) -> None:
-    """What is no regular file is never opened."""
+    """Only regular files are opened."""
     folder = package(tmp_path, "pkg")
     os.mkfifo(folder / "src" / "pipe.cpp")
     assert "pkg/src/pipe.cpp" not in paths(scan(tmp_path), "pkg")
@@ -206,7 +206,7 @@ def git(folder: Path, *arguments: str) -> None:
 
 
 def test_checkouts_in_a_workspace_are_sources_of_their_own(tmp_path: Path) -> None:
-    """Each repository of a workspace is a source; packages in no repository belong to the workspace."""
+    """Each repository of a workspace is a source; packages outside any repository belong to the workspace."""
     package(tmp_path, "src/plain")
     package(tmp_path, "src/robot/base")
     git(tmp_path / "src" / "robot", "init", "--quiet")
@@ -217,7 +217,7 @@ def test_checkouts_in_a_workspace_are_sources_of_their_own(tmp_path: Path) -> No
 
 
 def test_workspace_of_checkouts_only(tmp_path: Path) -> None:
-    """A folder that only holds repositories is no source itself."""
+    """A folder that only contains repositories is not a source itself."""
     package(tmp_path, "robot/base")
     git(tmp_path / "robot", "init", "--quiet")
     assert [source.repository.name for source in scan_tree(tmp_path)] == ["local/robot"]
@@ -237,7 +237,7 @@ def test_folder_of_a_checkout(tmp_path: Path) -> None:
 
 
 def test_given_repository(tmp_path: Path) -> None:
-    """Whoever scans may say what the source is called."""
+    """The caller of a scan may set the source's name."""
     package(tmp_path, "pkg")
     source = scan(tmp_path, Repository("local/demo", str(tmp_path)))
     assert source.repository.name == "local/demo"

@@ -1,4 +1,4 @@
-"""Tests of selecting projects: cases are folders with a table, criteria, and what is expected."""
+"""Tests of selecting projects: cases are folders with a table, criteria, and the expected result."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ most = 10
 
 @pytest.mark.parametrize("case", SELECTIONS, ids=lambda path: path.name)
 def test_selection(case: Path) -> None:
-    """A table and criteria give the projects, removals and figures that are expected."""
+    """A table and criteria give the expected projects, removals and figures."""
     expected = json.loads((case / "expected.json").read_text("utf-8"))
     found = select(read_dataset(case / "projects.csv"), read_criteria(case / "criteria.toml"))
     assert [project.cells["ID"] for project in found.kept] == expected["kept"]
@@ -51,7 +51,7 @@ def test_selection(case: Path) -> None:
 
 @pytest.mark.parametrize("case", MALFORMED["table"], ids=lambda case: case["says"])
 def test_malformed_table(case: dict[str, Any], tmp_path: Path) -> None:
-    """What is wrong in a table is named with its line and the way out."""
+    """An error in a table is reported with its line and instructions."""
     (tmp_path / "projects.csv").write_text(case["text"], "utf-8", newline="")
     (tmp_path / "criteria.toml").write_text(CRITERIA, "utf-8")
     with pytest.raises(KgError) as caught:
@@ -61,7 +61,7 @@ def test_malformed_table(case: dict[str, Any], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("case", MALFORMED["criteria"], ids=lambda case: case["says"])
 def test_malformed_criteria(case: dict[str, Any], tmp_path: Path) -> None:
-    """What is wrong in a file of criteria is named with its line and the way out."""
+    """An error in a file of criteria is reported with its line and instructions."""
     path = tmp_path / "criteria.toml"
     path.write_text(case["text"], "utf-8")
     with pytest.raises(KgError) as caught:
@@ -79,7 +79,7 @@ def _check(error: KgError, case: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize(("content", "code"), [(b"ID\n\xff\n", "KG131"), (None, "KG101")])
 def test_table_that_cannot_be_read(content: bytes | None, code: str, tmp_path: Path) -> None:
-    """A table that is missing or not UTF-8 is an error of its own."""
+    """A missing table, or one that is not UTF-8, is an error of its own."""
     path = tmp_path / "projects.csv"
     if content is not None:
         path.write_bytes(content)
@@ -89,7 +89,7 @@ def test_table_that_cannot_be_read(content: bytes | None, code: str, tmp_path: P
 
 
 def test_the_paper_has_every_figure_that_is_counted() -> None:
-    """The criteria that come with kg count the figures of Table 2, and the paper's are those that it prints."""
+    """The criteria shipped with kg compute the figures of Table 2, and the paper's are the printed ones."""
     paper = paper_figures()
     assert list(read_criteria(default_criteria()).figures) == list(paper.table)
     assert paper.projects == 503
@@ -99,7 +99,7 @@ def test_the_paper_has_every_figure_that_is_counted() -> None:
 
 @pytest.mark.skipif(not SHARED.exists(), reason="the table of 598 projects is not part of the repository")
 def test_the_selection_of_the_paper() -> None:
-    """The criteria that come with kg leave 503 of the 598 projects, and every maximum is the paper's."""
+    """The criteria shipped with kg select 503 of the 598 projects, and every maximum is the paper's."""
     found = select(read_dataset(SHARED), read_criteria(default_criteria()))
     paper = paper_figures()
     assert len(found.dataset.projects) == 598

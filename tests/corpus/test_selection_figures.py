@@ -14,7 +14,7 @@ NUMBERS = st.lists(st.integers(0, 10**6), min_size=2, max_size=60)
 
 @given(NUMBERS)
 def test_figures_are_those_of_numpy(values: list[int]) -> None:
-    """Each figure is what numpy finds, the deviation being that of a sample."""
+    """Each figure equals that of numpy, with the deviation of a sample."""
     found = figures(values)
     assert (found["min"], found["max"]) == (min(values), max(values))
     assert found["median"] == approx(float(np.median(values)))
@@ -27,6 +27,6 @@ def test_figures_are_those_of_numpy(values: list[int]) -> None:
 
 
 def test_figures_of_little() -> None:
-    """Of nothing there is no figure, of one number no deviation."""
+    """Without numbers there is no figure, with one number no deviation."""
     assert figures([]) == {}
     assert figures([5]) == {"min": 5, "max": 5, "median": 5, "mean": 5}

@@ -47,13 +47,13 @@ def git(folder: Path, *arguments: str) -> None:
     ],
 )
 def test_addresses_with_refs(text: str, address: str, ref: str | None) -> None:
-    """A ref stands behind the last part of an address; folders may have any name."""
+    """A ref follows the last part of an address; folders may have any name."""
     assert parse_source(text) == ListedSource(address, ref)
     assert is_address(text) is not text.startswith("/")
 
 
 def test_list_of_sources(tmp_path: Path) -> None:
-    """A list holds addresses and folders relative to it; comments and empty lines count for nothing but lines."""
+    """A list has addresses and folders relative to it; comments and empty lines only count as lines."""
     path = tmp_path / "sources.txt"
     path.write_text("# robots\nhttps://example.org/a/b@v1   # pinned\n\nfolder#1\n")
     assert read_list(path) == (
@@ -63,14 +63,14 @@ def test_list_of_sources(tmp_path: Path) -> None:
 
 
 def test_list_that_is_not_there(tmp_path: Path) -> None:
-    """A list that cannot be read is an error with the code of missing sources."""
+    """An unreadable list is an error with the code of missing sources."""
     with pytest.raises(SourceError) as caught:
         read_list(tmp_path / "none")
     assert caught.value.code == "KG101"
 
 
 def test_fetching(remote: Path, tmp_path: Path) -> None:
-    """A repository is fetched at the ref asked for, and brought up to date in place."""
+    """A repository is fetched at the requested ref, and updated in place."""
     said: list[str] = []
     target = fetch_source(remote.as_uri(), "v1", tmp_path / "cache" / "it", said.append)
     assert not (target / "file").exists()
@@ -91,14 +91,14 @@ def test_fetching(remote: Path, tmp_path: Path) -> None:
     ],
 )
 def test_what_is_not_fetched(url: str, ref: str | None, tmp_path: Path) -> None:
-    """Other schemes, options in disguise and repositories that are not there are errors in words."""
+    """Other schemes, disguised options and missing repositories are errors with an explanation."""
     with pytest.raises(SourceError) as caught:
         fetch_source(url, ref, tmp_path / "it")
     assert caught.value.code == "KG103"
 
 
 def test_git_says_why(remote: Path, tmp_path: Path) -> None:
-    """The error holds what git said, without a password in the address."""
+    """The error contains git's message, without a password in the address."""
     with pytest.raises(SourceError, match="couldn't find remote ref absent"):
         fetch_source(remote.as_uri(), "absent", tmp_path / "it")
     with pytest.raises(SourceError) as caught:

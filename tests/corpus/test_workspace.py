@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def build(root: Path, *files: str) -> tuple[Workspace, str]:
-    """Write empty files; a path's first folder is a package. Return the workspace and the name of its source."""
+    """Write empty files, with packages as first folders of their paths; return the workspace and its source's name."""
     content = dict.fromkeys(files, "")
     content |= {f"{path.split('/')[0]}/package.xml": manifest(path.split("/")[0]) for path in files}
     workspace = written(root, content)
@@ -20,7 +20,7 @@ def build(root: Path, *files: str) -> tuple[Workspace, str]:
 
 
 def test_include_prefers_what_is_near(tmp_path: Path) -> None:
-    """A header beside the file wins over the package's include folder, that over other packages."""
+    """A header next to the file precedes one in the package's include folder, which precedes other packages."""
     workspace, name = build(tmp_path, "a/src/x.hpp", "a/src/deep/y.cpp", "a/include/x.hpp", "b/include/x.hpp")
     assert workspace.include("x.hpp", near=FilePath(name, "a/src/n.cpp")) == (name, "a/src/x.hpp")
     assert workspace.include("x.hpp", near=FilePath(name, "a/src/deep/y.cpp")) == (name, "a/include/x.hpp")
@@ -28,7 +28,7 @@ def test_include_prefers_what_is_near(tmp_path: Path) -> None:
 
 
 def test_include_from_other_packages(tmp_path: Path) -> None:
-    """Headers of other packages are found by the path they are included with; those of no package are not."""
+    """Headers of other packages are found by their include paths; those outside packages are not."""
     workspace, name = build(tmp_path, "a/src/n.cpp", "b/include/b/base.hpp", "c/src/vendor/b/base.hpp")
     near = FilePath(name, "a/src/n.cpp")
     assert workspace.include("b/base.hpp", near=near) == (name, "b/include/b/base.hpp")
@@ -37,7 +37,7 @@ def test_include_from_other_packages(tmp_path: Path) -> None:
 
 
 def test_plain_names_are_not_taken_from_anywhere(tmp_path: Path) -> None:
-    """A name without a folder means a header of another package only when that stands in its public folder."""
+    """A name without a folder refers to a header of another package only if that is in its public folder."""
     files = ("a/src/n.cpp", "a/src/deep/own.h", "b/src/string.h", "c/include/public.h", "d/include/d/half.h")
     workspace, name = build(tmp_path, *files)
     near = FilePath(name, "a/src/n.cpp")
@@ -48,7 +48,7 @@ def test_plain_names_are_not_taken_from_anywhere(tmp_path: Path) -> None:
 
 
 def test_include_across_sources(tmp_path: Path) -> None:
-    """A header of another source is found when this one has none."""
+    """A header of another source is found if this one has none."""
     (tmp_path / "one").mkdir()
     (tmp_path / "two").mkdir()
     one, _ = build(tmp_path / "one", "a/src/n.cpp")
@@ -61,7 +61,7 @@ def test_include_across_sources(tmp_path: Path) -> None:
 
 
 def test_module_of_the_own_package(tmp_path: Path) -> None:
-    """Modules are found beside the script, in `src/` and in the folder of the package."""
+    """Modules are found next to the script, in `src/` and in the folder of the package."""
     files = ("a/scripts/talker.py", "a/scripts/helper.py", "a/src/a/core.py", "a/src/a/__init__.py", "a/a2/node.py")
     workspace, name = build(tmp_path, *files)
     near = FilePath(name, "a/scripts/talker.py")
@@ -82,7 +82,7 @@ def test_relative_module(tmp_path: Path) -> None:
 
 
 def test_module_of_another_package(tmp_path: Path) -> None:
-    """A module of another package is found below a folder that is a root of imports, never inside a Python package."""
+    """A module of another package is found below an import root, never inside a Python package."""
     files = ("a/n.py", "b/src/b/__init__.py", "b/src/b/tools.py", "c/c/__init__.py", "c/c/tools.py")
     workspace, name = build(tmp_path, *files)
     near = FilePath(name, "a/n.py")
@@ -91,7 +91,7 @@ def test_module_of_another_package(tmp_path: Path) -> None:
 
 
 def test_programs_are_not_the_package_of_their_name(tmp_path: Path) -> None:
-    """A program that is called like its ROS package is not what other packages import by that name."""
+    """A program named like its ROS package is not the module that other packages import by that name."""
     workspace, name = build(tmp_path, "a/src/n.py", "queue/nodes/queue.py", "tools/src/helper.py")
     assert workspace.module("queue", near=FilePath(name, "a/src/n.py")) is None
     assert workspace.module("helper", near=FilePath(name, "a/src/n.py")) == (name, "tools/src/helper.py")
@@ -106,7 +106,7 @@ def test_definitions(tmp_path: Path) -> None:
 
 
 def test_packages_and_owners(tmp_path: Path) -> None:
-    """Packages are found by name, files know their owner; of packages of one name the first source's counts."""
+    """Packages are found by name, files have an owner; the first source's package of a name wins."""
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
         build(tmp_path / folder, "a/n.cpp")
@@ -127,7 +127,7 @@ def test_packages_and_owners(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", ["ros/ros.h", "sensor_msgs/Imu.h", "assert.h"])
 def test_libraries_that_another_source_copied_are_not_meant(tmp_path: Path, path: str) -> None:
-    """A package of another source exports its include roots and folders of its name, not the libraries in it."""
+    """A package of another source exports its include roots and folders of its name, without bundled libraries."""
     (tmp_path / "one").mkdir()
     (tmp_path / "two").mkdir()
     one, _ = build(tmp_path / "one", "a/src/n.cpp")
@@ -146,7 +146,7 @@ def test_libraries_that_another_source_copied_are_not_meant(tmp_path: Path, path
 
 
 def test_headers_of_the_language_are_not_those_of_other_packages(tmp_path: Path) -> None:
-    """`time.h` means a header of the same package, or that of C."""
+    """`time.h` refers to a header of the same package, or that of C."""
     workspace, name = build(tmp_path, "a/src/n.cpp", "b/include/time.h", "b/src/m.cpp")
     assert workspace.include("time.h", near=FilePath(name, "a/src/n.cpp")) is None
     assert workspace.include("time.h", near=FilePath(name, "b/src/m.cpp")) == (name, "b/include/time.h")

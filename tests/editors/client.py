@@ -1,4 +1,4 @@
-"""An editor, as far as the protocol goes: a process of the server, and JSON-RPC over its standard streams."""
+"""The protocol side of an editor: a server process, and JSON-RPC over its standard streams."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ class Editor:
         self.texts: dict[str, str] = {}
         self._versions: dict[str, int] = {}
         self.waiting: list[dict[str, Any]] = []
-        """Messages of the server that no test has read."""
+        """Unread messages of the server."""
         self.read: list[dict[str, Any]] = []
-        """Messages that tests have read, or passed over."""
+        """Messages that tests have read or skipped."""
 
     def _send(self, message: dict[str, Any]) -> None:
         body = json.dumps({"jsonrpc": "2.0", **message}).encode()
@@ -54,7 +54,7 @@ class Editor:
         self._send({"method": method, "params": params})
 
     def request(self, method: str, **params: Any) -> dict[str, Any]:
-        """Send a request and return the response; messages of the server meanwhile are kept."""
+        """Send a request and return the response; other messages of the server are stored."""
         self._number += 1
         self._send({"id": self._number, "method": method, "params": params})
         while (message := self._receive()).get("id") != self._number:
@@ -72,7 +72,7 @@ class Editor:
         return self.ask(f"textDocument/{method}", **self.place(file, needle), **params)
 
     def place(self, file: Path, needle: str) -> dict[str, Any]:
-        """Return the parameters that name the place of `needle` in an open document."""
+        """Return the position parameters of `needle` in an open document."""
         before = self.texts[file.as_uri()].partition(needle)[0]
         position = {"line": before.count("\n"), "character": len(before.rpartition("\n")[2])}
         return {"textDocument": {"uri": file.as_uri()}, "position": position}
@@ -104,7 +104,7 @@ class Editor:
     def diagnostics(
         self, file: Path, *, until: Callable[[list[dict[str, Any]]], bool] = lambda _: True
     ) -> list[dict[str, Any]]:
-        """Return the next diagnostics of a file as it is open now that fit."""
+        """Return the next matching diagnostics of the current text of an open file."""
         while True:
             message = self._next_message()
             params = message.get("params")
@@ -120,7 +120,7 @@ class Editor:
         return self.read[-1]
 
     def message(self, method: str) -> dict[str, Any]:
-        """Return the parameters of the first message of the server with a method, read already or not."""
+        """Return the parameters of the first message of the server with a method, including messages already read."""
         for each in self.read:
             if each.get("method") == method:
                 return dict(each["params"])
@@ -140,7 +140,7 @@ class Editor:
         return {each["title"]: each["edit"] for each in found if diagnostic in each["diagnostics"]}
 
     def applied(self, edit: dict[str, Any]) -> tuple[dict[Path, str], dict[Path, Path]]:
-        """Return the texts and the names of files as an edit leaves them; nothing is changed."""
+        """Return the texts and names of files after an edit, without applying it."""
         plain = [{"textDocument": {"uri": uri}, "edits": edits} for uri, edits in (edit.get("changes") or {}).items()]
         texts, moved = {}, {}
         for change in [*plain, *(edit.get("documentChanges") or ())]:
@@ -173,7 +173,7 @@ def _path(uri: str) -> Path:
 
 @contextmanager
 def editing(folder: Path, options: dict[str, Any] | None = None) -> Iterator[Editor]:
-    """Start the server as an editor does that has a folder open, and greet it with the options of initialization."""
+    """Start the server like an editor with an open folder, and initialise it with the given options."""
     command = [sys.executable, "-m", "kg", "rules", "lsp"]
     with subprocess.Popen(command, cwd="/", stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
         editor = Editor(process)

@@ -62,7 +62,7 @@ RULE { ?a my:free ?b } WHERE { ?a my:busy ?b FILTER(?b) }
 
 @pytest.fixture(name="folder", scope="module")
 def make_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a workspace with rules of the three notations, a page of examples and a finding that is allowed."""
+    """Return a workspace with rules of the three notations, a page of examples and an allowed finding."""
     folder = tmp_path_factory.mktemp("rules")
     mine = folder / "rules" / "mine"
     mine.mkdir(parents=True)
@@ -79,13 +79,13 @@ def make_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(name="editor", scope="module")
 def make_editor(folder: Path) -> Iterator[Editor]:
-    """Return an editor that has the workspace open."""
+    """Return an editor with the workspace open."""
     with editing(folder) as editor:
         yield editor
 
 
 def test_a_session(editor: Editor, folder: Path) -> None:
-    """Opening reports errors; editing fixes them; completion, hover and definition answer."""
+    """Opening reports errors; editing fixes them; completion, hover and definition respond."""
     file = folder / "rules/mine/busy.rq"
     editor.open(file, DECLARED.replace(". ?nod a foaf:Agent ", ""))
     found = {each["code"]: each for each in editor.diagnostics(file)}
@@ -101,7 +101,7 @@ def test_a_session(editor: Editor, folder: Path) -> None:
 
 
 def fixed(editor: Editor, file: Path, text: str, title: str) -> str:
-    """Return the text after the quick fix with a title was applied."""
+    """Return the text after applying the quick fix with a title."""
     editor.open(file, text)
     found = [
         fixes[title] for each in editor.diagnostics(file, until=bool) if title in (fixes := editor.fixes(file, each))
@@ -130,12 +130,12 @@ def fixed(editor: Editor, file: Path, text: str, title: str) -> str:
 def test_quick_fixes(  # noqa: PLR0913, PLR0917 - the columns of a table
     editor: Editor, folder: Path, name: str, text: str, title: str, wrong: str, right: str
 ) -> None:
-    """Each hint with a replacement has a quick fix that makes it."""
+    """Each hint with a replacement has a quick fix that applies it."""
     assert fixed(editor, folder / "rules/mine" / name, text, title) == text.replace(wrong, right, 1)
 
 
 def test_a_fix_counts_as_the_editor_does(editor: Editor, folder: Path) -> None:
-    """Behind a character of two UTF-16 units, ranges count both."""
+    """After a character of two UTF-16 units, ranges count both."""
     file = folder / "rules/mine/busy.rq"
     editor.open(file, "CONSTRUCT { ?a a ?b } WHERE { ?a a '\U0001f916', ?b FILTER(REGX(?b, '')) }")
     (found,) = editor.diagnostics(file, until=bool)
@@ -183,7 +183,7 @@ def test_references(editor: Editor, folder: Path, name: str, needle: str, expect
     ],
 )  # fmt: skip
 def test_renaming(editor: Editor, folder: Path, needle: str, new: str, changes: dict[str, tuple[str, str]]) -> None:
-    """Renaming changes every place that means the same, and nothing else."""
+    """Renaming changes exactly the references to the same symbol."""
     file = folder / "rules/mine" / next(iter(changes))
     editor.open(file)
     texts, moved = editor.applied(editor.at("rename", file, needle, newName=new))
@@ -195,7 +195,7 @@ def test_renaming(editor: Editor, folder: Path, needle: str, new: str, changes: 
 
 
 def test_renaming_a_rule_moves_its_files(editor: Editor, folder: Path) -> None:
-    """A rule's file and its examples get the new name, and kg.toml names it."""
+    """A rule's file and its examples get the new name, and so does kg.toml."""
     mine, file = folder / "rules/mine", folder / "rules/mine/busy.rq"
     editor.open(file)
     assert editor.at("prepareRename", file, "Busy nodes")["placeholder"] == "mine/busy"
@@ -206,7 +206,7 @@ def test_renaming_a_rule_moves_its_files(editor: Editor, folder: Path) -> None:
 
 
 def test_renaming_an_imported_rule_set(editor: Editor, folder: Path) -> None:
-    """The rule set that imports it names the new file."""
+    """The importing rule set refers to the new file."""
     file = folder / "rules/mine/shared.srl"
     editor.open(file)
     texts, _ = editor.applied(editor.at("rename", file, "Shared", newName="common/shared"))
@@ -229,7 +229,7 @@ def test_renaming_an_imported_rule_set(editor: Editor, folder: Path) -> None:
 def test_renaming_is_refused(  # noqa: PLR0913, PLR0917 - the columns of a table
     editor: Editor, folder: Path, name: str, needle: str, new: str, why: str
 ) -> None:
-    """A name that is taken or malformed, and names of others, are refused with the reason."""
+    """A taken or malformed name, and names of others, are rejected with the reason."""
     file = folder / "rules/mine" / name
     editor.open(file)
     response = editor.request("textDocument/rename", **editor.place(file, needle), newName=new)

@@ -38,7 +38,7 @@ def run(*command: str, **environment: str) -> str:
 
 @pytest.fixture(name="npm", scope="module")
 def install() -> str:
-    """Install the libraries of the lock file and return the program that did."""
+    """Install the libraries of the lock file and return the program that installed them."""
     npm = shutil.which("npm")
     if npm is None:
         pytest.skip("Node.js with npm is not installed")

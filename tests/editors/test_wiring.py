@@ -25,7 +25,7 @@ LAUNCH = """\
 
 
 def build(folder: Path) -> None:
-    """Build the store of a workspace as its owner does."""
+    """Build the store of a workspace like its owner."""
     subprocess.run([sys.executable, "-m", "kg", "build", "src"], cwd=folder, check=True, capture_output=True)
 
 
@@ -41,7 +41,7 @@ def make_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(name="workspace")
 def make_workspace(folder: Path, tmp_path: Path) -> Path:
-    """Return a copy of the workspace for a test that changes it, in a folder with a space in its name."""
+    """Return a copy of the workspace for a modifying test, in a folder with a space in its name."""
     target = tmp_path / "my robot"
     shutil.copytree(folder, target)
     return target
@@ -53,7 +53,7 @@ def codes(found: list[dict[str, Any]]) -> list[str]:
 
 
 def test_a_misspelt_topic(folder: Path) -> None:
-    """The name is marked, its code leads to the documentation, and related lines are named."""
+    """The name is marked, its code links to the documentation, and related lines are listed."""
     file = folder / "src/watch/launch/watch.launch"
     with editing(folder) as editor:
         (found,) = editor.diagnostics(file)
@@ -67,8 +67,8 @@ def test_a_misspelt_topic(folder: Path) -> None:
 
 
 def test_a_fix_and_a_save(workspace: Path) -> None:
-    """The quick fix corrects the name; when the file is saved, its source is built again and the finding is gone."""
-    build(workspace)  # the store names the folder that it was copied from
+    """The quick fix corrects the name; on saving, the source is built again and the finding disappears."""
+    build(workspace)  # the store names its original folder
     file = workspace / "src/watch/launch/watch.launch"
     with editing(workspace) as editor:
         editor.open(file)
@@ -86,7 +86,7 @@ def test_a_fix_and_a_save(workspace: Path) -> None:
 
 
 def test_a_fix_of_a_text_that_changed(folder: Path) -> None:
-    """A quick fix is offered only while its text is where it was."""
+    """A quick fix is offered only while its text is unchanged in place."""
     file = folder / "src/watch/launch/watch.launch"
     with editing(folder) as editor:
         editor.open(file)
@@ -109,7 +109,7 @@ def test_a_build_elsewhere(workspace: Path) -> None:
 
 
 def test_no_build_is_wanted(workspace: Path) -> None:
-    """With the option `build` off, saving reads the findings of the store as it is."""
+    """With the option `build` off, saving reads the findings of the existing store."""
     build(workspace)
     file = workspace / "src/watch/launch/watch.launch"
     with editing(workspace, options={"build": False}) as editor:
@@ -121,7 +121,7 @@ def test_no_build_is_wanted(workspace: Path) -> None:
 
 
 def test_unusable_settings(folder: Path, tmp_path: Path) -> None:
-    """What is wrong with kg.toml is shown, and rules are served all the same."""
+    """An error in kg.toml is shown, and rules are still served."""
     (tmp_path / "kg.toml").write_text("[[lint.allow]]\ncode = 'KG401'\n")
     shutil.copytree(folder / ".kg", tmp_path / ".kg")
     rule = tmp_path / "rules" / "mine" / "one.rq"
@@ -133,7 +133,7 @@ def test_unusable_settings(folder: Path, tmp_path: Path) -> None:
 
 
 def test_no_store(tmp_path: Path) -> None:
-    """Without a store nothing is published about launch files, and nothing is shown."""
+    """Without a store no diagnostics of launch files are published, and no message is shown."""
     file = tmp_path / "a.launch"
     rule = tmp_path / "rules" / "mine" / "one.rq"
     file.write_text(LAUNCH)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A copy of the example workspace, in `field`, and a store of it."""
+    """A copy of the example workspace, in `field`, and its store."""
 
     source: Path
     settings: Settings
@@ -31,6 +31,6 @@ class Field:
 
 @pytest.fixture(scope="session", name="field")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Field:
-    """Return the example workspace and its store; tests change neither."""
+    """Return the example workspace and its store, both read-only."""
     root = example(tmp_path_factory, "field")
     return Field(root / "field", settings.load({"store": root / ".kg"}))

@@ -1,4 +1,4 @@
-"""Table 9: calls found by words alone, facts held against their lines."""
+"""Table 9: calls found by name alone, facts checked against their lines."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FACT = Fact("publishes", "r", "p", "n", "~/ns/scan", None, None, "r", "a.cpp", 2
 
 
 def test_calls_of_cpp() -> None:
-    """Comments, strings, macros and declarations are no calls; a statement reaches over lines."""
+    """Comments, strings, macros and declarations are not calls; a statement may span lines."""
     found = set(sites((CASES / "calls.cpp").read_text("utf-8"), "cpp"))
     assert found == {
         Site("publishes", 8, 8, 8),
@@ -44,7 +44,7 @@ def test_calls_of_cpp() -> None:
 
 
 def test_calls_of_python() -> None:
-    """Docstrings, definitions and base classes are no calls."""
+    """Docstrings, definitions and base classes are not calls."""
     found = set(sites((CASES / "calls.py.txt").read_text("utf-8"), "python"))
     assert found == {
         Site("publishes", 5, 5, 6),
@@ -56,7 +56,7 @@ def test_calls_of_python() -> None:
 
 @given(st.text(alphabet="ab\n\"'#/*\\R(){};.<>=, x", max_size=200), st.sampled_from(["cpp", "python"]))
 def test_any_text_keeps_its_places(text: str, language: str) -> None:
-    """Blanks stand for what is no code: as many characters, the same lines; and calls lie in their statements."""
+    """Non-code is replaced with spaces of the same length, on the same lines; and calls lie in their statements."""
     code = without_words(text, language)
     assert len(code) == len(text)
     assert [at for at, sign in enumerate(code) if sign == "\n"] == [at for at, sign in enumerate(text) if sign == "\n"]
@@ -86,7 +86,7 @@ def test_a_line_holds_a_fact(fact: Fact, line: str, right: bool) -> None:  # noq
 
 
 def test_the_example_against_its_code(field: Field) -> None:
-    """All but the pair of a statement that makes options and one that uses them is found; what fails is named."""
+    """Only the pair of a statement that creates options and one that uses them is missing; failures are named."""
     with field.store.read() as snapshot:
         found = check_code(snapshot, SourceLines(snapshot), 1000, 0)
         again = check_code(snapshot, SourceLines(snapshot), 30, 7)
@@ -102,7 +102,7 @@ def test_the_example_against_its_code(field: Field) -> None:
 
 
 def test_files_that_changed_are_counted_apart(field: Field, tmp_path: Path) -> None:
-    """A file that is not as it was read says nothing; nor does a source that is not here."""
+    """A file that changed since reading, or a missing source, is not judged."""
     copy = Path(shutil.copytree(field.source, tmp_path / "field"))
     (copy / "rover" / "rover_robot" / "scripts" / "patrol").with_suffix(".py").write_text("changed = 1\n")
     node = copy / "rover" / "rover_robot" / "src" / "scan_filter_nodelet.cpp"
@@ -120,7 +120,7 @@ def test_files_that_changed_are_counted_apart(field: Field, tmp_path: Path) -> N
 
 
 def test_files_of_tests_are_searched_on_demand(field: Field, tmp_path: Path) -> None:
-    """What a test calls counts when it is asked for."""
+    """Calls of tests count on request."""
     copy = Path(shutil.copytree(field.source, tmp_path / "field"))
     folder = copy / "rover" / "rover_robot" / "test"
     folder.mkdir()
@@ -135,7 +135,7 @@ def test_files_of_tests_are_searched_on_demand(field: Field, tmp_path: Path) -> 
 
 
 def test_groups_are_weighed_by_their_size() -> None:
-    """The mean of the shares by size; nothing where a group was not looked at, no spread where all were."""
+    """The mean of the shares is weighted by size, absent if a group is unchecked, and exact if all are checked."""
     found = weighed([(90, 10, 10), (10, 10, 5)])
     assert found is not None
     assert found.value == pytest.approx(0.95)
@@ -145,7 +145,7 @@ def test_groups_are_weighed_by_their_size() -> None:
 
 
 def test_what_is_no_end_has_no_place(tmp_path: Path) -> None:
-    """A slot for plugins that a helper reads is neither end nor parameter; the publisher beside it has its call."""
+    """A slot for plugins read by a helper is neither end nor parameter; the publisher next to it has its call."""
     graph = NamedNode(Iris("https://w3id.org/rnkg/").source_graph("r"))
     a = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
     triples = f"""<urn:r> {a} <{NS}Repository> .

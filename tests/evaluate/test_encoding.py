@@ -1,4 +1,4 @@
-"""Tests of models of sentence embeddings, with a module in place of the library."""
+"""Tests of sentence embedding models, with a stand-in for the library."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _model(folder: Path) -> Path:
 
 
 def _library(monkeypatch: pytest.MonkeyPatch, encoded: Any) -> None:
-    """Put a module in place of sentence-transformers whose models give `encoded`, or raise it."""
+    """Install a stand-in for sentence-transformers whose models return `encoded`, or raise it."""
 
     class Transformer:
         def __init__(self, path: str, *, local_files_only: bool) -> None:
@@ -44,12 +44,12 @@ def _library(monkeypatch: pytest.MonkeyPatch, encoded: Any) -> None:
 
 @pytest.fixture(autouse=True)
 def _switches(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Leave the environment of other tests as it was."""
+    """Restore the environment of other tests."""
     monkeypatch.setattr(os, "environ", os.environ.copy())
 
 
 def test_what_is_no_model_is_refused(tmp_path: Path) -> None:
-    """The name of a model elsewhere is not downloaded, and a folder without a model says what is missing."""
+    """A name of a remote model is not downloaded, and a folder without a model reports the missing files."""
     for path, words in ((tmp_path / "all-MiniLM-L6-v2", "not a folder"), (tmp_path, "holds no model")):
         with pytest.raises(UsageError, match=words) as raised:
             FolderModel(path)
@@ -58,7 +58,7 @@ def test_what_is_no_model_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_extra_is_named_where_it_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The error says how to install it; a model alone loads nothing."""
+    """The error explains the installation; a model alone loads nothing."""
     monkeypatch.setitem(sys.modules, "sentence_transformers", None)
     model = FolderModel(_model(tmp_path))
     with pytest.raises(UsageError, match="not installed") as raised:
@@ -72,7 +72,7 @@ def test_the_extra_is_named_where_it_is_missing(tmp_path: Path, monkeypatch: pyt
     [(OSError("no file named model.safetensors"), "model.safetensors"), ([[float("nan")]], "invalid numbers")],
 )
 def test_a_broken_model_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoded: Any, words: str) -> None:
-    """What the library says stands in the error."""
+    """The error contains the message of the library."""
     _library(monkeypatch, encoded)
     with pytest.raises(UsageError, match=words) as raised:
         FolderModel(_model(tmp_path)).encode(["scan"])
@@ -80,6 +80,6 @@ def test_a_broken_model_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 
 
 def test_vectors_have_32_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Vectors are arrays of numbers of 32 bits, whatever the library gives."""
+    """Vectors are arrays of 32-bit numbers, whatever the library returns."""
     _library(monkeypatch, [[0.6, 0.8]])
     assert FolderModel(_model(tmp_path)).encode(["scan"]).dtype == np.float32

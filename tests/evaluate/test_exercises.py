@@ -44,14 +44,14 @@ def variants() -> list[tuple[Exercise, Robot]]:
 def test_there_are_four_exercises_for_both_robots() -> None:
     """Their programs are the files of the folder, each once."""
     assert [exercise.number for exercise in EXERCISES] == [1, 2, 3, 4]
-    own = [name for name in TEXTS if name.startswith(ROBOTS)]  # the arm's program is not one of the paper
+    own = [name for name in TEXTS if name.startswith(ROBOTS)]  # the arm's program is not part of the paper
     assert sorted(exercise.of(robot).program for exercise, robot in variants()) == own
     assert get_args(Robot) == ROBOTS
 
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_the_json_form_is_that_of_the_text(name: str) -> None:
-    """Beside each text stands its JSON, which is the same program."""
+    """The JSON next to each text is the same program."""
     written = (FOLDER / name).with_suffix(".json").read_bytes()
     program = load(str(FOLDER / name)).program
     assert decode(written) == program
@@ -60,7 +60,7 @@ def test_the_json_form_is_that_of_the_text(name: str) -> None:
 
 @pytest.mark.parametrize(("exercise", "robot"), variants())
 def test_what_an_exercise_asks_for_is_in_the_world(exercise: Exercise, robot: Robot) -> None:
-    """Rooms and tags by which it is judged exist."""
+    """The rooms and tags of its goal exist."""
     plan, variant = read_plan(robot), exercise.of(robot)
     assert {*variant.visits, variant.ends} - {None} <= {room.name for room in plan.rooms}
     assert variant.task
@@ -68,7 +68,7 @@ def test_what_an_exercise_asks_for_is_in_the_world(exercise: Exercise, robot: Ro
 
 @pytest.mark.parametrize(("exercise", "robot"), variants())
 def test_the_exercise_reaches_its_goal(exercise: Exercise, robot: Robot) -> None:
-    """The program, run in the simulation, makes true in the world what the exercise asks for."""
+    """The program, run in the simulation, reaches the goal of the exercise."""
     pytest.importorskip("pybullet", reason="worlds need pybullet")
     pytest.importorskip("cv2", reason="tags need OpenCV")
     outcome: Outcome = asyncio.run(perform(exercise, robot, Settings()))
@@ -78,7 +78,7 @@ def test_the_exercise_reaches_its_goal(exercise: Exercise, robot: Robot) -> None
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_same_program_runs_in_ros_2(robot: Robot) -> None:
-    """Other types, names and actions are no concern of the program."""
+    """The program is independent of types, names and actions."""
     pytest.importorskip("pybullet", reason="worlds need pybullet")
     pytest.importorskip("cv2", reason="tags need OpenCV")
     variant = EXERCISES[1].of(robot)
@@ -92,7 +92,7 @@ def test_the_same_program_runs_in_ros_2(robot: Robot) -> None:
 
 @pytest.mark.parametrize(("exercise", "robot"), variants())
 def test_a_robot_that_did_nothing_reached_nothing(exercise: Exercise, robot: Robot) -> None:
-    """The world of the beginning fulfils no exercise, so that the truth is able to say no."""
+    """The initial world fulfils no exercise, so the check can fail."""
     pytest.importorskip("pybullet", reason="worlds need pybullet")
     pytest.importorskip("cv2", reason="tags need OpenCV")
     variant = exercise.of(robot)
@@ -102,7 +102,7 @@ def test_a_robot_that_did_nothing_reached_nothing(exercise: Exercise, robot: Rob
 
 
 def test_visits_count_in_their_order() -> None:
-    """The same rooms in another order are another thing."""
+    """The same rooms in another order do not count."""
     pytest.importorskip("pybullet", reason="worlds need pybullet")
     with World("office") as world:
         world.visited[:] = ["corridor", "kitchen", "corridor", "office 2"]
@@ -112,14 +112,14 @@ def test_visits_count_in_their_order() -> None:
 
 @pytest.fixture(scope="module")
 def known() -> dict[str, Capabilities]:
-    """Give what rules infer for both robots."""
+    """Return the inferred capabilities of both robots."""
     pytest.importorskip("pybullet", reason="worlds need pybullet")
     pytest.importorskip("cv2", reason="tags need OpenCV")
     return asyncio.run(capabilities_of_robots(Settings()))
 
 
 def test_the_capabilities_of_both_robots(known: dict[str, Capabilities]) -> None:
-    """Table 1 has a row for each capability that can be reached, and tells whose it is."""
+    """Table 1 has a row for each capability with a way, and its robots."""
     rows = {str(row[0]): row[2:] for row in capabilities_table(known, {}).rows}
     assert rows["go to a pose"] == ("yes", "")
     assert rows["take off"] == rows["land"] == rows["stop in an emergency"] == ("", "yes")
@@ -128,7 +128,7 @@ def test_the_capabilities_of_both_robots(known: dict[str, Capabilities]) -> None
 
 
 def test_rows_of_the_paper_stand_beside_ours(known: dict[str, Capabilities]) -> None:
-    """Its robots have columns, and what only it has has a row."""
+    """The paper's robots have columns, and capabilities only in the paper have rows."""
     table = capabilities_table(known, {"office": ["goingToPose", "brewing"]})
     assert table.columns == ("capability", "kind", "office", "drone", "onto-ros office")
     rows = {str(row[0]): row[2:] for row in table.rows}
@@ -150,20 +150,20 @@ def test_programs_take_less_than_code(known: dict[str, Capabilities]) -> None:
 
 
 def test_figures_of_the_paper_stand_beside_ours(known: dict[str, Capabilities]) -> None:
-    """A figure that is known has its column; those of other exercises are empty there."""
+    """A known figure has its column, which is empty for other exercises."""
     table = exercises_table(known, {"1 office": {"lines": 60}})
     assert table.columns[7:] == ("onto-ros lines",)
     assert [row[7] for row in table.rows] == [60, *[None] * 7]
 
 
 def test_without_figures_of_the_paper_that_is_said(known: dict[str, Capabilities]) -> None:
-    """The table has no column for it, and a note."""
+    """Without figures the table has no column for them, and a note."""
     (note,) = exercises_table(known, {}).notes
     assert "onto-ros.toml" in note
 
 
 def test_runs_say_what_was_not_reached() -> None:
-    """An exercise that failed has the reasons in place of `reached`."""
+    """A failed exercise has the reasons in place of `reached`."""
     good = Outcome(1, "office", (), 41.0, 3.0)
     bad = Outcome(2, "drone", ("it did not land", "it ended 3.0 m away from tag 12"), 20.0, 2.0)
     assert [row[2] for row in runs_table([good, bad]).rows] == [

@@ -23,7 +23,7 @@ def test_the_ends_of_an_interval_are_where_the_score_test_just_accepts(counted: 
 
 @given(SHARES)
 def test_an_interval_holds_the_share_and_mirrors(counted: tuple[int, int]) -> None:
-    """The share lies inside, the interval of what is wrong is the mirror image."""
+    """The share lies inside, and the interval of the complement is the mirror image."""
     right, number = counted
     low, high = wilson(right, number)
     assert 0 <= low <= right / number <= high <= 1
@@ -37,7 +37,7 @@ def test_an_interval_holds_the_share_and_mirrors(counted: tuple[int, int]) -> No
     [(0, 0, 0.0, 1.0), (0, 10, 0.0, 0.277532), (10, 10, 0.722467, 1.0), (81, 263, 0.255265, 0.366239)],
 )
 def test_known_intervals(right: int, number: int, low: float, high: float) -> None:
-    """81 of 263 is the example of Newcombe (1998), table I; nothing counted tells nothing."""
+    """81 of 263 is the example of Newcombe (1998), table I; without data the interval is 0 to 1."""
     assert wilson(right, number) == pytest.approx((low, high), abs=2e-4)
 
 

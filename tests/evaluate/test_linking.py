@@ -1,4 +1,4 @@
-"""Tables 8 and 10 on the example workspace, and in step with the script that scores interfaces."""
+"""Tables 8 and 10 on the example workspace, compared with the script that scores interfaces."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def counted(table: Table, column: str) -> dict[str, tuple[int, int]]:
 
 
 def test_entities_that_references_name(field: Field) -> None:
-    """What packages have by the same name and role is known, topics of actions and names with holes too."""
+    """Entities with the same name and role in a package match, including topics of actions and names with holes."""
     with field.store.read() as snapshot:
         table, ground = completeness(snapshot, [CASES / "truth.jsonl"], Choice())
     assert counted(table, "known") == {
@@ -56,7 +56,7 @@ def test_entities_that_references_name(field: Field) -> None:
 
 
 def test_relations_of_references(field: Field) -> None:
-    """Recall is of the very node; precision only where a reference names all of a role."""
+    """Recall requires the exact node; precision is computed only if a reference names all of a role."""
     with field.store.read() as snapshot:
         table, _ = correctness(snapshot, [CASES / "truth.jsonl"], Choice())
     assert counted(table, "recall") == {
@@ -87,7 +87,7 @@ def test_references_that_name_all(field: Field) -> None:
 
 
 def test_pages_speak_of_the_package_around_them(field: Field, tmp_path: Path) -> None:
-    """A wiki page and a README count for their folder's package, or the one that is named; else they are refused."""
+    """A wiki page and a README belong to their folder's package, or the named one; others are rejected."""
     page = field.source / "rover" / "rover_robot" / "page.txt"
     shutil.copy(CASES / "wiki.txt", page)
     outside = Path(shutil.copy(CASES / "readme.md", tmp_path / "README.md"))
@@ -113,12 +113,12 @@ def test_pages_speak_of_the_package_around_them(field: Field, tmp_path: Path) ->
     [("0123ab", "0123", True), ("0123", "0123ab", True), ("0124", "0123", False), (None, "0123", True)],
 )
 def test_commits_are_compared_as_far_as_they_are_said(said: str | None, read: str, same: bool) -> None:  # noqa: FBT001 - a case
-    """An abbreviated commit is the same one; a reference without a commit is taken."""
+    """An abbreviated commit matches; a reference without a commit is accepted."""
     assert _same(said, read) is same
 
 
 def test_kept_references_answer_stored_queries(field: Field, tmp_path: Path) -> None:
-    """The queries give the same over the whole store; forgotten, they give nothing."""
+    """The queries give the same over the whole store; after removal, they give nothing."""
     copy = settings.load({"store": tmp_path / "store"})
     shutil.copytree(str(field.settings.store), tmp_path / "store")
     with field.store.read() as snapshot:
@@ -133,7 +133,7 @@ def test_kept_references_answer_stored_queries(field: Field, tmp_path: Path) -> 
 
 
 def rows(given: settings.Settings, name: str) -> dict[str, dict[str, int]]:
-    """Return what a stored query gives on a store."""
+    """Return the result of a stored query on a store."""
     with api.open_store(given.store).read() as snapshot:
         answer = run(snapshot, stored.find(name).text)
     assert isinstance(answer, Solutions)
@@ -142,7 +142,7 @@ def rows(given: settings.Settings, name: str) -> dict[str, dict[str, int]]:
 
 
 def test_recall_is_that_of_the_script_that_scores_interfaces(field: Field) -> None:
-    """Recall of names and of names with types, by role at the very node, is the same as the shared script's."""
+    """Recall of names and of names with types, by role at the exact node, equals that of the shared script."""
     if not TOOL.is_file():
         pytest.skip(f"{TOOL} is not there")
     spec = importlib.util.spec_from_file_location("score_interfaces", TOOL)

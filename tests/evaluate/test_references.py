@@ -23,7 +23,7 @@ KEYS = st.sampled_from(["repo", "package", "node", "publishes", "params", "close
 
 
 def test_both_shapes_of_records_are_read() -> None:
-    """Objects and pairs give the same entries; what is not to be scored, or has no package, is counted."""
+    """Objects and pairs give the same entries; unscored ones, and those without a package, are counted."""
     found = read(CASES / "truth.jsonl")
     scan, mission, *_ = found.references
     assert scan.closed == {"publishes", "subscribes", "services"}
@@ -36,7 +36,7 @@ def test_both_shapes_of_records_are_read() -> None:
 
 
 def test_lines_about_one_node_belong_together(tmp_path: Path) -> None:
-    """A node of several lines, one for each launch file, counts once with all that was said of it."""
+    """A node of several lines, one for each launch file, counts once with all its references."""
     line = {"repo": "a/b", "package": "p", "executable": "x"}
     path = tmp_path / "two.jsonl"
     lines = [
@@ -71,7 +71,7 @@ def test_a_line_that_is_no_reference_is_named(tmp_path: Path, text: str, words: 
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    """No file, no UTF-8: the error has the path."""
+    """A missing file, or one that is not UTF-8, is an error with the path."""
     (tmp_path / "latin.jsonl").write_bytes(b"\xff\xfe")
     for name in ("none.jsonl", "latin.jsonl"):
         with pytest.raises(UsageError, match="cannot be read"):
@@ -81,7 +81,7 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.dictionaries(KEYS, JSON))
 def test_any_json_is_read_or_refused(tmp_path: Path, record: dict[str, Any]) -> None:
-    """No line of JSON does harm: it is read, or refused with KG721."""
+    """Any JSON line is read, or rejected with KG721."""
     path = tmp_path / "any.jsonl"
     path.write_text(json.dumps({"repo": "a/b", **record}))
     with suppress(UsageError):
@@ -90,12 +90,12 @@ def test_any_json_is_read_or_refused(tmp_path: Path, record: dict[str, Any]) -> 
 
 @given(st.text(alphabet="#|-`*[]() \n~:/abInput Name Type Parameters", max_size=300))
 def test_any_page_is_read(text: str) -> None:
-    """No page of Markdown does harm, and its entries have names."""
+    """Any Markdown page is parsed, and its entries have names."""
     assert all(entry.name for node in readme_nodes(text) for entry in node.entries)
 
 
 def test_tables_and_lists_of_a_readme() -> None:
-    """Headings tell the role and the node; other tables, code and names that are none are passed over."""
+    """Headings give the role and the node; other tables, code and invalid names are skipped."""
     found = readme_nodes((CASES / "readme.md").read_text("utf-8"))
     named = {node.name: [(entry.kind, entry.name, entry.type) for entry in node.entries] for node in found}
     assert named == {
@@ -118,7 +118,7 @@ def test_tables_and_lists_of_a_readme() -> None:
     [("~/a", "a"), ("~a", "a"), ("/a/b/", "a/b"), ("/", None), (None, None), ("a?", None), ("<n>/{x}b", "*/*b")],
 )
 def test_plain_names(name: str | None, plain: str | None) -> None:
-    """Names are compared without what marks them private or absolute, holes as stars."""
+    """Names are compared without marks of private and absolute names, holes as stars."""
     assert plain_name(name) == plain
 
 

@@ -1,4 +1,4 @@
-"""Table 11 on the example workspace; gains in step with the script that scores searches."""
+"""Table 11 on the example workspace; gains compared with the script that scores searches."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def means(table: Table) -> dict[tuple[str, str], float]:
 
 
 def test_ways_to_find_nodes_are_compared(field: Field) -> None:
-    """Each way has its means; those of what finds the one right node first are one."""
+    """Each method has its means; a method that ranks the one right node first has means of one."""
     pytest.importorskip("sklearn", reason="the extra `evaluate` is not installed")
     pytest.importorskip("rapidfuzz", reason="the extra `evaluate` is not installed")
     pytest.importorskip("networkx", reason="the extra `evaluate` is not installed")
@@ -56,7 +56,7 @@ def test_ways_to_find_nodes_are_compared(field: Field) -> None:
 
 
 def test_nothing_is_so_and_so_many_times_better_than_what_finds_nothing() -> None:
-    """Beside a way whose mean is zero there is the difference, and no share of it."""
+    """Compared with a method whose mean is zero, there is a difference, and no ratio."""
     difference, share = _compared([0.5, 1.0], [0.0, 0.0])
     assert isinstance(difference, Score)
     assert difference.value == 0.75
@@ -67,7 +67,7 @@ def test_nothing_is_so_and_so_many_times_better_than_what_finds_nothing() -> Non
 
 
 def test_a_pattern_asks_for_ends_of_its_own() -> None:
-    """Two ends of one type ask for two, of one role; actions count as services; no constraint finds nothing."""
+    """Two ends of one type require two, of one role; actions count as services; no constraint finds nothing."""
 
     def node(*ends: tuple[str, str]) -> Document:
         made = tuple(End(role, None, kind, "", 1) for role, kind in ends)
@@ -87,7 +87,7 @@ def test_a_pattern_asks_for_ends_of_its_own() -> None:
 def test_gains_are_those_of_the_script_that_scores_searches(
     judged: list[Judged], ranked: list[Ranked], depth: int
 ) -> None:
-    """NDCG is the same as the shared script's, and lies between 0 and 1."""
+    """NDCG equals that of the shared script, and lies between 0 and 1."""
     found = ndcg(Need("n", "q", tuple(judged)), ranked, depth)
     assert 0 <= found <= 1 + 1e-9
     if TOOL.is_file():
@@ -115,7 +115,7 @@ def _tool() -> Any:
     ],
 )
 def test_a_file_without_needs_is_refused(tmp_path: Path, text: str, words: str) -> None:
-    """The error names what is wrong; so does that about a file that is not there."""
+    """The error names the fault; so does that about a missing file."""
     (tmp_path / "needs").write_text(text)
     with pytest.raises(UsageError, match=words) as raised:
         read_needs(tmp_path / "needs")
@@ -125,14 +125,14 @@ def test_a_file_without_needs_is_refused(tmp_path: Path, text: str, words: str) 
 
 
 def test_a_library_that_is_missing_is_named() -> None:
-    """The error says how to install it."""
+    """The error explains the installation."""
     with pytest.raises(UsageError, match="is not installed") as raised:
         library("kg_no_such_library", "no-such-library")
     assert raised.value.hint == "pip install 'kg-ros[evaluate]'"
 
 
 def test_embeddings_of_a_model(field: Field, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A model in a folder is one more way; one that is not there is refused."""
+    """A model in a folder is an additional method; a missing one is rejected."""
     module = ModuleType("sentence_transformers")
 
     class Letters:

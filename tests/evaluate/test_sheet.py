@@ -33,7 +33,7 @@ def sheet(field: Field, size: int, seed: int = 0) -> list[dict[str, str]]:
 
 
 def test_a_sheet_has_facts_of_every_relation_with_their_lines(field: Field) -> None:
-    """Facts that were read stand on the line that makes them; inferred ones on that of their node."""
+    """Asserted facts have the line of their origin; inferred ones that of their node."""
     rows = sheet(field, 50)
     assert len(rows) == 50
     assert {row["relation"] for row in rows} >= {"publishes", "has parameter", "calls action", *INFERRED}
@@ -53,7 +53,7 @@ def test_a_sheet_larger_than_the_store_has_every_fact(field: Field) -> None:
 
 @given(st.dictionaries(st.text(max_size=3), st.integers(0, 40), max_size=6), st.integers(0, 150))
 def test_strata_get_the_same_as_far_as_they_can(sizes: dict[str, int], size: int) -> None:
-    """No stratum gets more than it has, and none less than another unless it has no more."""
+    """No stratum gets more than its size, and none less than another unless exhausted."""
     found = shares_of(sizes, size)
     assert sum(found.values()) == min(size, sum(sizes.values()))
     most = max(found.values(), default=0)
@@ -73,7 +73,7 @@ def judged(path: Path, rows: list[tuple[str, int, str]]) -> Path:
 
 
 def test_a_judged_sheet_is_scored(tmp_path: Path) -> None:
-    """What is unsure or empty does not count; relations are weighed by their facts in the last row."""
+    """Unsure and empty answers are ignored; the last row weights relations by their facts."""
     rows = [("publishes", 90, "yes"), ("publishes", 90, " Y "), ("publishes", 90, "?"), ("publishes", 90, "")]
     rows += [("provides", 10, "yes"), ("provides", 10, "NO")]
     table = score_sheet(judged(tmp_path / "sheet.csv", rows))
@@ -88,7 +88,7 @@ def test_a_judged_sheet_is_scored(tmp_path: Path) -> None:
 
 
 def test_relations_that_were_not_judged_leave_the_whole_open(tmp_path: Path) -> None:
-    """Without judgements of a relation nothing is said of all facts."""
+    """Without judgements of a relation the total is open."""
     table = score_sheet(judged(tmp_path / "sheet.csv", [("publishes", 9, "yes"), ("calls", 9, "")]))
     assert table.rows[-1][1] is None
 
@@ -114,7 +114,7 @@ def test_what_is_no_sheet_is_refused(tmp_path: Path, text: str, line: int, words
 
 
 def test_a_sheet_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    """No file: KG722."""
+    """A missing file is KG722."""
     with pytest.raises(UsageError, match="cannot be read"):
         score_sheet(tmp_path / "none.csv")
 
@@ -122,7 +122,7 @@ def test_a_sheet_that_is_not_there_is_refused(tmp_path: Path) -> None:
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.text(alphabet=',"\n\r\x00yesno?1 relation', max_size=120))
 def test_any_text_is_scored_or_refused(tmp_path: Path, text: str) -> None:
-    """No text does harm."""
+    """Any text is scored or rejected."""
     path = tmp_path / "any.csv"
     path.write_text(f"relation,facts,right\n{text}")
     with suppress(UsageError):
@@ -136,7 +136,7 @@ def test_no_cell_is_a_formula(field: Field, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_paths_that_lead_out_of_a_source_are_not_read(field: Field) -> None:
-    """A store may come from elsewhere: only files of its sources are read, and no address fails."""
+    """For a foreign store, only files of its sources are read, and no address fails."""
     with field.store.read() as snapshot:
         lines = SourceLines(snapshot)
         (name,) = lines.states

@@ -37,7 +37,7 @@ def test_means_stand_next_to_those_of_the_paper(tmp_path: Path) -> None:
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
-    """A row that is no result is named by its line."""
+    """A row that is not a result is reported with its line."""
     with pytest.raises(UsageError, match="not a result of a study") as error:
         read(written(tmp_path, "a,office,one"))
     assert error.value.place is not None

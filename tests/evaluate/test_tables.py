@@ -30,7 +30,7 @@ TABLE = Table(
 
 
 def test_a_table_in_markdown() -> None:
-    """Cells are spelled for people: shares with their counts and intervals, differences with a sign."""
+    """Cells are formatted for people: shares with their counts and intervals, differences with a sign."""
     text = as_markdown(TABLE)
     assert "| one\\|two | 1,200 | 25.0 % (1/4) [10.0, 50.0] | 0.500 [0.400, 0.600] |" in text
     assert "| three | - | - | -0.250 [-0.500, +0.000] |" in text
@@ -49,7 +49,7 @@ def test_a_table_as_csv_and_objects() -> None:
 
 @given(st.lists(st.tuples(st.text(), st.integers(0, 50), st.integers(0, 50)), max_size=8), st.text())
 def test_any_table_is_a_well_formed_figure(rows: list[tuple[str, int, int]], title: str) -> None:
-    """Whatever its words, a table gives XML with a title and a description and without a script."""
+    """For any texts, a table gives XML with a title and a description and without a script."""
     cells = tuple((name, Share(min(part, whole), whole, (0.0, 1.0))) for name, part, whole in rows)
     root = ET.fromstring(draw(Table("t", title, ("name", "share"), cells)))  # noqa: S314 - our own
     tags = [element.tag.rpartition("}")[2] for element in root.iter()]
@@ -58,7 +58,7 @@ def test_any_table_is_a_well_formed_figure(rows: list[tuple[str, int, int]], tit
 
 
 def test_the_figures_of_the_paper_stand_beside() -> None:
-    """A column of the paper is there when a figure of it is known, and only then."""
+    """A column of the paper is present if and only if one of its figures is known."""
     assert beside(TABLE, ("what",), {}) == TABLE
     found = beside(TABLE, ("what",), {"three": 0.75})
     assert found.columns[-1] == "RNKG"
@@ -66,7 +66,7 @@ def test_the_figures_of_the_paper_stand_beside() -> None:
 
 
 def test_a_table_is_written_as_three_files(tmp_path: Path) -> None:
-    """Markdown, CSV and SVG come into a folder that need not be there; a folder that cannot be is told."""
+    """Markdown, CSV and SVG are written to a new or existing folder; an impossible folder is an error."""
     written = write(TABLE, tmp_path / "new" / "folder")
     assert [path.name for path in written] == ["demo.md", "demo.csv", "demo.svg"]
     (tmp_path / "file").write_text("")

@@ -1,9 +1,9 @@
-"""Extraction cases are files: `cases/<language>/<case>/` holds a small source and `expected.json`.
+"""Extraction cases are files: `cases/<language>/<case>/` has a small source and `expected.json`.
 
-`expected.json` is a list of nodes as `kg nodes --json` prints them (docs: machine-readable outputs), each with the
-keys that the case is about. Lists of interfaces and parameters are compared as a whole, without what frameworks make,
-on the keys that the expected entries give; a node that is not listed fails the case. `implicit` lists names of
-interfaces that must be there through a framework, `problems` (in an object beside `nodes`) the codes of problems.
+`expected.json` is a list of nodes as printed by `kg nodes --json` (docs: machine-readable outputs), each with the keys
+under test. Lists of interfaces and parameters are compared completely, without implicit ones, on the keys of the
+expected entries; an unlisted node fails the case. `implicit` lists names of required implicit interfaces, `problems`
+(in an object next to `nodes`) the codes of problems.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def extract(case: Path) -> list[PackageFacts]:
 
 
 def record_of(node: NodeType, package: str) -> Record:
-    """Return a node as `kg nodes --json` prints it, what frameworks make apart."""
+    """Return a node in the form of `kg nodes --json`, with implicit interfaces separated."""
     written = [item for item in node.interfaces if not item.implicit]
     return {
         "package": package,
@@ -65,7 +65,7 @@ def record_of(node: NodeType, package: str) -> Record:
 
 
 def interface_record(item: Interface) -> Record:
-    """Return an interface as `kg nodes --json` prints it, with the fields of the fact that it leaves out."""
+    """Return an interface in the form of `kg nodes --json`, including the fields omitted there."""
     record = asdict(item)
     del record["role"], record["location"]
     if item.qos is not None:
@@ -75,7 +75,7 @@ def interface_record(item: Interface) -> Record:
 
 
 def slot_record(item: PluginSlot) -> Record:
-    """Return a plugin slot as `kg nodes --json` prints it, each default as `NAME: CLASS`."""
+    """Return a plugin slot in the form of `kg nodes --json`, each default as `NAME: CLASS`."""
     record = asdict(item)
     del record["location"]
     defaults = [f"{one.name or '-'}: {one.class_name}" for one in item.defaults]
@@ -88,20 +88,20 @@ def evidence_record(item: Interface | Parameter | PluginSlot) -> Record:
 
 
 def quality(qos: Qos) -> Record:
-    """Return a quality of service as `kg nodes --json` prints it: the rarer policies only where they are known."""
+    """Return a quality of service in the form of `kg nodes --json`: the rarer policies only if they are known."""
     usual = {"reliability", "durability", "history", "depth"}
     return {name: value for name, value in asdict(qos).items() if name in usual or value is not None}
 
 
 def parameter_record(item: Parameter) -> Record:
-    """Return a parameter as `kg nodes --json` prints it."""
+    """Return a parameter in the form of `kg nodes --json`."""
     record = asdict(item)
     del record["location"]
     return {**record, "access": item.access.value, **evidence_record(item)}
 
 
 def restricted(found: object, wanted: object, key: str = "") -> object:
-    """Return what was found with only the keys that are wanted, lists of entries in one order."""
+    """Return the result with only the expected keys, and lists of entries in a fixed order."""
     if isinstance(found, dict) and isinstance(wanted, dict):
         return {name: restricted(found.get(name), value, name) for name, value in wanted.items()}
     if key == "implicit" and isinstance(found, list) and isinstance(wanted, list):
@@ -113,7 +113,7 @@ def restricted(found: object, wanted: object, key: str = "") -> object:
 
 
 def expected(wanted: object, key: str = "") -> object:
-    """Return what a case wants in the same order as `restricted` gives it."""
+    """Return the expected result of a case in the order of `restricted`."""
     if isinstance(wanted, dict):
         return {name: expected(value, name) for name, value in wanted.items()}
     if isinstance(wanted, list) and wanted and isinstance(wanted[0], dict):
@@ -123,13 +123,13 @@ def expected(wanted: object, key: str = "") -> object:
 
 
 def ordered(entries: list[Record]) -> list[Record]:
-    """Return entries in an order that rests on their content alone."""
+    """Return entries in an order that depends on their content alone."""
     return sorted(entries, key=lambda entry: json.dumps(entry, sort_keys=True))
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case.parent.name}/{case.name}")
 def test_case(case: Path) -> None:
-    """The nodes of a case are those that its file expects, with the interfaces that it expects and no others."""
+    """The nodes of a case are exactly the expected ones, with exactly the expected interfaces."""
     wanted = json.loads((case / "expected.json").read_text())
     nodes = wanted["nodes"] if isinstance(wanted, dict) else wanted
     facts = extract(case)
@@ -146,5 +146,5 @@ def test_case(case: Path) -> None:
 
 
 def test_cases_are_found() -> None:
-    """The runner finds cases of both languages, so that none of them passes by not being run."""
+    """The runner finds cases of both languages, so no case passes without running."""
     assert {case.parent.name for case in CASES} >= {"python"}

@@ -30,7 +30,7 @@ def fields(root: Path, text: str, path: str = "msg/Thing.msg") -> tuple[Field, .
 
 
 def test_fields_have_their_type_line_default_and_comment(tmp_path: Path) -> None:
-    """A field knows the line it stands on, its default and the comment behind it; comment lines are no fields."""
+    """A field has its line, its default and its trailing comment; comment lines are not fields."""
     found = fields(tmp_path, '# about\n\nstd_msgs/Header header\nstring name "a#b"  # what it is called\n')
     assert [(f.section, f.name, f.type, f.line, f.default, f.comment) for f in found] == [
         ("message", "header", "std_msgs/Header", 3, None, None),
@@ -39,7 +39,7 @@ def test_fields_have_their_type_line_default_and_comment(tmp_path: Path) -> None
 
 
 def test_types_are_written_as_package_and_type(tmp_path: Path) -> None:
-    """A type without a package is the package's own, `Header` is that of std_msgs; bounds and times stay as written."""
+    """A type without a package is the package's own, `Header` is that of std_msgs; bounds and times are unchanged."""
     lines = (
         "Pose a\nHeader b\ntime[] c\nduration d\nbuiltin_interfaces/Time e\nstring<=4 f\nuint8[<=3] g\nfloat64[9] h"
         "\ntimestamps/Stamp i\nwstring j\nwstring<=3[] k\ngeometry_msgs/msg/Point l"
@@ -72,7 +72,7 @@ def test_constants_of_ros1_may_have_any_name_and_strings_end_with_the_line(tmp_p
 
 
 def test_services_and_actions_have_sections(tmp_path: Path) -> None:
-    """What stands before and after `---` belongs to request and response, or goal, result and feedback."""
+    """The parts around `---` belong to request and response, or goal, result and feedback."""
     service = fields(tmp_path, "bool a\n---\nbool b\n", "srv/Ask.srv")
     action = fields(tmp_path / "other", "bool a\n---\n---\nbool c\n", "action/Go.action")
     assert [(f.section, f.name) for f in service] == [("request", "a"), ("response", "b")]
@@ -80,14 +80,14 @@ def test_services_and_actions_have_sections(tmp_path: Path) -> None:
 
 
 def test_a_bad_line_is_reported_and_hides_nothing(tmp_path: Path) -> None:
-    """A line that follows no grammar is a problem KG118 with its line; the lines around it are read."""
+    """A line outside the grammar is a problem KG118 with its line; the other lines are read."""
     (definition,), problems = read(tmp_path, {"msg/Bad.msg": "bool a\n;lk jas[dfl;k\nbool b\nbool c maybe so\n"})
     assert [f.name for f in definition.fields] == ["a", "b"]
     assert codes(problems) == [("KG118", 2), ("KG118", 4)]
 
 
 def test_sections_that_the_kind_does_not_have_are_reported(tmp_path: Path) -> None:
-    """A message with `---` in it is reported, and what follows is not taken for fields of it."""
+    """A message with `---` is reported, and the rest is not read as fields."""
     (definition,), problems = read(tmp_path, {"msg/Bad.msg": "bool a\n---\nbool b\n"})
     assert [f.name for f in definition.fields] == ["a"]
     assert codes(problems) == [("KG118", 2)]
@@ -123,7 +123,7 @@ def test_idl_services_have_sections(tmp_path: Path) -> None:
 
 
 def test_idl_beyond_the_grammar_is_reported(tmp_path: Path) -> None:
-    """IDL that is not known is a problem, and no definition is made of it."""
+    """Unsupported IDL is a problem, without a definition."""
     definitions, problems = read(tmp_path, {"msg/Odd.idl": "interface X { void call(); };"})
     assert definitions == ()
     assert codes(problems) == [("KG118", 1)]
@@ -140,7 +140,7 @@ TYPES = st.sampled_from(["bool", "float64", "string", "uint8[]", "int32[4]", "st
 def test_every_field_written_is_found_on_its_line(
     tmp_path_factory: pytest.TempPathFactory, lines: list[tuple[str, str]]
 ) -> None:
-    """Whatever fields a message has, each is found once, in order, on its line."""
+    """Any fields of a message are found once, in order, on their lines."""
     root = tmp_path_factory.mktemp("ws")
     found = fields(root, "\n".join(f"{kind} {name}" for kind, name in lines))
     expected = [(name, number) for number, (kind, name) in enumerate(lines, 1) if kind not in {"#", ""}]
@@ -152,14 +152,14 @@ def test_every_field_written_is_found_on_its_line(
 )
 @given(data=st.binary(max_size=200))
 def test_no_bytes_stop_the_reading(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
-    """Whatever bytes a definition holds, reading it ends with facts and problems."""
+    """For any bytes of a definition, reading gives facts and problems."""
     root = tmp_path_factory.mktemp("ws")
     definitions, _ = read(root, {"msg/Any.msg": data})
     assert len(definitions) <= 1
 
 
 def test_constants_may_have_spaces_around_their_equals_sign(tmp_path: Path) -> None:
-    """A text behind `=` is a constant, in quotes or not."""
+    """A text after `=` is a constant, in quotes or not."""
     found = fields(tmp_path, "string AGE = 0-2\nstring KIND = \"one\"\nstring plain 'two'\nfloat64[] list [1, 2.50]\n")
     assert [(f.name, f.constant, f.default) for f in found] == [
         ("AGE", "0-2", None),

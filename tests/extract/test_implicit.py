@@ -21,12 +21,12 @@ def node(ros: int, language: str = "cpp", *interfaces: Interface) -> NodeType:
 
 
 def names(found: NodeType, role: Role) -> set[str | None]:
-    """Return the names at which a node has a role."""
+    """Return the names of a node's interfaces with a role."""
     return {interface.name for interface in found.interfaces if interface.role is role}
 
 
 def test_every_ros1_node_logs_and_serves_its_loggers() -> None:
-    """A ROS 1 node without any mark has what a running one always shows."""
+    """A ROS 1 node without any mark has the interfaces of every running one."""
     found = add(Extracted(node(1)))
     assert names(found, Role.PUBLISHES) == {"/rosout"}
     assert names(found, Role.SERVICES) == {"~/get_loggers", "~/set_logger_level"}
@@ -34,7 +34,7 @@ def test_every_ros1_node_logs_and_serves_its_loggers() -> None:
 
 
 def test_every_ros2_node_has_its_parameter_services() -> None:
-    """A ROS 2 node has six parameter services; only C++ ones listen to parameter events by themselves."""
+    """A ROS 2 node has six parameter services; only C++ ones subscribe to parameter events by default."""
     cpp, python = add(Extracted(node(2))), add(Extracted(node(2, "python")))
     services = {f"~/{verb}" for verb in ("describe_parameters", "get_parameters", "list_parameters", "set_parameters")}
     assert services <= names(cpp, Role.SERVICES)
@@ -43,7 +43,7 @@ def test_every_ros2_node_has_its_parameter_services() -> None:
 
 
 def test_a_mark_fills_namespace_and_detail() -> None:
-    """The interfaces of dynamic_reconfigure stand below the handle's namespace, those of a bond at its topic."""
+    """The interfaces of dynamic_reconfigure are below the handle's namespace, those of a bond at its topic."""
     marks = (Mark("dynamic_reconfigure.server", HERE, "~/costmap"), Mark("bond", HERE, detail="/bond"))
     found = add(Extracted(node(1), marks))
     assert {"~/costmap/parameter_descriptions", "~/costmap/parameter_updates"} <= names(found, Role.PUBLISHES)
@@ -53,19 +53,19 @@ def test_a_mark_fills_namespace_and_detail() -> None:
 
 
 def test_what_the_mark_does_not_tell_is_left_out() -> None:
-    """An image publisher whose topic is not known brings no transports."""
+    """An image publisher with an unknown topic has no transports."""
     found = add(Extracted(node(2), (Mark("image_transport.publisher", HERE),)))
     assert names(found, Role.PUBLISHES) == {"/rosout", "/parameter_events"}
 
 
 def test_a_condition_stands_in_the_origin() -> None:
-    """An interface that exists under a condition says so."""
+    """A conditional interface has its condition."""
     clocks = [i for i in add(Extracted(node(2))).interfaces if i.name == "/clock"]
     assert [clock.origin for clock in clocks] == ["ros2.node, if use_sim_time is true"]
 
 
 def test_what_the_code_declares_itself_stays_explicit_and_single() -> None:
-    """A name that the node's own code declares is not repeated as implicit."""
+    """A name declared by the node's own code is not repeated as implicit."""
     own = Interface(Role.PUBLISHES, "/tf", "tf2_msgs/TFMessage", Resolution.LITERAL, HERE)
     found = add(Extracted(node(1, "cpp", own), (Mark("tf.broadcaster", HERE),)))
     assert [i for i in found.interfaces if i.name == "/tf"] == [own]
@@ -111,7 +111,7 @@ def test_a_table_that_cannot_be_used_is_refused_by_name(tmp_path: Path, text: st
     ids=lambda value: value.key if isinstance(value, Mark) else "",
 )
 def test_a_name_that_is_not_known_in_full_has_a_reason(mark: Mark, reason: str) -> None:
-    """Whether the code or the library makes the part that is not known."""
+    """The unknown part of a name comes from the code or from the library."""
     found = add(Extracted(node(1), (mark,)))
     open_ones = [one for one in found.interfaces if one.resolution is Resolution.PARTIAL]
     assert open_ones

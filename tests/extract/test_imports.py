@@ -1,4 +1,4 @@
-"""Tests of what the sources of nodes import."""
+"""Tests of imports in the sources of nodes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NODE = NodeType("a", NodeKind.EXECUTABLE, "cpp", 1, Location("demo/src/a.cpp", 1
 
 
 def imports(root: Path, files: dict[str, str | bytes], begins: str, *sources: str) -> list[str]:
-    """Return what a node of the package `demo` imports, each name with its place."""
+    """Return the imports of a node of the package `demo`, each name with its place."""
     workspace = written(root, {"demo/package.xml": manifest("demo"), **files})
     found = workspace.package("demo")
     assert found is not None
@@ -29,7 +29,7 @@ def imports(root: Path, files: dict[str, str | bytes], begins: str, *sources: st
 
 
 def test_headers_from_outside_count(tmp_path: Path) -> None:
-    """What a file of C++ includes is an import with its line, but for the standard library."""
+    """A C++ include is an import with its line, except for the standard library."""
     text = '#include <vector>\n#include <serial/serial.h>\n// #include <no.h>\n#  include "linux/can.h"\n'
     assert imports(tmp_path, {"demo/src/a.cpp": text}, "demo/src/a.cpp") == [
         "linux/can.h demo/src/a.cpp:4",
@@ -38,7 +38,7 @@ def test_headers_from_outside_count(tmp_path: Path) -> None:
 
 
 def test_own_headers_are_followed(tmp_path: Path) -> None:
-    """A header of the package is no import; what it includes is one."""
+    """A header of the package is not an import; its includes are."""
     files: dict[str, str | bytes] = {
         "demo/src/a.cpp": '#include "demo/port.h"\n',
         "demo/include/demo/port.h": '#include <libusb-1.0/libusb.h>\n#include "demo/port.h"\n',
@@ -47,7 +47,7 @@ def test_own_headers_are_followed(tmp_path: Path) -> None:
 
 
 def test_modules_of_python_count(tmp_path: Path) -> None:
-    """All ways to import are read, several in one line too."""
+    """All forms of import are read, including several in one line."""
     text = "import os, serial as s\nfrom RPi.GPIO import (\n  output)\nif True:\n    import cv2  # pictures\n"
     assert imports(tmp_path, {"demo/scripts/a.py": text}, "demo/scripts/a.py") == [
         "RPi.GPIO demo/scripts/a.py:2",
@@ -79,7 +79,7 @@ def test_files_of_other_nodes_do_not_count(tmp_path: Path) -> None:
 
 
 def test_headers_of_other_packages_are_imports(tmp_path: Path) -> None:
-    """A header that the build finds in another package comes from outside; what it includes is not followed."""
+    """A header found in another package is external; its includes are not followed."""
     files: dict[str, str | bytes] = {
         "lib/package.xml": manifest("lib"),
         "lib/include/lib/port.h": "#include <serial/serial.h>\n",

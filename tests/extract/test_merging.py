@@ -39,13 +39,13 @@ STARTED = replace(NODE, node_name="gmapping", interfaces=(SCAN,), parameters=(RA
 
 
 def merged(*nodes: NodeType) -> list[tuple[str, str | None, str | None, tuple[str, ...]]]:
-    """Return name, executable, class and aliases of what nodes become."""
+    """Return name, executable, class and aliases of merged nodes."""
     found = [one.node for one in merge([Extracted(node) for node in nodes])]
     return [(one.name, one.executable, one.plugin, one.aliases) for one in found]
 
 
 def test_a_class_and_its_executables_are_one_node() -> None:
-    """They declare the same, whatever calls lead to it; the first executable gives the name, others are aliases."""
+    """Their declarations are equal, whatever their calls; the first executable gives the name, others are aliases."""
     called = replace(STARTED, interfaces=(replace(SCAN, location=Location("main.cpp", 9), via=(SCAN.location,)),))
     other = replace(called, name="slam_mt", executable="slam_mt")
     assert merged(called, other, LOADED) == [("slam", "slam", "slam/Slam", ("slam_mt",))]
@@ -54,12 +54,12 @@ def test_a_class_and_its_executables_are_one_node() -> None:
 
 
 def test_a_class_registered_twice_is_one_node() -> None:
-    """The same class is one node type, with the executable that one of its registrations makes."""
+    """The same class is one node type, with the executable of one of its registrations."""
     assert merged(LOADED, replace(LOADED, name="slam", executable="slam")) == [("slam", "slam", "slam/Slam", ())]
 
 
 def test_an_executable_that_differs_from_a_class_stays_apart() -> None:
-    """More facts, another line, another name, no facts at all, or two classes that fit: each is a node of its own."""
+    """More facts, another line, another name, no facts, or two matching classes: each is a separate node."""
     assert len(merged(replace(STARTED, interfaces=(SCAN, MAP)), LOADED)) == 2
     assert len(merged(replace(STARTED, interfaces=(replace(SCAN, location=MAP.location),)), LOADED)) == 2
     assert len(merged(STARTED, replace(LOADED, node_name="slam"))) == 2
@@ -77,7 +77,7 @@ def test_names_left_open_are_resolved_under_the_nodes_own_name() -> None:
 
 
 def test_own_names_are_those_a_node_can_have() -> None:
-    """A class or plugin goes by its last name, a script without its ending; a node name with holes is no name."""
+    """A class or plugin has its last name, a script no suffix; a name with holes is not a node name."""
     assert own_name(replace(NODE, name="nav::core::Planner")) == "Planner"
     assert own_name(replace(NODE, name="pkg/Planner", node_name="{}_planner")) == "Planner"
     assert own_name(replace(NODE, name="talker.py")) == "talker"
@@ -88,7 +88,7 @@ FACTS = st.lists(st.sampled_from([SCAN, MAP, replace(SCAN, name=None), replace(M
 
 @given(facts=FACTS, data=st.data())
 def test_the_order_in_which_facts_were_found_does_not_show(facts: list[Interface], data: st.DataObject) -> None:
-    """Settling gives the same node for every order of its facts, and no fact twice."""
+    """Merging gives the same node for every order of its facts, and no fact twice."""
     shuffled = data.draw(st.permutations(facts))
     (one,) = settled([replace(NODE, interfaces=tuple(facts))])
     (other,) = settled([replace(NODE, interfaces=tuple(shuffled))])

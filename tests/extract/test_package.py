@@ -31,7 +31,7 @@ def extract(root: Path, files: dict[str, str | bytes]) -> PackageFacts:
 
 
 def test_everything_of_a_package_is_in_its_facts(tmp_path: Path) -> None:
-    """Manifest, definitions, files with digests and inputs of a package stand in one value."""
+    """One value has the manifest, definitions, files with digests and inputs of a package."""
     facts = extract(tmp_path, {"demo/msg/B.msg": "bool b\n", "demo/msg/A.msg": "bool a\n", "demo/README.md": "hi"})
     assert facts.package.name == "demo"
     assert [definition.name for definition in facts.definitions] == ["A", "B"]
@@ -41,7 +41,7 @@ def test_everything_of_a_package_is_in_its_facts(tmp_path: Path) -> None:
 
 
 def test_a_defect_in_one_reader_costs_only_its_facts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What one reader trips over is a problem KG121 that names the place; the other readers' facts stay."""
+    """A defect in one reader is a problem KG121 with its place; the facts of other readers remain."""
 
     def fails(*_: object) -> list[Extracted]:
         raise ZeroDivisionError("oops")
@@ -68,7 +68,7 @@ def test_nodes_come_complete_merged_and_resolved(tmp_path: Path, monkeypatch: py
 
 
 def test_extraction_is_a_function_of_the_files(tmp_path: Path) -> None:
-    """The same files give equal facts, wherever and in whatever order they were written."""
+    """The same files give equal facts, regardless of their location and order."""
     files: dict[str, str | bytes] = {
         "demo/msg/A.msg": "bool a\n",
         "demo/srv/B.srv": "---\n",
@@ -80,7 +80,7 @@ def test_extraction_is_a_function_of_the_files(tmp_path: Path) -> None:
 
 
 def test_a_node_has_the_names_that_build_files_know_it_by(tmp_path: Path) -> None:
-    """The target behind an output name, and a library that holds one plugin only, are aliases of the node."""
+    """The target of an output name, and a library with a single plugin, are aliases of the node."""
     files: dict[str, str | bytes] = {
         "demo/CMakeLists.txt": "add_executable(demo_talk a.cpp)\n"
         "set_target_properties(demo_talk PROPERTIES OUTPUT_NAME talk)\n",

@@ -1,4 +1,4 @@
-"""Tests of the lines of code that are kept with facts."""
+"""Tests of the lines of code stored with facts."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def script(*lines: str) -> str:
 
 
 def test_lines_around_a_fact_are_kept(tmp_path: Path) -> None:
-    """One line above and three below, but nothing farther away."""
+    """One line above and three below, and no others."""
     far = [f"x{number} = {number}" for number in range(10)]
     kept = dict(
         quoted(tmp_path, script(*far, "pub = rospy.Publisher('chatter', String)", *far))["demo/scripts/talk.py"].lines
@@ -44,7 +44,7 @@ def test_lines_around_a_fact_are_kept(tmp_path: Path) -> None:
 
 
 def test_lines_of_two_facts_are_kept_once(tmp_path: Path) -> None:
-    """Regions that overlap are one."""
+    """Overlapping regions are merged."""
     lines = [f"rospy.Publisher('a{number}', String)" for number in range(3)]
     numbers = [number for number, _ in quoted(tmp_path, script(*lines))["demo/scripts/talk.py"].lines]
     assert numbers == sorted(set(numbers))
@@ -60,20 +60,20 @@ def test_lines_of_two_facts_are_kept_once(tmp_path: Path) -> None:
     ],
 )
 def test_secrets_beside_a_fact_are_not_kept(tmp_path: Path, line: str) -> None:
-    """What stands behind a word for a secret, in an address or in a key is left out."""
+    """Values after a secret-like word, in an address or in a key are removed."""
     kept = quoted(tmp_path, script(line, "rospy.Publisher('a', String)"))["demo/scripts/talk.py"].lines
     assert not any("hunter2" in text for _, text in kept)
     assert any("Publisher" in text for _, text in kept)
 
 
 def test_a_secret_on_the_next_line_is_not_kept(tmp_path: Path) -> None:
-    """A line that ends after a word for a secret hides the next one."""
+    """A line that ends after a secret-like word hides the next one."""
     kept = quoted(tmp_path, script("secret = (", "  'hunter2')", "rospy.Publisher('a', String)"))
     assert not any("hunter2" in text for _, text in kept["demo/scripts/talk.py"].lines)
 
 
 def test_a_file_has_a_bounded_number_of_lines(tmp_path: Path) -> None:
-    """Lines of facts come before those around them."""
+    """Lines of facts take precedence over surrounding ones."""
     lines = [part for number in range(300) for part in (f"rospy.Publisher('a{number}', String)", "", "", "")]
     kept = quoted(tmp_path, script(*lines))["demo/scripts/talk.py"].lines
     assert len(kept) == 400
@@ -81,6 +81,6 @@ def test_a_file_has_a_bounded_number_of_lines(tmp_path: Path) -> None:
 
 
 def test_long_lines_are_cut(tmp_path: Path) -> None:
-    """A line is kept up to a bound."""
+    """A line is stored up to a limit."""
     kept = quoted(tmp_path, script("rospy.Publisher('a', String) # " + "long " * 100))["demo/scripts/talk.py"].lines
     assert max(len(text) for _, text in kept) == 201

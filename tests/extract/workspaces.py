@@ -1,4 +1,4 @@
-"""Workspaces written for one test: files given as text, read as a build would read them."""
+"""Workspaces for one test: files given as text, read like by a build."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["codes", "manifest", "reader_of", "written"]
 
 
 def manifest(name: str) -> str:
-    """Return the smallest package.xml of a package called `name`."""
+    """Return the smallest package.xml of a package `name`."""
     return f"<package format='3'><name>{name}</name><version>1.0.0</version><description>d</description></package>"
 
 
@@ -31,7 +31,7 @@ def written(root: Path, files: Mapping[str, str | bytes]) -> Workspace:
 
 
 def reader_of(root: Path, files: Mapping[str, str | bytes], package: str = "demo") -> Reader:
-    """Return a reader for the package `demo` with these files in its folder; other packages stand in `../NAME`."""
+    """Return a reader for the package `demo` with these files in its folder; other packages are in `../NAME`."""
     placed = {f"demo/{path}".replace("demo/../", ""): content for path, content in files.items()}
     placed.setdefault("demo/package.xml", manifest("demo"))
     workspace = written(root, placed)

@@ -1,4 +1,4 @@
-"""Facts and graphs that several tests of the graph share."""
+"""Facts and graphs shared by tests of the graph."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ MANIFEST: Final = Location("rover_base/package.xml", 1)
 
 
 def end(role: Role, name: str | None, kind: str | None = None, **more: Any) -> Interface:
-    """Return an interface with a literal name, in the root namespace, unless told otherwise."""
+    """Return an interface with a literal name, in the root namespace, unless specified otherwise."""
     known: dict[str, Any] = {"resolution": Resolution.LITERAL, "location": MAIN, "resolved": name and f"/{name}"}
     return Interface(role, name, kind, **(known | more))
 
@@ -127,7 +127,7 @@ BUILD: Final = BuildRecord(
 
 
 def loaded(*triples: bytes) -> Store:
-    """Return a store that holds N-Triples."""
+    """Return a store loaded with N-Triples."""
     store = Store()
     for each in triples:
         store.load(each, format=RdfFormat.N_TRIPLES)
@@ -140,7 +140,7 @@ def sample() -> Store:
 
 
 def rows(store: Store, query: str) -> list[tuple[str | None, ...]]:
-    """Return the answers to a SELECT query as text, IRIs without the base, in order."""
+    """Return the results of a SELECT query as text, IRIs without the base, in order."""
     found = store.query(query, prefixes=PREFIXES)
     assert isinstance(found, QuerySolutions)
     answers = [tuple(None if term is None else term.value.removeprefix(BASE) for term in row) for row in found]
@@ -148,5 +148,5 @@ def rows(store: Store, query: str) -> list[tuple[str | None, ...]]:
 
 
 def true(store: Store, pattern: str) -> bool:
-    """Return whether a graph pattern has a match."""
+    """Whether a graph pattern has a match."""
     return bool(store.query(f"ASK {{ {pattern} }}", prefixes=PREFIXES, base_iri=BASE))

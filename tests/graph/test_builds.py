@@ -22,6 +22,6 @@ def test_a_build_tells_what_was_read_when_and_by_what() -> None:
 
 
 def test_problems_outside_packages_count() -> None:
-    """The number of problems is that of the packages and of what lies outside them."""
+    """The number of problems includes those outside packages."""
     assert count([FACTS], [Problem("KG110", "no right to read it", "secret")]).problems == 2
     assert count([]).packages == 0

@@ -1,4 +1,4 @@
-"""Tests of what the ontologies of capabilities cover: every type of the packages, and every capability whole."""
+"""Tests of the coverage of the capability ontologies: every type of the packages, and complete capabilities."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ KINDS = {URIRef(str(one)) for one in ONTOLOGY.subjects(RDFS.subClassOf) if (one,
 
 
 def test_the_list_of_types_is_whole() -> None:
-    """The list names each type once, and has those of every package that it should have."""
+    """The list names each type once, and includes the expected ones of every package."""
     assert len(TYPES) == len(set(TYPES)) > 600
     packages = {name.partition("/")[0] for _, name in TYPES}
     assert packages >= {
@@ -49,25 +49,25 @@ def test_the_list_of_types_is_whole() -> None:
 
 @pytest.mark.parametrize("package", sorted({name.partition("/")[0] for _, name in TYPES}))
 def test_every_type_evokes_a_capability_or_is_excluded_with_a_reason(package: str) -> None:
-    """No type of a package, of ROS 1 or ROS 2, was forgotten, and none is both."""
+    """Each type of a package, of ROS 1 or ROS 2, either evokes a capability or is excluded."""
     for kind, name in (each for each in TYPES if each[1].startswith(f"{package}/")):
         evokes = any(f"{name}{part}" in EVOKING for part in PARTS[kind])
         assert evokes or name in EXCLUDED, (kind, name)
 
 
 def test_every_message_that_an_action_makes_in_ros_1_is_known() -> None:
-    """The messages on the hidden topics of actions of ROS 1 evoke something or are excluded."""
+    """The messages on the hidden topics of actions of ROS 1 evoke a capability or are excluded."""
     actions = [name for kind, name in TYPES if kind == "action"]
     assert not {f"{name}{end}" for name, end in product(actions, MADE_OF_ACTIONS)} - EVOKING - EXCLUDED
 
 
 def test_no_message_is_both_evoking_and_excluded() -> None:
-    """What evokes a capability is not excluded."""
+    """A type that evokes a capability is not excluded."""
     assert not EVOKING & EXCLUDED
 
 
 def test_what_is_named_exists() -> None:
-    """No name of a type that the ontologies give is a slip: the list has it, as a kind that has such a part."""
+    """Every type named by the ontologies is in the list, with a kind that has such a part."""
     actions = [name for kind, name in TYPES if kind == "action"]
     known = {f"{name}{part}" for kind, name in TYPES for part in PARTS[kind]}
     known |= {name for _, name in TYPES} | {f"{name}{end}" for name, end in product(actions, MADE_OF_ACTIONS)}
@@ -91,7 +91,7 @@ def test_every_capability_is_whole(capability: URIRef) -> None:
 
 
 def test_labels_tell_capabilities_apart() -> None:
-    """No two capabilities have the same label, and none has that of another as its other word."""
+    """No two capabilities have the same label, and none has that of another as its alternative label."""
     labels = {str(label): one for one in CAPABILITIES for label in ONTOLOGY.objects(one, RDFS.label)}
     assert len(labels) == len(CAPABILITIES) > 100
     others = [(str(word), one) for one in CAPABILITIES for word in ONTOLOGY.objects(one, SKOS.altLabel)]
@@ -100,13 +100,13 @@ def test_labels_tell_capabilities_apart() -> None:
 
 @pytest.mark.parametrize("kind", sorted(KINDS), ids=lambda one: str(one).removeprefix(CAPABILITY))
 def test_every_class_of_capabilities_is_described(kind: URIRef) -> None:
-    """It has a label, a comment and another word."""
+    """It has a label, a comment and an alternative label."""
     for told in (RDFS.label, RDFS.comment, SKOS.altLabel):
         assert ONTOLOGY.value(kind, told), told
 
 
 def test_the_documentation_counts_right() -> None:
-    """docs/capabilities.md says how many types of each package evoke a capability and how many none."""
+    """docs/capabilities.md has the right numbers of evoking and other types for each package."""
     page = (Path(__file__).parents[2] / "docs" / "capabilities.md").read_text("utf-8")
     counts: defaultdict[str, list[int]] = defaultdict(lambda: [0, 0])
     for kind, name in TYPES:

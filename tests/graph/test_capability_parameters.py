@@ -1,4 +1,4 @@
-"""Tests of the parameters of capabilities: their paths, their units, and the messages that hold them."""
+"""Tests of the parameters of capabilities: their paths, their units, and the messages with their fields."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def placed(text: str) -> tuple[str, str]:
 
 
 def standing() -> dict[str, set[str]]:
-    """Return the messages that stand for each capability, by themselves or in a context."""
+    """Return the messages for each capability, directly or in a context."""
     found: defaultdict[str, set[str]] = defaultdict(set)
     for capability, name in ONTOLOGY.subject_objects(RNKG.evokedBy):
         found[str(capability)].add(str(name))
@@ -50,7 +50,7 @@ def functions(path: object) -> set[str]:
 
 
 def test_the_capabilities_that_everybody_uses_have_their_parameters() -> None:
-    """The names that programs and simulated robots rely on are there."""
+    """The names used by programs and simulated robots exist."""
     names: defaultdict[str, set[str]] = defaultdict(set)
     for capability, parameter in ONTOLOGY.subject_objects(RNKG.hasParameter):
         names[str(capability).removeprefix(CAPABILITY)] |= {str(one) for one in ONTOLOGY.objects(parameter, RNKG.name)}
@@ -72,14 +72,14 @@ def test_the_capabilities_that_everybody_uses_have_their_parameters() -> None:
     ],
 )
 def test_where_to_is_never_a_default(parameter: str) -> None:
-    """Who names no place is sent neither to the origin of the map nor to that of the globe."""
+    """A missing place defaults neither to the origin of the map nor to that of the globe."""
     assert URIRef(CAPABILITY + parameter) in PARAMETERS
     assert ONTOLOGY.value(URIRef(CAPABILITY + parameter), RNKG.defaultValue) is None
 
 
 @pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda one: str(one).removeprefix(CAPABILITY))
 def test_every_parameter_is_whole(parameter: URIRef) -> None:
-    """It belongs to one capability, has a kind, a known unit, and fields of messages that stand for the capability."""
+    """It belongs to one capability, has a kind, a known unit, and fields of messages for the capability."""
     (capability,) = ONTOLOGY.subjects(RNKG.hasParameter, parameter)
     (name,) = ONTOLOGY.objects(parameter, RNKG.name)
     assert str(parameter) == f"{capability}-{name}"
@@ -93,7 +93,7 @@ def test_every_parameter_is_whole(parameter: URIRef) -> None:
 
 
 def test_what_is_written_can_be_written() -> None:
-    """The fields of a capability to be written stand behind functions that can set them, or behind none."""
+    """The fields of a written capability use only functions with an inverse, or none."""
     for capability, parameter in ONTOLOGY.subject_objects(RNKG.hasParameter):
         if (capability, ROS.hasModality, ROS.write) in ONTOLOGY:
             for field in ONTOLOGY.objects(parameter, RNKG.field):
@@ -111,7 +111,7 @@ def test_constants_are_of_messages_that_stand_for_the_capability() -> None:
 
 
 def test_first_fields_exist_in_the_types_that_are_known() -> None:
-    """Where the definition of a message is known, the path begins with a field that it has."""
+    """If the definition of a message is known, the path starts with one of its fields."""
     versions = [Types(1), Types(2)]
     for field in ONTOLOGY.objects(None, RNKG.field):
         message, path = placed(str(field))

@@ -1,4 +1,4 @@
-"""Tests of reading one name: the same ends as those of whole systems and of whole node types."""
+"""Tests of reading one name: the same ends as in complete systems and complete node types."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="module")
 def snapshot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnapshot]:
-    """What the store of the example workspace holds."""
+    """A snapshot of the store of the example workspace."""
     with reading(load({"store": str(example(tmp_path_factory) / ".kg")}, environment={})) as found:
         yield found
 
 
 def _ends(found: list[System]) -> dict[tuple[str, str, str], set[InstanceInterface]]:
-    """Return the ends of systems by system, instance and launch line; the order of their causes does not count."""
+    """Return the ends of systems by system, instance and launch line, regardless of the order of their causes."""
     return {
         (system.configuration.name, one.name, str(one.started.location)): set(one.interfaces)
         for system in found
@@ -44,7 +44,7 @@ def _ends(found: list[System]) -> dict[tuple[str, str, str], set[InstanceInterfa
 
 @pytest.mark.parametrize("kind", CLASSES)
 def test_one_name_gives_the_ends_of_whole_systems(snapshot: EmbeddedSnapshot, kind: str) -> None:
-    """For each name the instances, and of these the ends at it, are those that reading all systems gives."""
+    """For each name the instances, and their ends at it, equal those from reading all systems."""
     whole = systems(snapshot, system_names(snapshot), DEFAULT_BASE)
     every = {end.resolved for one in whole for each in one.instances for end in each.interfaces}
     of_kind = [name for name in names(snapshot, kind, implicit=True) if name in every]
@@ -70,7 +70,7 @@ def test_one_name_gives_the_ends_of_whole_systems(snapshot: EmbeddedSnapshot, ki
 
 @pytest.mark.parametrize("kind", CLASSES)
 def test_one_name_gives_the_ends_of_all_code(snapshot: EmbeddedSnapshot, kind: str) -> None:
-    """For each name of a node started alone the interfaces are those of the node types."""
+    """For each name of a node started alone the interfaces equal those of the node types."""
     expected: dict[str, set[object]] = {}
     for record in node_records(snapshot):
         for end in record.node.interfaces:
@@ -82,19 +82,19 @@ def test_one_name_gives_the_ends_of_all_code(snapshot: EmbeddedSnapshot, kind: s
 
 
 def test_names_in_the_code_lead_to_those_in_systems(snapshot: EmbeddedSnapshot) -> None:
-    """A name as written leads to what it becomes by namespaces, remappings and when its node is started alone."""
+    """A written name leads to its forms by namespaces, remappings and starting its node alone."""
     assert names_written(snapshot, "topic", "cmd_vel") == ["/cmd_vel", "/rover1/mux/cmd_vel"]
     assert names_written(snapshot, "service", "cmd_vel") == []
 
 
 def test_names_of_frameworks_are_there_on_request(snapshot: EmbeddedSnapshot) -> None:
-    """Services that each node of ROS 2 has are left out, unless they are asked for."""
+    """Services of every ROS 2 node are excluded by default."""
     assert "/drone1/gimbal/get_parameters" not in names(snapshot, "service")
     assert "/drone1/gimbal/get_parameters" in names(snapshot, "service", implicit=True)
 
 
 def _set(snapshot: EmbeddedSnapshot, name: str) -> set[tuple[str, str | None, str, str | None]]:
-    """Return name, value, place and node of what files set that has a name."""
+    """Return name, value, place and node of the settings of a name in files."""
     return {
         (one.absolute, one.value, str(one.location), one.start.name if one.start else None)
         for one in set_parameters(snapshot, name)
@@ -102,7 +102,7 @@ def _set(snapshot: EmbeddedSnapshot, name: str) -> set[tuple[str, str | None, st
 
 
 def test_parameters_of_one_name_are_those_of_whole_systems(snapshot: EmbeddedSnapshot) -> None:
-    """What files set is the same, with place and start, as reading all systems gives."""
+    """Settings in files are the same, with place and start, as from reading all systems."""
     whole = systems(snapshot, system_names(snapshot), DEFAULT_BASE)
     own = {
         (p.name, p.set.value, str(p.set.location), one.name)
@@ -121,7 +121,7 @@ def test_parameters_of_one_name_are_those_of_whole_systems(snapshot: EmbeddedSna
 
 
 def test_usual_ends_of_one_name_are_those_of_all(snapshot: EmbeddedSnapshot) -> None:
-    """Looked up by its name, an end that systems need not state is the one that reading all of them gives."""
+    """An implicit end looked up by name equals that from reading all of them."""
     every = unstated_ends(snapshot)
     names = {end.name for end in every}
     assert len(names) > 1
@@ -132,7 +132,7 @@ def test_usual_ends_of_one_name_are_those_of_all(snapshot: EmbeddedSnapshot) -> 
 
 
 def test_systems_of_some_iris_have_the_names_of_these(snapshot: EmbeddedSnapshot) -> None:
-    """The names of some configurations are the same as among those of all."""
+    """The names of some configurations are the same as among all."""
     every = system_names(snapshot)
     iris = Iris(DEFAULT_BASE)
     one = every[0]
@@ -142,7 +142,7 @@ def test_systems_of_some_iris_have_the_names_of_these(snapshot: EmbeddedSnapshot
 
 
 def test_starts_of_one_name_are_those_among_all(snapshot: EmbeddedSnapshot) -> None:
-    """Who starts an instance is the same whether it is asked for or found among all."""
+    """The starts of an instance are the same looked up alone or among all."""
     every = started_names(snapshot)
     assert len(every) > 1
     assert all(started_names(snapshot, name) == {name: found} for name, found in every.items())

@@ -1,4 +1,4 @@
-"""What rules inferred of a node, by its labels."""
+"""Inferred classes of a node, by their labels."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ INFERRED = f"""
 
 
 def test_classes_are_read_by_their_labels() -> None:
-    """Functions, hardware and devices of the node, each sorted, without tags of language, with their grades."""
+    """Functions, hardware and devices of the node, each sorted, without language tags, with their grades."""
     store = Store()
     store.load(INFERRED, RdfFormat.TURTLE)
     found = classes(store, NODE)

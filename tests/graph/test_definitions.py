@@ -9,7 +9,7 @@ from kg.graph.sources import source_triples
 
 
 def test_a_definition_is_of_its_type_and_stands_in_its_file() -> None:
-    """The type is shared; the definition belongs to the source that has the file."""
+    """The type is shared; the definition belongs to the source with the file."""
     definition = f"<definition/{ROVER}/rover_msgs/srv/SetSpeed>"
     assert true(
         sample(),
@@ -20,7 +20,7 @@ def test_a_definition_is_of_its_type_and_stands_in_its_file() -> None:
 
 
 def test_fields_keep_section_order_type_and_comment() -> None:
-    """Fields of the same name in request and response are two; constants have their value."""
+    """Fields of the same name in request and response are distinct; constants have their value."""
     query = """SELECT ?position ?section ?name ?type ?constant ?comment { ?d rnkg:hasField ?f .
       ?f rnkg:position ?position ; rnkg:section ?section ; rnkg:name ?name ; rnkg:fieldType ?type
       OPTIONAL { ?f rnkg:constantValue ?constant } OPTIONAL { ?f rdfs:comment ?comment } }"""
@@ -32,7 +32,7 @@ def test_fields_keep_section_order_type_and_comment() -> None:
 
 
 def test_fields_lead_to_the_messages_they_hold() -> None:
-    """A field of a message type is linked to that message, so nesting can be followed."""
+    """A field of a message type is linked to that message, for following nested messages."""
     assert rows(sample(), "SELECT ?m { ?f rnkg:hasFieldType ?m }") == [("message/geometry_msgs/Twist",)]
 
 
@@ -52,7 +52,7 @@ def test_fields_lead_to_the_messages_they_hold() -> None:
     ],
 )
 def test_the_message_that_a_field_holds(written: str, message: str | None) -> None:
-    """Bounds and sizes do not count, bare names are of the same package, `Header` is of std_msgs."""
+    """Bounds and sizes are ignored, bare names are of the same package, `Header` is of std_msgs."""
     assert message_of(written, "rover_msgs") == message
 
 

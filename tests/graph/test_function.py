@@ -1,4 +1,4 @@
-"""Tests of what ontology/function.ttl holds."""
+"""Tests of the content of ontology/function.ttl."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _weights(sign: Node) -> list[int]:
 
 
 def test_every_sign_has_one_weight_for_one_function() -> None:
-    """Two signs of one name would be one, that counts with both weights for the words of both."""
+    """Two signs of one name would be merged, with both weights for the words of both."""
     assert len(SIGNS) > 2 * len(FUNCTIONS)
     for sign in SIGNS:
         assert len(_weights(sign)) == 1, sign
@@ -31,6 +31,6 @@ def test_every_sign_has_one_weight_for_one_function() -> None:
 
 
 def test_every_function_has_a_sign_for_it() -> None:
-    """A function that nothing indicates would never be inferred."""
+    """A function without a sign could never be inferred."""
     positive = [sign for sign in SIGNS if min(_weights(sign)) > 0]
     assert {one for sign in positive for one in ONTOLOGY.objects(sign, RNKG.indicates)} == FUNCTIONS

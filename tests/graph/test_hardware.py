@@ -1,4 +1,4 @@
-"""Tests of what ontology/hardware.ttl holds."""
+"""Tests of the content of ontology/hardware.ttl."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ONTOLOGY = ontologies.together("hardware")
 
 
 def _all(of_class: URIRef) -> set[URIRef]:
-    """Return the things of a class."""
+    """Return the instances of a class."""
     return {each for each in ONTOLOGY.subjects(RDF.type, of_class) if isinstance(each, URIRef)}
 
 
@@ -26,12 +26,12 @@ KINDS, DEVICES = _all(RNKG.Hardware), _all(RNKG.Device)
 
 
 def _general(thing: URIRef) -> set[URIRef]:
-    """Return a kind or device with all that is broader."""
+    """Return a kind or device with all broader ones."""
     return {each for each in ONTOLOGY.transitive_objects(thing, SKOS.broader) if isinstance(each, URIRef)}
 
 
 def _recognized(things: Iterable[URIRef], relation: URIRef) -> dict[str, set[URIRef]]:
-    """Return what is recognized by each text."""
+    """Return the kinds and devices recognised by each text."""
     told: dict[str, set[URIRef]] = {}
     for thing in things:
         for text in ONTOLOGY.objects(thing, relation):
@@ -48,14 +48,14 @@ def test_there_are_enough() -> None:
 
 @pytest.mark.parametrize("relation", [RNKG.recognizedByTerm, RNKG.recognizedByWord])
 def test_no_word_stands_for_two_kinds(relation: URIRef) -> None:
-    """No two kinds, and no two devices, are recognized by the same term or word unless one is broader."""
+    """No two kinds, and no two devices, have a term or word in common unless one is broader."""
     for text, things in _recognized(KINDS | DEVICES, relation).items():
         for one, other in combinations(things, 2):
             assert one in _general(other) or other in _general(one), (text, one, other)
 
 
 def test_every_device_has_a_kind_and_a_maker() -> None:
-    """A device is of one kind, has one maker, and is recognized by something."""
+    """A device has one kind, one maker, and at least one recognised term."""
     for device in DEVICES:
         (kind,) = ONTOLOGY.objects(device, SKOS.broader)
         assert kind in KINDS, device
@@ -65,7 +65,7 @@ def test_every_device_has_a_kind_and_a_maker() -> None:
 
 
 def test_every_kind_is_a_concept_below_a_top_concept() -> None:
-    """Kinds and devices stand in the scheme; the ways up end at top concepts, which nothing is broader than."""
+    """Kinds and devices are in the scheme; their broader chains end at top concepts."""
     scheme = HARDWARE.scheme
     tops = {each for each in KINDS if (each, SKOS.topConceptOf, scheme) in ONTOLOGY}
     for thing in KINDS | DEVICES:
@@ -83,7 +83,7 @@ def test_labels_tell_things_apart() -> None:
 
 
 def test_terms_are_written_as_phrases_are() -> None:
-    """Terms have one to four words in lower case, with single spaces between them; words of names have no space."""
+    """Terms have one to four words in lower case, separated by single spaces; words of names have no space."""
     for term in ONTOLOGY.objects(None, RNKG.recognizedByTerm):
         assert str(term) == str(term).lower()
         assert str(term) == " ".join(str(term).split()[:4])
@@ -96,5 +96,5 @@ def test_terms_are_written_as_phrases_are() -> None:
     [("depth", "depthCamera"), ("vehicle", "car"), ("kinematics", "arm")],
 )
 def test_words_of_many_devices_name_none(word: str, kind: str) -> None:
-    """The depth of a submarine, the vehicle that flies and the kinematics of a base are not devices of a kind."""
+    """The depth of a submarine, a flying vehicle and the kinematics of a base are not devices of a kind."""
     assert HARDWARE[kind] not in _recognized(KINDS, RNKG.recognizedByWord).get(word, set())

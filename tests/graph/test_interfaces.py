@@ -19,12 +19,12 @@ ROLES = {
     "action-server": "dock rnkg:ActionServer rnkg:Action rnkg:hasActionType action-type/rover_msgs/Dock",
     "action-client": "move_base rnkg:ActionClient rnkg:Action rnkg:hasActionType action-type/move_base_msgs/MoveBase",
 }
-"""For each kind of component: name, class, what it connects to, and how it has which type."""
+"""For each kind of component: name, class, its channel, and its link to a type."""
 
 
 @pytest.mark.parametrize("part", ROLES)
 def test_each_role_has_its_component_and_type(part: str) -> None:
-    """A role is written as a component of onto-ros that connects to a topic, service or action with its type."""
+    """A role is a component of onto-ros that connects to a topic, service or action with its type."""
     name, component_class, mode, has_type, of_type = ROLES[part].split()
     component, channel = f"<node/{ROVER}/rover_base/driver#{part}/{name}>", f"<{mode.split(':')[1].lower()}/{name}>"
     assert true(
@@ -43,7 +43,7 @@ def test_names_of_topics_and_types_are_labels() -> None:
 
 
 def test_a_name_that_is_not_known_makes_no_topic() -> None:
-    """Unresolved and partial interfaces keep type and reason, and connect to nothing."""
+    """Unresolved and partial interfaces have type and reason, and no connection."""
     query = """SELECT ?part ?name ?type ?reason {
       ?part rnkg:resolution ?how ; ros:hasMessage/rdfs:label ?type . FILTER(?how IN (rnkg:partial, rnkg:unresolved))
       OPTIONAL { ?part rnkg:name ?name } OPTIONAL { ?part rnkg:reason ?reason }
@@ -56,7 +56,7 @@ def test_a_name_that_is_not_known_makes_no_topic() -> None:
 
 
 def test_what_a_framework_makes_can_be_told_from_what_code_declares() -> None:
-    """Implicit interfaces connect to their topics like others, and the component says what made them."""
+    """Implicit interfaces connect to their topics like others, and have their origin."""
     store = sample()
     part = f"<node/{ROVER}/rover_base/driver#publisher/tf>"
     assert true(store, f'{part} rnkg:connectsTo <topic/tf> ; rnkg:implicit true ; rnkg:origin "tf2"')
@@ -64,7 +64,7 @@ def test_what_a_framework_makes_can_be_told_from_what_code_declares() -> None:
 
 
 def test_quality_of_service_is_shared_by_value() -> None:
-    """Two ends with the same policies have the same quality of service, whose IRI spells it."""
+    """Two ends with the same policies share one quality of service, whose IRI spells it."""
     query = """SELECT ?q ?r ?d ?h ?n { ?q a rnkg:Qos ; rnkg:reliability ?r ; rnkg:history ?h ; rnkg:depth ?n
       OPTIONAL { ?q rnkg:durability ?d } }"""
     assert rows(sample(), query) == [("qos/reliable/-/keep_last/10", "reliable", None, "keep_last", "10")]
@@ -82,7 +82,7 @@ def test_types_of_services_and_actions_have_their_messages() -> None:
 
 
 def test_the_same_interface_twice_is_two_components() -> None:
-    """Two places in the code that open the same topic are two components of one topic."""
+    """Two places in the code that open the same topic are two components of it."""
     twice = tuple(end(Role.PUBLISHES, "odom", "nav_msgs/Odometry", location=Location("a.cpp", line)) for line in (3, 9))
     node = NodeType("driver", NodeKind.EXECUTABLE, "cpp", 1, Location("a.cpp", 1), interfaces=twice)
     facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), (node,))
@@ -92,7 +92,7 @@ def test_the_same_interface_twice_is_two_components() -> None:
 
 
 def test_evidence_in_another_source_names_it() -> None:
-    """A line of a base class in another repository is told from one of the same path here."""
+    """A line of a base class in another repository is distinguished from one of the same path here."""
     there = end(Role.PUBLISHES, "x", location=Location("include/base.hpp", 4, "github.com/acme/base"))
     here = end(Role.PUBLISHES, "y", location=Location("include/base.hpp", 5))
     node = NodeType("n", NodeKind.EXECUTABLE, "cpp", 1, Location("a.cpp", 1), interfaces=(there, here))
@@ -108,7 +108,7 @@ def test_evidence_in_another_source_names_it() -> None:
 
 @pytest.mark.parametrize("resolution", Resolution)
 def test_every_resolution_is_an_individual_of_the_ontology(resolution: Resolution) -> None:
-    """The word of `kg nodes --json` is the local name of the individual."""
+    """The word in `kg nodes --json` is the local name of the individual."""
     node = NodeType(
         "n",
         NodeKind.CLASS,
@@ -122,7 +122,7 @@ def test_every_resolution_is_an_individual_of_the_ontology(resolution: Resolutio
 
 
 def test_rarer_policies_have_a_resource_of_their_own() -> None:
-    """Deadlines, lifespans and liveliness that code sets are written in seconds, and tell two qualities apart."""
+    """Deadlines, lifespans and liveliness set by code are in seconds, and distinguish two qualities."""
     usual = Qos("reliable", "volatile", "keep_last", 1)
     rarer = replace(usual, deadline=0.000001, lifespan=2.0, liveliness="manual_by_topic", lease_duration=1.5)
     ends = tuple(end(Role.PUBLISHES, name, qos=qos) for name, qos in (("a", usual), ("b", rarer)))

@@ -44,7 +44,7 @@ MAKERS: list[tuple[str, int, Callable[..., str]]] = [
 def test_any_text_makes_a_valid_iri_that_gives_the_text_back(
     kind: str, arity: int, make: Callable[..., str], data: st.DataObject
 ) -> None:
-    """Whatever the parts hold, the IRI is valid, belongs to its kind, and can be taken apart: so it is injective."""
+    """For any parts, the IRI is valid, belongs to its kind, and can be split again: it is injective."""
     parts = data.draw(st.tuples(*[PART] * arity))
     iri = make(*parts)
     assert NamedNode(iri).value == iri
@@ -60,14 +60,14 @@ def test_any_text_makes_a_valid_iri_that_gives_the_text_back(
 def test_fragments_tell_parts_of_a_thing_apart(
     one: tuple[str, str | None, int], other: tuple[str, str | None, int]
 ) -> None:
-    """Parts differ by owner, name and count; a name that is not known differs from every name."""
+    """Parts differ by owner, name and count; an unknown name differs from every name."""
     iris = [fragment(IRIS.package_name(owner), "publisher", name, count) for owner, name, count in (one, other)]
     assert all(NamedNode(iri).value == iri for iri in iris)
     assert (iris[0] == iris[1]) == (one == other)
 
 
 def test_parts_of_parts() -> None:
-    """A part of a part has a valid IRI too: one `#`, and what follows stands behind the owner's."""
+    """A part of a part has a valid IRI, too: one `#`, with the rest appended to the owner's."""
     owner = fragment(IRIS.node("h/o/r", "p", "n"), "again", "")
     part = fragment(owner, "publisher", "/scan")
     assert NamedNode(part).value == part
@@ -77,12 +77,12 @@ def test_parts_of_parts() -> None:
 
 @given(owner=st.tuples(PART, PART, PART), name=PART)
 def test_a_part_is_never_a_thing_of_its_own(owner: tuple[str, str, str], name: str) -> None:
-    """The IRI of an interface cannot be that of another node."""
+    """The IRI of an interface is never that of another node."""
     assert IRIS.parse(fragment(IRIS.node(*owner), "publisher", name)) is None
 
 
 def test_iris_are_readable() -> None:
-    """Names that need no encoding stand in the IRI as they are."""
+    """Names that need no encoding are unchanged in the IRI."""
     assert IRIS.node("github.com/husky/husky", "husky_base", "husky_node") == (
         "https://w3id.org/rnkg/node/github.com/husky/husky/husky_base/husky_node"
     )
@@ -104,7 +104,7 @@ def test_iris_are_readable() -> None:
     ],
 )
 def test_what_is_no_iri_of_ours_is_nothing(iri: str) -> None:
-    """IRIs of other bases, of unknown kinds, and with too few or too many parts for their kind have none."""
+    """IRIs of other bases, of unknown kinds, and with a wrong number of parts are not parsed."""
     assert IRIS.parse(iri) is None
 
 
@@ -117,7 +117,7 @@ def test_a_base_that_cannot_be_one_is_refused(base: str) -> None:
 
 
 def test_another_base_is_used_everywhere() -> None:
-    """IRIs stand below the base that was asked for and are understood there."""
+    """IRIs use the requested base and are parsed with it."""
     iris = Iris("http://localhost:8000/")
     assert iris.repository("local/ws") == "http://localhost:8000/repository/local/ws"
     assert iris.parse("http://localhost:8000/package-name/roscpp") == Thing("package-name", ("roscpp",))

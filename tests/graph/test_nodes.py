@@ -7,7 +7,7 @@ from kg.graph.sources import source_triples
 
 
 def test_a_node_says_what_it_is_and_where() -> None:
-    """Kind, language, version of ROS, own name, executable, sources and evidence are there."""
+    """A node has kind, language, version of ROS, own name, executable, sources and evidence."""
     node = f"<node/{ROVER}/rover_base/driver>"
     assert true(
         sample(),
@@ -22,13 +22,13 @@ def test_a_node_says_what_it_is_and_where() -> None:
 
 
 def test_sources_of_a_node_have_paths() -> None:
-    """Each source file of a node says its path, listed by the package or not."""
+    """Each source file of a node has its path, listed by the package or not."""
     expected = [("rover_base/src/main.cpp",), ("rover_base/src/wheel.cpp",)]
     assert rows(sample(), "SELECT ?p { ?n rnkg:hasSource/rnkg:path ?p }") == expected
 
 
 def test_a_parameter_keeps_what_is_known_of_it() -> None:
-    """Name, type, default, access, purpose and place of a parameter are there."""
+    """A parameter has name, type, default, access, purpose and place."""
     assert true(
         sample(),
         f"""<node/{ROVER}/rover_base/driver> rnkg:hasParameter <node/{ROVER}/rover_base/driver#parameter/~/port> .
@@ -39,7 +39,7 @@ def test_a_parameter_keeps_what_is_known_of_it() -> None:
 
 
 def test_two_nodes_of_one_name_stay_two() -> None:
-    """An executable and a class of the same name in one package do not flow together."""
+    """An executable and a class of the same name in one package are not merged."""
     nodes = tuple(NodeType("n", kind, "cpp", 1, Location("a.cpp", 1)) for kind in (NodeKind.EXECUTABLE, NodeKind.CLASS))
     facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), nodes)
     store = loaded(source_triples(REPOSITORY, [facts], IRIS))
@@ -48,7 +48,7 @@ def test_two_nodes_of_one_name_stay_two() -> None:
 
 
 def test_an_import_is_there_with_what_holds_it() -> None:
-    """A rule can ask for a library as a whole, and for one of its modules; the place is kept for each name."""
+    """A rule can match a library as a whole, and one of its modules; each name has its place."""
     imported = (Import("RPi.GPIO", Location("a.py", 2)), Import("pcl/io/pcd.h", MAIN), Import("termios.h", MAIN))
     node = NodeType("n", NodeKind.SCRIPT, "python", 1, Location("a.py", 1), imports=imported)
     facts = PackageFacts(ROVER, Package("p", "p", 1, Location("p/package.xml", 1)), (node,))

@@ -23,7 +23,7 @@ def read(term: str) -> Literal:
 
 @given(st.text() | st.text(st.sampled_from('"\\\n\r\t\0\x0b\x7f\x85\u2028\ufeff\U0001f916a')))
 def test_any_text_is_read_back_as_it_was(text: str) -> None:
-    """A parser reads exactly the text that was written, and every literal keeps to one line."""
+    """A parser reads exactly the written text, and every literal is on one line."""
     assert read(literal(text)).value == text
     assert not {"\n", "\r"} & set(literal(text))
 
@@ -42,7 +42,7 @@ def test_numbers_keep_their_value(number: int) -> None:
 
 
 def test_other_types() -> None:
-    """Flags and times have the data types of XML Schema."""
+    """Booleans and times have the data types of XML Schema."""
     assert str(read(boolean(value=True))) == f'"true"^^<{XSD}boolean>'
     assert str(read(boolean(value=False))) == f'"false"^^<{XSD}boolean>'
     assert str(read(moment(datetime(2026, 1, 2, tzinfo=UTC)))) == f'"2026-01-02T00:00:00.000+00:00"^^<{XSD}dateTime>'
@@ -59,7 +59,7 @@ def test_shared_things_are_described_once() -> None:
 
 
 def test_nothing_is_written_for_what_is_not_known() -> None:
-    """None makes no triple."""
+    """None gives no triple."""
     writer = Writer()
     writer.text(SUBJECT, SUBJECT, None)
     writer.number(SUBJECT, SUBJECT, None)

@@ -25,18 +25,18 @@ needs_java = pytest.mark.skipif(shutil.which("java") is None, reason="the OWL re
 
 @pytest.fixture
 def reasoner() -> None:
-    """Skip when the reasoner is not installed."""
+    """Skip if the reasoner is not installed."""
     pytest.importorskip("owlready2", reason="owlready2 is not installed: pip install 'kg-ros[ontology]'")
 
 
 @pytest.fixture
 def shacl() -> None:
-    """Skip when the validator is not installed."""
+    """Skip if the validator is not installed."""
     pytest.importorskip("pyshacl", reason="pyshacl is not installed: pip install 'kg-ros[ontology]'")
 
 
 def written(folder: Path, name: str, text: str) -> Path:
-    """Return the path of an ontology made for a test."""
+    """Return the path of an ontology created for a test."""
     path = folder / name
     path.write_text(HEAD + text)
     return path
@@ -56,7 +56,7 @@ def test_the_ontologies_are_consistent_alone_and_together() -> None:
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_classes_properties_and_individuals_are_classified(tmp_path: Path) -> None:
-    """What follows from a file is given, without what it says and without what follows from ours alone."""
+    """Inferences from a file are returned, without its own statements and those from our ontologies alone."""
     path = written(
         tmp_path,
         "mine.ttl",
@@ -76,7 +76,7 @@ def test_classes_properties_and_individuals_are_classified(tmp_path: Path) -> No
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_nothing_follows_from_a_contradiction(tmp_path: Path) -> None:
-    """Everything would: the error says so, and how to find the file."""
+    """A contradiction is an error that explains how to find its file."""
     path = written(tmp_path, "odd.ttl", ":A a owl:Class . :B a owl:Class ; owl:disjointWith :A . :x a :A , :B .")
     with pytest.raises(GraphError) as caught:
         classify([path])
@@ -88,7 +88,7 @@ def test_nothing_follows_from_a_contradiction(tmp_path: Path) -> None:
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_the_published_examples_and_what_kg_writes_are_consistent(tmp_path: Path) -> None:
-    """The two examples of the paper, and the graph of a source, contradict no axiom of the ontologies."""
+    """The two examples of the paper, and the graph of a source, are consistent with the ontologies."""
     graph = tmp_path / "rover.nt"
     graph.write_bytes(DATA)
     together = check([*EXAMPLES, graph])[-1]
@@ -100,7 +100,7 @@ def test_the_published_examples_and_what_kg_writes_are_consistent(tmp_path: Path
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_a_component_of_node_and_communication_is_consistent_but_a_node_is_no_topic(tmp_path: Path) -> None:
-    """`ros:hasComponent` goes from a node and from a communication; a thing that is both node and topic is refused."""
+    """Node and communication may both have `ros:hasComponent`; an entity that is both is inconsistent."""
     both = written(
         tmp_path,
         "both.ttl",
@@ -145,7 +145,7 @@ def test_a_contradiction_is_reported(tmp_path: Path) -> None:
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_what_the_reasoner_cannot_work_with_is_told(tmp_path: Path) -> None:
-    """A value that its data type does not have is an error of the ontology, not a stack trace."""
+    """A value outside its data type is an error of the ontology, without a stack trace."""
     path = written(
         tmp_path, "x.ttl", ':p a owl:DatatypeProperty . :i :p "one"^^<http://www.w3.org/2001/XMLSchema#integer> .'
     )
@@ -158,7 +158,7 @@ def test_what_the_reasoner_cannot_work_with_is_told(tmp_path: Path) -> None:
 @needs_java
 @pytest.mark.usefixtures("reasoner")
 def test_imports_are_not_followed(tmp_path: Path) -> None:
-    """An import that leads nowhere needs no network and does no harm."""
+    """A dangling import needs no network and does no harm."""
     assert check([written(tmp_path, "x.ttl", ": owl:imports <http://nowhere.invalid/x> . :A a owl:Class .")])[0].good
 
 
@@ -173,7 +173,7 @@ def test_without_java_the_error_says_so(monkeypatch: pytest.MonkeyPatch, tmp_pat
 
 
 def test_without_the_optional_part_the_error_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """KG605 is raised when owlready2 or pyshacl are not installed."""
+    """KG605 is raised if owlready2 or pyshacl is not installed."""
     monkeypatch.setattr("kg.graph.ontology.find_spec", lambda _name: None)
     for ask in (check, lambda: validate(b"")):
         with pytest.raises(GraphError) as caught:
@@ -184,7 +184,7 @@ def test_without_the_optional_part_the_error_says_how_to_get_it(monkeypatch: pyt
 
 @pytest.mark.usefixtures("shacl")
 def test_what_kg_writes_conforms_to_the_shapes() -> None:
-    """The graph of a source and of a build have nothing to find."""
+    """The graph of a source and of a build conforms."""
     assert validate(DATA) == ()
 
 
@@ -195,13 +195,13 @@ MISSING = {
     "/port> <https://w3id.org/rnkg/ns#access>": "it must be read, written or declared",
     "<http://www.w3.org/ns/prov#endedAtTime>": "it must end once",
 }
-"""Triples taken away, by a part of their line, and what the shapes say then."""
+"""Removed triples, by a part of their line, and the resulting message of the shapes."""
 
 
 @pytest.mark.usefixtures("shacl")
 @pytest.mark.parametrize("without", MISSING)
 def test_what_is_missing_is_found(without: str) -> None:
-    """Taking away one triple breaks the shape that asks for it."""
+    """Removing one triple violates the shape that requires it."""
     lines = DATA.splitlines(keepends=True)
     kept = [line for line in lines if without.encode() not in line]
     assert len(kept) == len(lines) - 1
@@ -210,7 +210,7 @@ def test_what_is_missing_is_found(without: str) -> None:
 
 @pytest.mark.usefixtures("shacl")
 def test_a_type_has_the_form_package_and_type() -> None:
-    """A message type without its package is found, with code, thing and value."""
+    """A message type without its package is reported, with code, thing and value."""
     findings = validate(DATA.replace(b'"nav_msgs/Odometry"', b'"Odometry"'))
     (found,) = [each for each in findings if each.value == '"Odometry"']
     assert found.focus == "<https://w3id.org/rnkg/message/nav_msgs/Odometry>"
@@ -220,7 +220,7 @@ def test_a_type_has_the_form_package_and_type() -> None:
 
 @pytest.mark.usefixtures("shacl")
 def test_an_unresolved_name_connects_to_nothing() -> None:
-    """A topic made up for an unresolved interface is found."""
+    """A topic invented for an unresolved interface is reported."""
     part = "<https://w3id.org/rnkg/node/github.com/acme/rover/rover_base/driver#publisher/@unresolved>"
     guessed = f"{part} <https://w3id.org/rnkg/ns#connectsTo> <https://w3id.org/rnkg/topic/odom> .\n"
     assert [each.focus for each in validate(DATA + guessed.encode())] == [part]
@@ -228,19 +228,19 @@ def test_an_unresolved_name_connects_to_nothing() -> None:
 
 @pytest.mark.usefixtures("shacl")
 def test_data_that_does_not_parse_is_an_error() -> None:
-    """Not N-Triples is told as such."""
+    """Data other than N-Triples is an error."""
     with pytest.raises(GraphError) as caught:
         validate(b"<oops")
     assert caught.value.code == "KG601"
 
 
 def test_the_shapes_are_there() -> None:
-    """The shapes belong to the installation."""
+    """The shapes are part of the installation."""
     assert shapes_file().is_file()
 
 
 def test_the_published_examples_answer() -> None:
-    """Who steers the base and who gives the map can be asked, from node to node, through topic and service."""
+    """Queries for the controller of the base and the source of the map work from node to node, by topic and service."""
     store = loaded(ontology_triples(EXAMPLES))
     query = """SELECT ?via ?message ?from ?to ?capability ?mode {
       { ?c ros:hasPublisher ?source ; ros:hasSubscriber ?target } UNION

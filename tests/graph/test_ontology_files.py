@@ -24,7 +24,7 @@ def test_the_ontologies_are_the_same_bytes_every_time() -> None:
 
 
 def test_blank_nodes_of_two_files_stay_apart(tmp_path: Path) -> None:
-    """The nameless things of one file are not those of another."""
+    """Blank nodes of one file differ from those of another."""
     for name in ("a.ttl", "b.ttl"):
         (tmp_path / name).write_text(CLASS.replace("urn:x:A", f"urn:x:{name}"))
     store = loaded(ontology_triples([tmp_path / "a.ttl", tmp_path / "b.ttl"]))
@@ -35,7 +35,7 @@ def test_blank_nodes_of_two_files_stay_apart(tmp_path: Path) -> None:
     ("name", "text"), [("x.ttl", "<a> <b> ."), ("x.rdf", "<rdf"), ("x.csv", ""), ("missing.ttl", None)]
 )
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path, name: str, text: str | None) -> None:
-    """Malformed, unknown and missing files are errors with the place of the fault."""
+    """Malformed, unknown and missing files are errors with the place."""
     if text is not None:
         (tmp_path / name).write_text(text)
     with pytest.raises(GraphError) as caught:
@@ -46,7 +46,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path, name: str, text: st
 
 
 def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
-    """The line of the fault is told."""
+    """The error has the line."""
     path = tmp_path / "x.ttl"
     path.write_text("<urn:a> <urn:b> <urn:c> .\n<urn:a> oops .\n")
     with pytest.raises(GraphError) as caught:
@@ -56,12 +56,12 @@ def test_a_syntax_error_has_its_line(tmp_path: Path) -> None:
 
 
 def test_the_ontologies_are_there() -> None:
-    """The ontologies belong to the installation."""
+    """The ontologies are part of the installation."""
     assert [path.name for path in default_ontologies() if path.is_file()] == list(ONTOLOGIES)
 
 
 def test_the_last_file_replaces_the_value_of_a_setting(tmp_path: Path) -> None:
-    """A weight of a later file takes the place of the earlier one; other properties keep all their values."""
+    """A weight in a later file replaces the earlier one; other properties keep all their values."""
     prefix = "@prefix rnkg: <https://w3id.org/rnkg/ns#> ."
     (tmp_path / "mine.ttl").write_text(f'{prefix} <urn:sign> rnkg:weight 2 ; rnkg:recognizedByWord "laser" .')
     (tmp_path / "more.ttl").write_text(f'{prefix} <urn:sign> rnkg:weight 5 ; rnkg:recognizedByWord "lidar" .')
@@ -71,7 +71,7 @@ def test_the_last_file_replaces_the_value_of_a_setting(tmp_path: Path) -> None:
 
 
 def test_ontologies_of_the_user_come_last(tmp_path: Path) -> None:
-    """The setting names folders and files; a folder gives its files of RDF by name, and the shipped one nothing."""
+    """The setting names folders and files; a folder gives its RDF files by name, and the shipped one nothing."""
     for name in ("b.ttl", "a.ttl", "notes.md"):
         (tmp_path / name).write_text("")
     settings = load({"ontology": f"{tmp_path}{os.pathsep}{resources.folder('ontology')}"}, environment={})

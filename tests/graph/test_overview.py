@@ -42,7 +42,7 @@ ROVER: Final = NodeType(
 
 
 def test_a_node_has_the_numbers_of_what_it_declares_itself() -> None:
-    """Each interface counts, each name of a parameter once, and nothing that frameworks make."""
+    """Each declared interface counts, each parameter name once, and implicit interfaces do not."""
     assert nodes(stored(("base", (ROVER, BARE)))) == [
         NodeSummary("github.com/acme/rover", "base", "bare", NodeKind.SCRIPT, 1, BARE.location, 0, 0, 0, 0, 0, 0),
         NodeSummary("github.com/acme/rover", "base", "rover", NodeKind.EXECUTABLE, 2, HERE, 2, 1, 0, 0, 2, 2),
@@ -50,14 +50,14 @@ def test_a_node_has_the_numbers_of_what_it_declares_itself() -> None:
 
 
 def test_nodes_of_one_package_are_listed() -> None:
-    """A package may have its repository in front."""
+    """A package may have its repository as prefix."""
     store = stored(("a", (ROVER,)), ("b", (ROVER, BARE)))
     assert [one.package for one in nodes(store, "a")] == ["a"]
     assert [one.name for one in nodes(store, "github.com/acme/rover:b")] == ["bare", "rover"]
 
 
 def test_channels_have_their_types_and_the_nodes_at_their_ends() -> None:
-    """An end without a type is there; what frameworks make is there when it is asked for."""
+    """Ends without a type are listed; implicit ones only on request."""
     store = stored(("a", (ROVER,)), ("b", (replace(ROVER, interfaces=ROVER.interfaces[3:]),)))
     odom = Channel("/odom", ("nav_msgs/Odometry",), ("a/rover",), (), 0)
     scan = Channel("/scan", (), (), ("a/rover", "b/rover"), 0)

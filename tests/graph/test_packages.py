@@ -12,7 +12,7 @@ PACKAGE = f"<package/{ROVER}/rover_base>"
 
 
 def test_a_package_says_what_its_manifest_says() -> None:
-    """Name, folder, version, description, licences and addresses of a package are there."""
+    """A package has name, folder, version, description, licences and addresses."""
     assert true(
         sample(),
         f"""<repository/{ROVER}> rnkg:contains {PACKAGE} .
@@ -26,7 +26,7 @@ def test_a_package_says_what_its_manifest_says() -> None:
 
 
 def test_people_are_maintainers_or_authors() -> None:
-    """A person is known by address and name; without an address only within the source."""
+    """A person is identified by address and name; without an address only within the source."""
     query = """SELECT ?role ?who ?name ?mail {
       ?package ?role ?who . ?who a rnkg:Person ; rnkg:name ?name OPTIONAL { ?who rnkg:email ?mail } }"""
     assert rows(sample(), query) == [
@@ -36,7 +36,7 @@ def test_people_are_maintainers_or_authors() -> None:
 
 
 def test_dependencies_are_on_names_and_keep_kind_and_line() -> None:
-    """A package depends once on a name, and each entry of the manifest says what for."""
+    """A package depends once on a name, and each entry of the manifest gives a purpose."""
     store = sample()
     assert rows(store, "SELECT ?n { ?p rnkg:dependsOn ?n }") == [("package-name/roscpp",)]
     query = """SELECT ?kind ?line { ?package rnkg:hasDependency ?entry .
@@ -59,7 +59,7 @@ def test_files_and_problems_belong_to_the_package() -> None:
 @settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.builds(PackageFacts, launches=st.just(())))
 def test_any_facts_make_valid_triples_without_blank_nodes(facts: PackageFacts) -> None:
-    """Whatever text the facts hold, a strict parser reads the triples, and the same facts give the same bytes."""
+    """For any facts, a strict parser reads the triples, and the same facts give the same bytes."""
     written = package_triples(facts, IRIS)
     terms = [term for quad in parse(written, format=RdfFormat.N_TRIPLES) for term in (quad.subject, quad.object)]
     assert not any(isinstance(term, BlankNode) for term in terms)
@@ -67,6 +67,6 @@ def test_any_facts_make_valid_triples_without_blank_nodes(facts: PackageFacts) -
 
 
 def test_no_triple_is_written_twice() -> None:
-    """What is shared inside a package is described once."""
+    """Entities shared inside a package are described once."""
     lines = package_triples(FACTS, IRIS).splitlines()
     assert len(lines) == len(set(lines)) == len(loaded(*[package_triples(FACTS, IRIS)]))

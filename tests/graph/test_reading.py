@@ -96,13 +96,13 @@ def stored(*packages: tuple[str, tuple[NodeType, ...]], commit: str | None = "ab
 
 
 def test_a_node_comes_back_as_it_was_written() -> None:
-    """Every field of node, interfaces and parameters survives the way into the graph and back."""
+    """Every field of node, interfaces and parameters survives writing and reading."""
     store = stored(("rover_base", (ROVER,)))
     assert node_records(store) == [NodeRecord("github.com/acme/rover", "abc", "rover_base", ROVER)]
 
 
 def test_nodes_are_chosen_by_package_and_name() -> None:
-    """Filters compare names as wholes; a package may have its repository in front."""
+    """Filters compare whole names; a package may have its repository as prefix."""
     other = replace(ROVER, name="other", interfaces=(), parameters=())
     store = stored(("a", (ROVER, other)), ("b", (ROVER,)))
     assert [one.full_name for one in node_records(store, node="rover")] == [
@@ -116,13 +116,13 @@ def test_nodes_are_chosen_by_package_and_name() -> None:
 
 
 def test_a_source_without_commit_has_none() -> None:
-    """A plain folder is no git checkout."""
+    """A plain folder has no commit."""
     assert node_records(stored(("a", (ROVER,)), commit=None))[0].commit is None
 
 
 @pytest.mark.parametrize("name", ['"', "\\", "a b", "} UNION {", "\n", ""])
 def test_names_cannot_leave_the_query(name: str) -> None:
-    """What users type is compared, never run."""
+    """User input is compared, never executed."""
     assert node_records(stored(("a", (ROVER,))), package=name, node=name) == []
 
 
@@ -143,14 +143,14 @@ _INTERFACES: Final = st.builds(
 @settings(max_examples=50)
 @given(st.lists(_INTERFACES, max_size=5))
 def test_any_interface_comes_back(interfaces: list[Interface]) -> None:
-    """Odd names, repeated names and missing parts survive; nothing is lost or merged."""
+    """Odd names, repeated names and missing parts survive; none is lost or merged."""
     store = stored(("p", (replace(ROVER, interfaces=tuple(interfaces)),)))
     back = node_records(store)[0].node.interfaces
     assert sorted(map(repr, back)) == sorted(map(repr, interfaces))
 
 
 def test_nodes_of_one_name_keep_their_own_parts() -> None:
-    """A package may declare a node twice; each has what it declares itself."""
+    """If a package declares a node twice, each has its own declarations."""
     bare = replace(ROVER, location=Location("src/other.cpp", 3), interfaces=ROVER.interfaces[:1], parameters=())
     found = node_records(stored(("a", (ROVER, bare))))
     assert [len(one.node.interfaces) for one in found] == [1, len(ROVER.interfaces)]
@@ -158,7 +158,7 @@ def test_nodes_of_one_name_keep_their_own_parts() -> None:
 
 
 def test_default_plugins_lead_to_their_nodes() -> None:
-    """A class is the same with a slash and with colons."""
+    """A class with a slash equals one with colons."""
     slow = replace(ROVER, name="Slow", plugin="nav/Slow", interfaces=(), parameters=(), slots=())
     (record,) = node_records(stored(("rover_base", (ROVER,)), ("plans", (slow,))), node="rover")
     assert {kind: str(node) for kind, (node, _) in record.plugins.items()} == {

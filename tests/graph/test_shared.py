@@ -20,7 +20,7 @@ def facts(repository: str, topic: str) -> PackageFacts:
 
 
 def test_two_sources_state_nothing_twice_but_what_they_share() -> None:
-    """The own triples of two sources with the same code are disjoint, the shared ones are the same."""
+    """Private triples of two sources with the same code are disjoint, shared ones are equal."""
     one, other = (split(package_triples(facts(name, "/chatter"), IRIS), IRIS) for name in ("local/a", "local/b"))
     assert not set(one[0]) & set(other[0])
     assert set(one[1]) == set(other[1])
@@ -29,7 +29,7 @@ def test_two_sources_state_nothing_twice_but_what_they_share() -> None:
 
 @given(st.text(st.characters(codec="utf-8"), min_size=1))
 def test_nothing_is_lost_or_made_up(name: str) -> None:
-    """Both halves together are the lines that were split, whatever the topic is called."""
+    """Both halves together equal the original lines, for any topic name."""
     content = package_triples(facts("local/a", f"/{name}"), IRIS)
     own, shared = split(content, IRIS)
     assert sorted(own + shared) == sorted(content.splitlines(keepends=True))

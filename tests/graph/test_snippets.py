@@ -18,7 +18,7 @@ BASE = "https://example.org/kg/"
 
 
 def test_lines_that_were_written_are_read_again() -> None:
-    """Signs, colons and blanks come back as they were, of this file alone, whatever the base of the IRIs."""
+    """Punctuation, colons and spaces survive, for this file alone, whatever the base of the IRIs."""
     lines = ((1, ""), (7, '  a: "b\\n" # ä'), (12, "12: x"))
     facts = replace(FACTS, snippets=(Snippet("src/a b.cpp", lines), Snippet("src/c.cpp", ((1, "c"),))))
     iris, store = Iris(BASE), Store()

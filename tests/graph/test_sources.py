@@ -8,7 +8,7 @@ from kg.graph.sources import repository_triples, source_triples
 
 
 def test_a_repository_says_which_commit_was_read() -> None:
-    """Name, commit, branch, address and state of a repository are there, the folder of this machine is not."""
+    """A repository has name, commit, branch, address and state, but not its folder on this machine."""
     store = sample()
     assert true(
         store,
@@ -20,13 +20,13 @@ def test_a_repository_says_which_commit_was_read() -> None:
 
 
 def test_a_folder_without_git_has_no_commit() -> None:
-    """Nothing is made up for a plain folder."""
+    """A plain folder has no commit and no branch."""
     store = loaded(repository_triples(Repository("local/ws", "/ws"), IRIS))
     assert not true(store, "?r rnkg:commit|rnkg:branch|rnkg:remote ?x")
 
 
 def test_problems_outside_packages_belong_to_the_repository() -> None:
-    """A problem of no package hangs on the repository; two in one file are two."""
+    """A problem outside packages belongs to the repository; two in one file are distinct."""
     problems = [Problem("KG110", "no right to read it", "secret"), Problem("KG110", "again", "secret")]
     store = loaded(repository_triples(REPOSITORY, IRIS, problems))
     query = "SELECT ?m { ?r a rnkg:Repository ; rnkg:hasProblem/rnkg:message ?m }"
@@ -34,6 +34,6 @@ def test_problems_outside_packages_belong_to_the_repository() -> None:
 
 
 def test_the_graph_of_a_source_is_its_packages_and_itself() -> None:
-    """Packages can be written one by one, in any process, and put together."""
+    """Packages can be written separately, in any process, and combined."""
     parts = repository_triples(REPOSITORY, IRIS) + package_triples(FACTS, IRIS)
     assert source_triples(REPOSITORY, [FACTS], IRIS) == parts

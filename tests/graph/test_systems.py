@@ -63,7 +63,7 @@ CAMERA: Final = InstanceInterface(
     "/rover/camera/image_raw",
     Resolution.LITERAL,
 )
-"""What a plugin of a simulator makes, whose code is not in the build."""
+"""An end of a simulator plugin, whose code is outside the build."""
 CALIBRATION: Final = InstanceInterface(
     Interface(
         Role.SERVICES,
@@ -82,7 +82,7 @@ CALIBRATION: Final = InstanceInterface(
 
 
 def ends() -> tuple[InstanceInterface, ...]:
-    """Return the ends of the driver as they are in the system."""
+    """Return the driver's ends in the system."""
     found = []
     for end in DRIVER.interfaces:
         name = None if end.name is None else f"/rover/{end.name}"
@@ -171,7 +171,7 @@ def _store() -> Store:
 
 
 class Union:
-    """A store asked as snapshots are."""
+    """A store with the query method of snapshots."""
 
     def __init__(self, store: Store) -> None:
         self._store = store
@@ -182,12 +182,12 @@ class Union:
 
 
 def records(store: Store) -> dict[NodeReference, NodeRecord]:
-    """Return the node types of the store by what stands for them."""
+    """Return the node types of the store by their IRIs."""
     return {record.reference: record for record in node_records(Union(store))}
 
 
 def test_a_system_comes_back_as_it_was_written(store: Store) -> None:
-    """Every fact about instances is in the graph, and is read from it as it was."""
+    """Every fact about instances survives writing and reading."""
     names = system_names(Union(store))
     assert [(one.repository, one.path, one.name, one.ros) for one in names] == [
         (ROVER, LAUNCH, "rover_base/launch/rover.launch", 1)
@@ -205,7 +205,7 @@ def test_a_system_comes_back_as_it_was_written(store: Store) -> None:
 
 
 def test_ends_lead_to_the_line_of_code(store: Store) -> None:
-    """From a name in a system one step leads to where code declares it."""
+    """A name in a system is one step from its declaration in code."""
     rows = Union(store).query(
         """SELECT ?path ?line {
              ?instance a rnkg:NodeInstance ; ros:hasComponent ?end .
@@ -217,7 +217,7 @@ def test_ends_lead_to_the_line_of_code(store: Store) -> None:
 
 
 def test_what_is_shared_is_not_said_again(store: Store) -> None:
-    """Message types are described once, and by systems where no node type uses them; changed qualities are added."""
+    """A message type is described once, by systems only if no node type uses it; changed qualities are added."""
     quads = store.quads_for_pattern(None, None, None, NamedNode(IRIS.launch_graph(ROVER, LAUNCH)))
     own = {str(quad.subject)[1:-1] for quad in quads}
     assert [iri for iri in own if iri.startswith(f"{BASE}message/")] == [f"{BASE}message/sensor_msgs/Image"]
@@ -225,12 +225,12 @@ def test_what_is_shared_is_not_said_again(store: Store) -> None:
 
 
 def test_the_same_facts_make_the_same_bytes(store: Store) -> None:
-    """Writing a system again changes nothing."""
+    """Writing a system again gives the same bytes."""
     assert system_triples(SYSTEM, records(store), IRIS) == system_triples(SYSTEM, records(store), IRIS)
 
 
 def test_an_end_without_its_node_type_is_left_out() -> None:
-    """A system whose node types are gone from the store can still be read; plugins' ends have their own evidence."""
+    """A system can be read without its removed node types; plugins' ends have their own evidence."""
     store = Store()
     content = system_triples(SYSTEM, {}, IRIS)
     for facts in ([], [replace(FACTS, nodes=())]):

@@ -1,4 +1,4 @@
-"""Descriptions on their way back from the graph: the best first, and the sentence that stands for all."""
+"""Descriptions read from the graph: the best first, and the summary sentence."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MANIFEST = Description("Everything of the arm.", DescriptionKind.MANIFEST, Locat
 
 
 def stored(*said: Description) -> Store:
-    """Return a store with the node and what was said of it and its package."""
+    """Return a store with the node, its descriptions and its package."""
     package = Package("arms", ".", 1, Location("package.xml", 1))
     facts = PackageFacts("local/arms", package, nodes=(NODE,), descriptions=said)
     store = Store()
@@ -28,7 +28,7 @@ def stored(*said: Description) -> Store:
 
 
 def test_descriptions_come_back() -> None:
-    """The descriptions of a node are read as they were written, without those of its package, the best first."""
+    """The descriptions of a node are read unchanged, without those of its package, the best first."""
     (record,) = node_records(stored(COMMENT, MANIFEST, README))
     assert [(one.text, one.kind, one.location, one.heading) for one in record.descriptions] == [
         (one.text, one.kind, one.location, one.heading) for one in (README, COMMENT)
@@ -36,7 +36,7 @@ def test_descriptions_come_back() -> None:
 
 
 def test_programs_get_the_first_sentence() -> None:
-    """`kg nodes --json` has the first sentence of the best description, null where there is none."""
+    """`kg nodes --json` has the first sentence of the best description, or null."""
     assert node_object(node_records(stored(COMMENT))[0])["description"] == "Moves the arm."
     assert node_object(node_records(stored())[0])["description"] is None
 

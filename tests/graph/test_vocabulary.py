@@ -60,13 +60,13 @@ NAMESPACES = {
 
 
 def declared(graph: Graph, namespace: str) -> set[str]:
-    """Return the local names of the terms of a namespace that an ontology declares."""
+    """Return the local names of the terms of a namespace declared by an ontology."""
     subjects = {subject for kind in KINDS for subject in graph.subjects(RDF.type, kind)}
     return {str(term).removeprefix(namespace) for term in subjects if str(term).startswith(namespace)}
 
 
 def test_onto_ros_has_exactly_its_terms() -> None:
-    """onto-ros is neither cut short nor added to."""
+    """No term of onto-ros is missing or added."""
     assert declared(ONTO_ROS, vocabulary.ROS) == ONTO_ROS_TERMS
 
 
@@ -82,7 +82,7 @@ def test_every_term_is_explained(ontology: str) -> None:
 
 
 def test_every_term_that_is_written_is_defined() -> None:
-    """What the writers use stands in the ontologies."""
+    """Every term used by the writers is in the ontologies."""
     used = {value[1:-1] for value in vars(vocabulary).values() if isinstance(value, str) and value.startswith("<")}
     ours = {term for term in used if term.startswith((vocabulary.ROS, vocabulary.RNKG))}
     assert len(ours) > 100
@@ -90,7 +90,7 @@ def test_every_term_that_is_written_is_defined() -> None:
 
 
 def test_every_term_that_is_written_is_in_the_documentation() -> None:
-    """docs/graph-model.md shows each term of the ontologies that the writers use."""
+    """docs/graph-model.md shows each term used by the writers."""
     page = (Path(__file__).parents[2] / "docs" / "graph-model.md").read_text("utf-8")
     shown = set(re.findall(r"\b(rnkg|ros):([A-Za-z-]+)", page))
     used = {value[1:-1] for value in vars(vocabulary).values() if isinstance(value, str) and value.startswith("<")}
@@ -100,7 +100,7 @@ def test_every_term_that_is_written_is_in_the_documentation() -> None:
 
 
 def test_terms_of_others_are_declared() -> None:
-    """Every term that an axiom mentions is declared, in each ontology alone, as OWL 2 DL asks."""
+    """Every term of an axiom is declared, in each ontology alone, as required by OWL 2 DL."""
     axioms = (RDFS.subClassOf, RDFS.subPropertyOf, RDFS.domain, RDFS.range, OWL.disjointWith, OWL.onProperty)
     for graph in GRAPHS.values():
         mentioned = {term for axiom in axioms for term in graph.objects(None, axiom) if isinstance(term, URIRef)}
@@ -111,14 +111,14 @@ def test_terms_of_others_are_declared() -> None:
 
 
 def test_no_term_plays_two_parts() -> None:
-    """No IRI is both a class, a kind of property, or an individual (the restriction of OWL 2 DL on punning)."""
+    """No IRI is more than one of class, kind of property, and individual (the restriction of OWL 2 DL on punning)."""
     for one, other in product(KINDS, KINDS):
         if one != other:
             assert not set(ALL.subjects(RDF.type, one)) & set(ALL.subjects(RDF.type, other))
 
 
 def test_every_property_has_the_kind_of_its_range() -> None:
-    """The range of a property for values is a data type, that of a relation is not."""
+    """The range of a data property is a data type, that of an object property is not."""
     for kind, literal in ((OWL.DatatypeProperty, True), (OWL.ObjectProperty, False)):
         for term in ALL.subjects(RDF.type, kind):
             for span in ALL.objects(term, RDFS.range):

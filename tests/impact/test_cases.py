@@ -1,6 +1,6 @@
-"""What breaks in a small workspace: each file of `cases` has a name as it is typed, and what the view answers.
+"""Effects of changes in a small workspace: each file of `cases` has a name as typed, and the response of the view.
 
-`KG_WRITE_EXPECTED=1` writes the answers anew; the difference shows what changed.
+`KG_WRITE_EXPECTED=1` rewrites the expected responses; the difference shows the changes.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> EmbeddedStore:
 
 
 def settings() -> Settings:
-    """Return the settings that nobody changed."""
+    """Return the default settings."""
     return load({}, environment={})
 
 
 def asked(store: EmbeddedStore, name: str, kind: str = "") -> dict[str, Any]:
-    """Return what the view answers."""
+    """Return the response of the view."""
     with store.read() as snapshot:
         return impact(snapshot, settings(), name=name, kind=kind)
 
@@ -78,7 +78,7 @@ def test_what_means_several_things_gets_a_command_for_each(store: EmbeddedStore)
 
 
 def test_an_unknown_name_gets_those_that_were_meant(store: EmbeddedStore) -> None:
-    """Also within one kind."""
+    """An unknown name gets suggestions, also within one kind."""
     with pytest.raises(UnknownNameError) as raised:
         asked(store, "crane_msgs/Laod", "type")
     assert "`crane_msgs/Load`" in (raised.value.hint or "")
@@ -87,7 +87,7 @@ def test_an_unknown_name_gets_those_that_were_meant(store: EmbeddedStore) -> Non
 
 
 class WholeWorld(StoredWorld):
-    """A world whose systems are read whole, and all node types, definitions and files for any subject."""
+    """A world with complete systems, and all node types, definitions and files for any subject."""
 
     def __init__(self, snapshot: EmbeddedSnapshot) -> None:
         super().__init__(snapshot, settings())
@@ -97,7 +97,7 @@ class WholeWorld(StoredWorld):
         self._every_file = [*file_records(snapshot), *self.own]
 
     def systems(self, subject: Subject) -> Sequence[System]:
-        """Return the systems of a subject with all of their parts."""
+        """Return the complete systems of a subject."""
         if subject.kind is Kind.ARGUMENT or (subject.kind is Kind.PARAMETER and not subject.owner):
             return self._every_system
         meant = {one.configuration.path for one in super().systems(subject)}
@@ -117,7 +117,7 @@ class WholeWorld(StoredWorld):
 
 
 def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject]:
-    """Yield all that the workspace names."""
+    """Yield all names of the workspace."""
     yield from (Subject(Kind(kind), name) for kind, names in world.channels.items() for name in names)
     yield from (Subject(Kind.ARGUMENT, name, launch) for name, launch in arguments(snapshot))
     yield from (Subject(Kind.FILE, one.path, one.repository) for one in world.files)
@@ -133,7 +133,7 @@ def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld) -> Iterator[Subject
 
 
 def test_the_parts_of_systems_that_are_read_suffice(store: EmbeddedStore) -> None:
-    """Whole systems, and all that the store has, show the same effects of each subject."""
+    """Complete systems, and the whole store, give the same effects of each subject."""
     with store.read() as snapshot:
         world, whole = StoredWorld(snapshot, settings()), WholeWorld(snapshot)
         asked = sorted(set(subjects(snapshot, world)))

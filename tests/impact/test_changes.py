@@ -1,4 +1,4 @@
-"""What the work tree breaks against a commit: `kg impact --diff`."""
+"""Effects of changes in the work tree since a commit: `kg impact --diff`."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def git(root: Path, *words: str) -> None:
-    """Run git without what the user has set up."""
+    """Run git without the user's configuration."""
     who = ("-c", "user.name=a", "-c", "user.email=a@b.c", "-c", "commit.gpgsign=false")
     subprocess.run(["git", *who, *words], cwd=root, check=True, capture_output=True)
 
 
 def change(path: Path, *pairs: tuple[str, str]) -> None:
-    """Replace texts of a file, each of which it has."""
+    """Replace texts of a file, each of which must occur."""
     text = path.read_text()
     for old, new in pairs:
         assert old in text
@@ -62,7 +62,7 @@ def run(folder: Path, *words: str) -> Result:
 
 @pytest.fixture(scope="module")
 def changes(folder: Path) -> dict[str, Any]:
-    """Return the changes by their words."""
+    """Return the changes by their texts."""
     done = run(folder, "--diff", "HEAD", "--json")
     assert done.exit_code == 0, done.output
     found = [json.loads(line) for line in done.stdout.splitlines()]
@@ -70,12 +70,12 @@ def changes(folder: Path) -> dict[str, Any]:
 
 
 def effects(changed: dict[str, Any]) -> list[tuple[str, str, str, int]]:
-    """Return what a change breaks: the grade, what, and the line."""
+    """Return the effects of a change: grade, subject, and line."""
     return [(one["grade"], one["what"], one["file"], one["line"]) for one in changed["effects"]]
 
 
 def test_a_name_in_code_that_changed_costs_its_partner(changes: dict[str, Any]) -> None:
-    """The client of the service is left without server."""
+    """The client of the service has no server."""
     found = changes["~ offers service lift -> raise of crane/hoist"]
     assert (found["file"], found["line"]) == (HOIST, 16)
     assert effects(found) == [("breaks", "/panel calls /lift", "crane/crane/panel.py", 13)]
@@ -89,13 +89,13 @@ def test_a_name_in_a_parameter_file_that_changed_costs_its_partner(changes: dict
 
 
 def test_a_renamed_parameter_is_still_set_by_its_old_name(changes: dict[str, Any]) -> None:
-    """Also on a line that changed for another reason."""
+    """It is found even on a line that changed for another reason."""
     found = changes["- parameter limit (double = 100.0) of crane/hoist"]
     assert effects(found) == [("breaks", "sets limit of hoist", LAUNCH, 5)]
 
 
 def test_a_renamed_argument_is_still_passed_by_its_old_name(changes: dict[str, Any]) -> None:
-    """By the file that includes the launch file."""
+    """The argument is passed by a file that includes the launch file."""
     found = changes[f"- argument limit (80.0) in {LAUNCH}"]
     assert effects(found) == [
         ("breaks", "crane/launch/crane.launch.xml passes limit", "crane/launch/crane.launch.xml", 4)
@@ -103,13 +103,13 @@ def test_a_renamed_argument_is_still_passed_by_its_old_name(changes: dict[str, A
 
 
 def test_a_field_may_be_used_where_its_line_is_as_it_was(changes: dict[str, Any]) -> None:
-    """The use in the hoist was changed with the field, that in the panel was not."""
+    """The use in the hoist changed with the field, that in the panel did not."""
     uses = [one for one in effects(changes["- field crane_msgs/Load.mass"]) if one[1].startswith("`")]
     assert uses == [("may", '`self.get_logger().info(f"{message.load.mass} kg")`', "crane/crane/panel.py", 16)]
 
 
 def test_the_store_stays_as_it_is(folder: Path, changes: dict[str, Any]) -> None:
-    """What was read for the comparison is removed with it."""
+    """Data read for the comparison is removed with it."""
     assert changes
     assert not list((folder / ".kg").glob("impact-*"))
     assert run(folder, "lift", "--kind", "service").exit_code == 0

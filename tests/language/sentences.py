@@ -1,4 +1,4 @@
-"""Sentences that were tagged by hand, as the tests read them."""
+"""Hand-tagged sentences, as read by the tests."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ def tagged(name: str) -> list[list[tuple[str, str]]]:
 
 
 def bracketed(line: str) -> tuple[str, list[str]]:
-    """Return a line without its brackets, and what stands between them."""
+    """Return a line without its brackets, and their contents."""
     found = [part.split("]")[0] for part in line.split("[")[1:]]
     return line.replace("[", "").replace("]", ""), found

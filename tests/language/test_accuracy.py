@@ -11,7 +11,7 @@ TRAINING = Path(__file__).resolve().parents[2] / "benchmarks" / "language" / "ro
 
 
 def test_sentences_about_robots_are_tagged_as_by_hand() -> None:
-    """At least 95 of 100 Penn tags are those that were given by hand before the tagger was asked."""
+    """At least 95 of 100 Penn tags equal those given by hand in advance."""
     nlp = pipeline("")
     gold = sentences.tagged("ros-sentences.txt")
     docs = nlp.pipe(Doc(nlp.vocab, words=[word for word, _ in sentence]) for sentence in gold)
@@ -25,6 +25,6 @@ def test_sentences_about_robots_are_tagged_as_by_hand() -> None:
 
 
 def test_no_sentence_of_the_tests_was_trained_on() -> None:
-    """What measures the tagger is not what it learned from."""
+    """The evaluation sentences are not part of the training data."""
     wanted = set((sentences.CASES / "ros-sentences.txt").read_text("utf-8").splitlines())
     assert not wanted & set(TRAINING.read_text("utf-8").splitlines())

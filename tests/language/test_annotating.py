@@ -64,13 +64,13 @@ def described(text: str) -> Description:
 
 
 def test_words_are_lemmas_of_the_classes_that_carry_meaning() -> None:
-    """Nouns, names, verbs and adjectives; no numbers, no identifiers, no verbs that say nothing."""
+    """Nouns, names, verbs and adjectives; no numbers, identifiers or light verbs."""
     (found,) = annotate([described("This node has merged 2 small scans of /front and uses base_link.")])
     assert found.words == ("merge", "node", "scan", "small")
 
 
 def test_descriptions_keep_their_order_and_the_rest() -> None:
-    """Only words and phrases are filled in."""
+    """Only words and phrases are added."""
     given_texts = ["It reads a camera.", "", "It moves an arm.", "It reads a camera."]
     found = annotate([described(text) for text in given_texts])
     assert [one.text for one in found] == given_texts
@@ -82,7 +82,7 @@ def test_descriptions_keep_their_order_and_the_rest() -> None:
 @settings(max_examples=60, deadline=None)
 @given(st.lists(TEXTS, max_size=4))
 def test_annotating_is_a_pure_function_of_each_text(texts: list[str]) -> None:
-    """Whatever stands around it, a text gives the same; words are sorted, in lower case, each once."""
+    """A text gives the same result in any context; words are sorted, in lower case, each once."""
     together = annotate([described(text) for text in texts])
     assert together == tuple(annotate([described(text)])[0] for text in texts)
     assert together == annotate(together)
@@ -95,14 +95,14 @@ def test_annotating_is_a_pure_function_of_each_text(texts: list[str]) -> None:
 
 @given(st.text())
 def test_sentences_hold_nothing_but_words_of_the_text(text: str) -> None:
-    """Nothing is invented, and nothing is longer than the text."""
+    """No word is invented, and none is longer than the text."""
     assert sum(map(len, sentences(text))) <= len(text) + 1
     assert set("".join(sentences(text))) <= set(text) | {" "}
 
 
 @pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)
 def test_hostile_texts_are_tagged_in_bounded_time(text: str) -> None:
-    """No text takes long or ends the process, and what is found is bounded by what is looked at."""
+    """Any text is tagged quickly without ending the process, and the result is bounded by the examined part."""
     annotate([described("A camera.")])
     began = time.process_time()
     (found,) = annotate([described(text)])
@@ -118,7 +118,7 @@ def test_texts_that_are_no_language_are_left_alone() -> None:
 
 
 def test_nothing_to_tag_loads_nothing() -> None:
-    """Packages without descriptions, or with empty ones, do not pay for spaCy."""
+    """Packages without descriptions, or with empty ones, do not load spaCy."""
     code = (
         "import sys; from kg.language.annotating import annotate; from kg.language.loading import identity;"
         "from kg.facts.texts import *;"
@@ -132,7 +132,7 @@ def test_nothing_to_tag_loads_nothing() -> None:
 @given(TEXTS)
 @settings(max_examples=25, deadline=None)
 def test_what_is_known_is_taken_over(text: str) -> None:
-    """A text that was annotated before gets the same words and phrases again, wherever it stands now."""
+    """A text annotated before gets the same words and phrases again, wherever it is now."""
     place = Location("README.md", 1)
     (before,) = annotate([Description(text, DescriptionKind.README, place)])
     moved = Description(text, DescriptionKind.COMMENT, Location("a.cpp", 7), "driver")

@@ -25,14 +25,14 @@ def phrases(text: str) -> list[tuple[str, str]]:
 
 
 def lemmas(text: str) -> str:
-    """Return a phrase of the test's text as phrases are written."""
+    """Return a phrase of the test's text in the form of phrases."""
     words = (token.lemma_ if token.pos_ in {"NOUN", "PROPN"} else token.text for token in pipeline("")(text))
     return " ".join(word.lower() for word in words if word != "-")
 
 
 @pytest.mark.parametrize("pattern", read_patterns(), ids=lambda pattern: pattern.name)
 def test_the_example_of_a_pattern_is_found_by_it(pattern: object) -> None:
-    """What stands in brackets in the example is found, and by this pattern."""
+    """The bracketed part of the example is found, and by this pattern."""
     text, wanted = sentences.bracketed(getattr(pattern, "example", ""))
     name = getattr(pattern, "name", "")
     assert [(found, by) for found, by in phrases(text) if by == name] == [(lemmas(one), name) for one in wanted]
@@ -40,18 +40,18 @@ def test_the_example_of_a_pattern_is_found_by_it(pattern: object) -> None:
 
 @pytest.mark.parametrize("line", CASES)
 def test_phrases_are_those_in_brackets(line: str) -> None:
-    """Of the nouns of a sentence those that name hardware are found, and no others."""
+    """Exactly the hardware nouns of a sentence are found."""
     text, wanted = sentences.bracketed(line)
     assert [found for found, _ in phrases(text)] == [lemmas(one) for one in wanted]
 
 
 def test_phrases_are_written_as_in_the_dictionary() -> None:
-    """Lower case, nouns in the singular, no hyphens that stand alone."""
+    """Lower case, nouns in the singular, no separate hyphens."""
     assert [text for text, _ in phrases("It drives pan-tilt units and Charging Stations.")][:1] == ["pan tilt unit"]
 
 
 def test_a_dash_parts_phrases() -> None:
-    """A hyphen with spaces around it joins nothing."""
+    """A hyphen surrounded by spaces does not join words."""
     assert [text for text, _ in phrases("The Velodyne - camera calibration.")] == ["velodyne", "camera"]
 
 

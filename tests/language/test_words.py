@@ -29,7 +29,7 @@ from kg.language.loading import pipeline
 )
 @pytest.mark.parametrize("around", ["{}", "({})", "{},", "{}.", "`{}`", '"{}"', "see {}:"])
 def test_identifiers_are_one_word(text: str, around: str) -> None:
-    """Whatever signs stand around an identifier, it stays whole."""
+    """An identifier is not split, whatever the characters around it."""
     assert text in [token.text for token in pipeline("").make_doc(around.format(text))]
 
 
@@ -45,13 +45,13 @@ def test_identifiers_are_one_word(text: str, around: str) -> None:
     ],
 )
 def test_what_is_no_identifier_is_split(text: str, words: list[str]) -> None:
-    """Compounds and punctuation are parted as in the treebank."""
+    """Compounds and punctuation are split as in the treebank."""
     assert [token.text for token in pipeline("").make_doc(text)] == words
 
 
 @given(st.text())
 def test_tokens_make_the_text(text: str) -> None:
-    """The tokenizer loses nothing."""
+    """The tokenizer preserves the whole text."""
     assert pipeline("").make_doc(text).text == text
 
 
@@ -75,7 +75,7 @@ def test_tokens_make_the_text(text: str) -> None:
     ],
 )
 def test_lemmas_are_those_of_the_dictionary(word: str, tag: str, wanted: str) -> None:
-    """By heart or by the ending that the tag allows."""
+    """Lemmas come from the list of exceptions or the suffix rules of the tag."""
     lemmas = pipeline("").get_pipe("kg_lemmas")
     assert isinstance(lemmas, Lemmas)
     assert lemma(word, tag, lemmas.exceptions, lemmas.endings) == wanted
@@ -83,7 +83,7 @@ def test_lemmas_are_those_of_the_dictionary(word: str, tag: str, wanted: str) ->
 
 @given(st.text(), st.sampled_from(("NNS", "VBZ", "VBG", "NN", "JJR", "")))
 def test_no_lemma_is_empty(word: str, tag: str) -> None:
-    """A word has a lemma in lower case, as long as it has letters."""
+    """A word with letters has a lemma in lower case."""
     lemmas = pipeline("").get_pipe("kg_lemmas")
     assert isinstance(lemmas, Lemmas)
     found = lemma(word, tag, lemmas.exceptions, lemmas.endings)
@@ -93,5 +93,5 @@ def test_no_lemma_is_empty(word: str, tag: str) -> None:
 
 @given(st.text())
 def test_every_word_has_all_features(word: str) -> None:
-    """The embedding has a row for each, however odd the word is."""
+    """The embedding has a row for each feature, however unusual the word."""
     assert len(features(word)) == len(FEATURES)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with launch files in `rover` and a store that has findings about them; nothing changes it."""
+    """Return a folder with launch files in `rover` and a store with findings about them, both read-only."""
     folder = tmp_path_factory.mktemp("robot")
     write(folder)
     return folder

@@ -26,7 +26,7 @@ NOON: Final = datetime(2026, 5, 1, 12, tzinfo=UTC)
 
 
 def write(folder: Path) -> Path:
-    """Copy the sources to `folder/rover` and write their store beside them; return the store's folder."""
+    """Copy the sources to `folder/rover` and write their store next to them; return the store's folder."""
     root = folder / "rover"
     shutil.copytree(HERE / "cases" / "rover", root)
     graphs: defaultdict[NamedNode, list[bytes]] = defaultdict(list)
@@ -48,7 +48,7 @@ def read(folder: Path) -> EmbeddedSnapshot:
 
 
 def finding(**more: Any) -> Finding:
-    """Return a finding of its own, changed in some fields."""
+    """Return a new finding with some fields changed."""
     known: dict[str, Any] = {
         "code": "KG407",
         "rule": "architecture/remap-to-unused",

@@ -44,24 +44,24 @@ def entry(**more: str) -> Allowance:
     ],
 )
 def test_an_entry_names_what_all_its_globs_fit(globs: dict[str, str], names: bool) -> None:  # noqa: FBT001 - a case
-    """Subject, file, system and rule narrow a code; each that is given has to fit."""
+    """Subject, file, system and rule narrow a code; each given glob has to match."""
     assert entry(**globs).names(finding()) is names
 
 
 def test_an_entry_names_only_its_code() -> None:
-    """Whatever its globs."""
+    """An entry matches only its code, whatever its globs."""
     assert not entry().names(finding(code="KG401"))
 
 
 def test_entries_are_read_with_their_lines(tmp_path: Path) -> None:
-    """Each entry knows the line of kg.toml that it begins in."""
+    """Each entry has the line of kg.toml at which it begins."""
     (tmp_path / "kg.toml").write_text(f'jobs = 2\n\n{HEAD}subject = "/x/*"\n{HEAD}', encoding="utf-8")
     first, second = allowances(table("lint", tmp_path), ())
     assert (first.subject, first.place.line, second.subject, second.place.line) == ("/x/*", 3, "*", 7)
 
 
 def test_without_a_table_nothing_is_allowed(tmp_path: Path) -> None:
-    """No kg.toml, or one without entries, allows nothing."""
+    """Without kg.toml, or without entries in it, no finding is allowed."""
     assert allowances(table("lint", tmp_path), ()) == []
     (tmp_path / "kg.toml").write_text("[lint]\n", encoding="utf-8")
     assert allowances(table("lint", tmp_path), ()) == []
@@ -80,7 +80,7 @@ def test_without_a_table_nothing_is_allowed(tmp_path: Path) -> None:
     ],
 )
 def test_what_allows_nothing_sensible_is_refused(tmp_path: Path, text: str, words: str) -> None:
-    """An entry needs a code that is known and a reason, and no key that means nothing."""
+    """An entry needs a known code and a reason, and no unknown key."""
     (tmp_path / "kg.toml").write_text(text, encoding="utf-8")
     with pytest.raises(UsageError) as caught:
         allowances(table("lint", tmp_path), ())
@@ -88,7 +88,7 @@ def test_what_allows_nothing_sensible_is_refused(tmp_path: Path, text: str, word
 
 
 def test_all_that_is_wrong_is_told_at_once_with_its_lines(tmp_path: Path) -> None:
-    """The place is that of the first wrong key; the others are named by their lines."""
+    """The place is that of the first wrong key; the others are listed with their lines."""
     text = f'{HEAD}topic = "/x"\n\n{HEAD}\n{HEAD}file = ""\n[[lint.allow]]\ncode = "KG499"\n'
     (tmp_path / "kg.toml").write_text(text, encoding="utf-8")
     with pytest.raises(UsageError) as caught:
@@ -101,7 +101,7 @@ def test_all_that_is_wrong_is_told_at_once_with_its_lines(tmp_path: Path) -> Non
 
 
 def test_what_an_entry_lacks_is_not_looked_for_in_the_next(tmp_path: Path) -> None:
-    """An entry without a code is told at its own line, though the entry behind it has one."""
+    """An entry without a code is reported at its own line, although the next entry has one."""
     (tmp_path / "kg.toml").write_text(f'[[lint.allow]]\nreason = "so"\n\n{HEAD}', encoding="utf-8")
     with pytest.raises(UsageError) as caught:
         allowances(table("lint", tmp_path), ())
@@ -109,7 +109,7 @@ def test_what_an_entry_lacks_is_not_looked_for_in_the_next(tmp_path: Path) -> No
 
 
 def test_codes_of_rules_of_ones_own_can_be_allowed(tmp_path: Path) -> None:
-    """A code that a finding has is known, whoever wrote the rule."""
+    """A code of any finding is valid, including one of a user rule."""
     (tmp_path / "kg.toml").write_text('[[lint.allow]]\ncode = "X1"\nreason = "so"\n', encoding="utf-8")
     assert [one.code for one in allowances(table("lint", tmp_path), {"X1"})] == ["X1"]
 
@@ -130,14 +130,14 @@ COMMENTED = [
 
 @pytest.mark.parametrize(("text", "allows"), COMMENTED)
 def test_comments_allow_at_their_line(tmp_path: Path, text: str, allows: bool) -> None:  # noqa: FBT001 - a case
-    """On the line, or alone on the line above, with the code and a reason."""
+    """A comment is on the line, or alone on the line above, with the code and a reason."""
     (tmp_path / "a.launch").write_text(text, encoding="utf-8")
     place = Evidence("a.launch", len(text.splitlines()), "local/x")
     assert Comments({"local/x": str(tmp_path)}).allow(finding(place=place)) is allows
 
 
 def test_a_comment_without_reason_is_told(tmp_path: Path) -> None:
-    """It allows nothing, and says where it stands."""
+    """It allows nothing, and is reported with its place."""
     (tmp_path / "a.launch").write_text("<node/> <!-- kg: allow KG407 -->", encoding="utf-8")
     comments = Comments({"local/x": str(tmp_path)})
     assert not comments.allow(finding(place=Evidence("a.launch", 1, "local/x")))
@@ -155,7 +155,7 @@ NOWHERE = [
 
 @pytest.mark.parametrize("place", NOWHERE)
 def test_where_no_line_is_to_be_had_nothing_is_allowed(tmp_path: Path, place: Evidence | None) -> None:
-    """Findings without place, files that are gone, lines behind the end, sources that stand elsewhere."""
+    """Findings without place, missing files, lines past the end, sources in another folder."""
     (tmp_path / "a.launch").write_text("<!-- kg: allow KG407 so -->", encoding="utf-8")
     assert not Comments({"local/x": str(tmp_path)}).allow(finding(place=place))
 
@@ -175,7 +175,7 @@ ENTRIES = st.builds(
 @settings(deadline=None)
 @given(findings=st.lists(FINDINGS, max_size=6), entries=st.lists(ENTRIES, max_size=3))
 def test_the_allow_list_hides_nothing_that_it_does_not_name(findings: list[Finding], entries: list[Allowance]) -> None:
-    """What is hidden is named by an entry, and the rest is told: nothing is lost, nothing told that is named."""
+    """Every hidden finding is named by an entry, and every other one is reported."""
     comments = Comments({})
     judge = allowed_by(entries, comments)
     found = report(findings, Choice(), included=(), entries=entries, comments=comments)

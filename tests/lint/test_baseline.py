@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def kept(findings: list[Finding]) -> Counter[Known]:
-    """Return the baseline of findings, through the file."""
+    """Return the baseline of findings, written and read."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "baseline.json"
         file.write_text(written(findings), encoding="utf-8")
@@ -30,7 +30,7 @@ def kept(findings: list[Finding]) -> Counter[Known]:
 
 
 def test_lines_may_move() -> None:
-    """A finding stays known when the line, the words, the severity or the evidence change."""
+    """A finding remains known when the line, the message, the severity or the evidence changes."""
     moved = replace(
         finding(), place=Evidence("bringup/launch/base.launch", 30, "local/rover"), message="other", severity="error"
     )
@@ -42,20 +42,20 @@ def test_lines_may_move() -> None:
     "other", [{"code": "KG406"}, {"rule": "mine/x"}, {"system": "x/y.launch"}, {"subjects": ("/a", "/b")}]
 )
 def test_what_is_not_in_the_baseline_is_new(other: dict[str, str]) -> None:
-    """Another code, rule, system or subject is another finding; the one that is gone is told."""
+    """Another code, rule, system or subject is another finding; the missing one is reported."""
     new, old, gone = compared([finding(**other)], kept([finding()]))
     assert (len(new), len(old), [one.code for one in gone]) == (1, 0, ["KG407"])
 
 
 def test_one_more_of_a_kind_is_new() -> None:
-    """Where two findings are alike, a third one is told."""
+    """If two equal findings are known, a third one is reported."""
     new, old, gone = compared([finding()] * 3, kept([finding()] * 2))
     assert (len(new), len(old), gone) == (1, 2, [])
 
 
 @pytest.mark.parametrize("count", [{}, {"count": 0}, {"count": -2}, {"count": "many"}])
 def test_an_entry_without_a_number_is_one_finding(tmp_path: Path, count: dict[str, object]) -> None:
-    """So is one whose number is none, since what stands in a baseline was found once at least."""
+    """A missing or invalid number counts as one, because a baseline entry occurred at least once."""
     entry = {"fingerprint": finding().fingerprint, **count}
     file = tmp_path / "baseline.json"
     file.write_text(json.dumps({"version": 1, "findings": [entry]}), encoding="utf-8")
@@ -64,7 +64,7 @@ def test_an_entry_without_a_number_is_one_finding(tmp_path: Path, count: dict[st
 
 
 def test_the_same_findings_give_the_same_file() -> None:
-    """Whatever their order, so that a baseline under version control changes only with what is found."""
+    """The order of findings does not matter, so a baseline under version control changes only with its content."""
     several = [finding(subjects=(name,)) for name in ("/b", "/a", "/c")]
     assert written(several) == written(several[::-1])
     assert [entry["subjects"] for entry in json.loads(written(several))["findings"]] == [["/a"], ["/b"], ["/c"]]
@@ -76,7 +76,7 @@ def test_the_same_findings_give_the_same_file() -> None:
      '{"version": 1, "findings": 3}', "[" * 100_000],
 )  # fmt: skip
 def test_what_is_no_baseline_is_refused(tmp_path: Path, text: str) -> None:
-    """It is an error that names the file, never a baseline that knows nothing."""
+    """It is an error with the file's name, not an empty baseline."""
     file = tmp_path / "baseline.json"
     file.write_text(text, encoding="utf-8")
     with pytest.raises(UsageError) as caught:
@@ -85,7 +85,7 @@ def test_what_is_no_baseline_is_refused(tmp_path: Path, text: str) -> None:
 
 
 def test_a_baseline_that_is_missing(tmp_path: Path) -> None:
-    """Says so."""
+    """A missing baseline is reported as such."""
     with pytest.raises(UsageError, match="KG420: the baseline cannot be read: No such file"):
         read(tmp_path / "none.json")
 
@@ -101,7 +101,7 @@ FINDINGS = st.builds(
 @settings(deadline=None)
 @given(before=st.lists(FINDINGS, max_size=5), now=st.lists(FINDINGS, max_size=5))
 def test_a_baseline_hides_nothing_that_it_does_not_name(before: list[Finding], now: list[Finding]) -> None:
-    """What is hidden was there before, as often as it is hidden; all else is told."""
+    """A finding is hidden at most as often as before; all others are reported."""
     new, old, _ = compared(now, kept(before))
     known = Counter(one.fingerprint for one in before)
     hidden = Counter(one.fingerprint for one in old)

@@ -1,4 +1,4 @@
-"""The whole way: a folder is read, rules run, and the findings are told."""
+"""Integration: a folder is read, rules run, and the findings are reported."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(autouse=True)
 def cache(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return the cache of these tests, which begin outside of any store."""
+    """Return the cache of these tests, which start outside of any store."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(folder.parent / "cache"))
     monkeypatch.chdir(folder.parent)
     return folder.parent / "cache"
 
 
 def test_a_folder_is_checked_without_a_trace(folder: Path, cache: Path) -> None:
-    """The store stands in the cache, the folder is as it was, and the finding has its lines."""
+    """The store is in the cache, the folder is unchanged, and the finding has its lines."""
     before = sorted(folder.rglob("*"))
     (found,) = kg.findings([folder], level="warning")
     assert (found["code"], found["file"], found["line"]) == ("KG401", "watch/launch/watch.launch", 5)
@@ -49,14 +49,14 @@ def test_a_folder_is_checked_without_a_trace(folder: Path, cache: Path) -> None:
 
 
 def test_the_second_check_reads_nothing(folder: Path) -> None:
-    """Only what has changed is read."""
+    """Only changes are read."""
     read_folders([folder], load())
     _, report = read_folders([folder], load())
     assert report.read == 0
 
 
 def test_a_second_check_at_the_same_time_waits(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """For a while; then it says who is at work."""
+    """It waits for a limited time; then it names the running process."""
     monkeypatch.setattr("kg.lint.running._PATIENCE", 0.1)
     monkeypatch.setattr("kg.lint.running._PAUSE", 0.01)
     busy = EmbeddedStore.create(own_store([folder]))
@@ -65,7 +65,7 @@ def test_a_second_check_at_the_same_time_waits(folder: Path, monkeypatch: pytest
 
 
 def test_another_argument_is_another_system(folder: Path) -> None:
-    """The launch file is evaluated anew, and nothing of that stays in the store."""
+    """The launch file is evaluated again, without a change of the store."""
     given, _ = read_folders([folder], load())
     question = Question(launch="watch.launch", level="warning")
     mended = Question(launch="watch.launch", level="warning", arguments={"topic": "image_raw"})
@@ -73,7 +73,7 @@ def test_another_argument_is_another_system(folder: Path) -> None:
 
 
 def test_the_folder_of_the_sources_has_the_allow_list(folder: Path) -> None:
-    """Its kg.toml is the one that counts."""
+    """The kg.toml in the folder is used."""
     text = '[[lint.allow]]\ncode = "KG401"\nsubject = "/images_raw"\nreason = "a test"\n'
     (folder / "kg.toml").write_text(text, encoding="utf-8")
     try:
@@ -83,7 +83,7 @@ def test_the_folder_of_the_sources_has_the_allow_list(folder: Path) -> None:
 
 
 def test_the_command_reads_folders_without_a_word(folder: Path) -> None:
-    """Off a terminal only findings and their sum are written; remarks name files as seen from the working folder."""
+    """Without a terminal only findings and their sum are written; notes name files relative to the working folder."""
     result = CliRunner().invoke(app, ["lint", str(folder), "--format", "github", "--level", "warning"])
     assert result.exit_code == 1
     assert result.stdout.startswith("::warning file=src/watch/launch/watch.launch,line=5,col=1,title=KG401::")
@@ -98,7 +98,7 @@ def test_a_hook_runs_a_command_that_there_is() -> None:
 
 
 def test_launch_files_of_one_name_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Findings name the launch file by a text that means it alone, and that `--launch` takes."""
+    """Findings name the launch file by an unambiguous text accepted by `--launch`."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     folders = [tmp_path / name for name in ("old", "new")]
     for folder in folders:

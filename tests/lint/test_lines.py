@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 @pytest.mark.parametrize(("line", "text"), [(1, "one"), (2, "two"), (3, None), (0, None), (None, None)])
 def test_lines_are_counted_from_one(tmp_path: Path, line: int | None, text: str | None) -> None:
-    """Where there is no such line there is nothing."""
+    """A line that does not exist is empty."""
     (tmp_path / "a.launch").write_text("one\ntwo\n", encoding="utf-8")
     assert Lines({"local/x": str(tmp_path)}).at(Evidence("a.launch", line, "local/x"), line) == text
 
 
 @pytest.mark.parametrize("path", ["../secret", "gone", ".", "link"])
 def test_nothing_outside_of_a_source_is_read(tmp_path: Path, path: str) -> None:
-    """A path that leads out, by itself or through a link, has no lines; nor has what is no file."""
+    """A path that leads outside, directly or through a link, has no lines; nor has a non-file."""
     (tmp_path / "secret").write_text("x", encoding="utf-8")
     root = tmp_path / "root"
     root.mkdir()

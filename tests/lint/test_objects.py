@@ -18,7 +18,7 @@ CODE: Final = Evidence("base/src/laser.cpp", 6, "local/rover", "publishes /scan_
 
 
 def test_the_fields_of_json() -> None:
-    """They are those of docs/formats.md, files relative to the repository."""
+    """The fields are those of docs/formats.md, with files relative to the repository."""
     record = as_object(finding(evidence=(CODE,), hint="so", also=("x/y.launch",)))
     assert record.pop("fingerprint") == finding().fingerprint
     assert record == {
@@ -58,12 +58,12 @@ def test_the_fields_of_json() -> None:
     ],
 )
 def test_files_are_named_as_seen_from_a_folder(root: str, folder: str, path: str) -> None:
-    """Relative to the working folder below it, else relative to their source."""
+    """Files are relative to the working folder if below it, else to their source."""
     assert spelled(CODE, {"local/rover": root}, Path(folder)) == path
 
 
 def test_sarif_has_the_evidence() -> None:
-    """Evidence becomes related locations, the fingerprint is what code hosts tell findings apart by."""
+    """Evidence becomes related locations; the fingerprint identifies findings for code hosts."""
     content = document([remark(finding(evidence=(CODE,)), {}, Path("/"))])
     (run,) = json.loads(json.dumps(content))["runs"]
     (result,) = run["results"]
@@ -79,12 +79,12 @@ def test_sarif_has_the_evidence() -> None:
     [("test_results/base/kg_lint.xunit.xml", "base.kg_lint"), ("/r/p/lint.xml", "p.lint")],
 )
 def test_suites_are_named_as_ament_names_them(file: str, name: str) -> None:
-    """After the folder and the file."""
+    """Suites are named after the folder and the file."""
     assert suite_name(Path(file)) == name
 
 
 def test_a_test_without_failures_has_one_case() -> None:
-    """Notes pass; a result without cases would count as none."""
+    """Notes pass; a result without cases would count as empty."""
     suite = ET.fromstring(xunit([finding(severity="note")], "p.lint", 1.5, ["a.launch:3"]))  # noqa: S314 - our own text
     assert dict(suite.attrib) == {"name": "p.lint", "tests": "1", "errors": "0", "failures": "0", "time": "1.500"}
     assert [case.get("name") for case in suite.iter("testcase")] == ["kg lint"]
@@ -94,7 +94,7 @@ def test_a_test_without_failures_has_one_case() -> None:
 @settings(deadline=None)
 @given(st.lists(st.text(), max_size=4))
 def test_any_message_makes_valid_xml(messages: list[str]) -> None:
-    """Each error or warning is a case that fails, whatever its text."""
+    """Each error or warning is a failing case, whatever its text."""
     found = [finding(message=message) for message in messages]
     text = xunit(found, "p.lint", 0, messages).encode("utf-8", "replace")
     suite = ET.fromstring(text)  # noqa: S314 - our own text

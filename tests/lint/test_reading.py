@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def test_a_finding_comes_with_its_lines(robot: Path) -> None:
-    """It has the words of its rule, the name it is about first, where to mend it, and the evidence in words."""
+    """It has the message of its rule, starting with its subject, the place to fix, and the evidence as text."""
     with read(robot) as snapshot:
         first, near, *_ = read_findings(snapshot, DEFAULT_BASE)
     assert (first.code, first.severity, first.path, first.line) == ("KG412", "error", "bringup/launch/all.launch", 3)
@@ -29,7 +29,7 @@ def test_a_finding_comes_with_its_lines(robot: Path) -> None:
 
 
 def test_findings_are_sorted(robot: Path) -> None:
-    """Errors come first, then warnings, then notes; within one severity by file and line."""
+    """Errors are first, then warnings, then notes; within one severity by file and line."""
     with read(robot) as snapshot:
         found = [f"{one.severity} {one.path}:{one.line}" for one in read_findings(snapshot, DEFAULT_BASE)]
     assert found == [
@@ -43,13 +43,13 @@ def test_findings_are_sorted(robot: Path) -> None:
 
 
 def test_an_end_of_an_instance_stands_in_the_code_of_its_type(robot: Path) -> None:
-    """The evidence has the line of the code, and the name that the instance has in its system."""
+    """The evidence has the line of the code, and the name of the instance in its system."""
     with read(robot) as snapshot:
         last = read_findings(snapshot, DEFAULT_BASE)[-1]
     assert last.evidence == (Evidence("base/src/laser.cpp", 6, "local/rover", "publishes /laser/scan_raw"),)
 
 
 def test_configurations_that_others_include(robot: Path) -> None:
-    """They are known by name."""
+    """Included configurations are identified by name."""
     with read(robot) as snapshot:
         assert included(snapshot) == {"bringup/launch/base.launch"}

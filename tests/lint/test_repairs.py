@@ -1,4 +1,4 @@
-"""Edits that repair findings: where a name is written, and what replaces it."""
+"""Edits that fix findings: the place of a name, and its replacement."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def repaired(folder: Path, finding: Finding) -> list[str]:
-    """Return the lines that the repairs of a finding leave, with the names of their files."""
+    """Return the lines after the fixes of a finding, with the names of their files."""
     lines = Lines({"mine": str(folder)})
     result = []
     for each in repairs(finding, lines):
@@ -50,7 +50,7 @@ def finding(place: Evidence, wrong: str, right: str, *evidence: Evidence) -> Fin
     ],
 )  # fmt: skip
 def test_a_line(tmp_path: Path, name: str, text: str, words: str, wrong: str, right: str, expected: str | None) -> None:  # noqa: PLR0913, PLR0917 - the columns of a table
-    """The written end of the wrong name becomes the same end of the right one; nothing else is touched."""
+    """The end of the wrong name becomes the same end of the right one; the rest is unchanged."""
     (tmp_path / name).write_text(f"\n{text}\n")
     found = repaired(tmp_path, finding(Evidence(name, 2, "mine", words), wrong, right))
     assert found == ([f"{name}:2 {expected}"] if expected else [])
@@ -64,7 +64,7 @@ def test_a_call_of_several_lines(tmp_path: Path) -> None:
 
 
 def test_the_default_of_an_argument(tmp_path: Path) -> None:
-    """Where the line reads an argument, the value in the same file is replaced, if there is one."""
+    """If the line reads an argument, its value in the same file is replaced, if present."""
     line = '<remap from="i" to="$(arg topic)"/>\n'
     (tmp_path / "a.launch").write_text(f'<arg name="topic" default="imge"/>\n{line}')
     (tmp_path / "b.launch").write_text(f'<arg name="a" default="imge"/>\n<arg name="b" default="imge"/>\n{line}')
@@ -74,7 +74,7 @@ def test_the_default_of_an_argument(tmp_path: Path) -> None:
 
 
 def test_the_other_end(tmp_path: Path) -> None:
-    """The other name may be the misspelt one: it is replaced where an end has it."""
+    """The other name may be the misspelt one: it is replaced at one of its ends."""
     (tmp_path / "a.launch").write_text('<remap from="i" to="image"/>\n<node name="image"/>\n')
     (tmp_path / "b.py").write_text('Publisher("imge", 1)\n')
     ends = Evidence("b.py", 1, "mine", "publishes imge"), Evidence("a.launch", 2, "mine", "starts /image")
@@ -83,7 +83,7 @@ def test_the_other_end(tmp_path: Path) -> None:
 
 
 def test_a_name_in_the_code_of_a_node(tmp_path: Path) -> None:
-    """Where the line only starts the node, the name is marked and replaced in its code."""
+    """If the line only starts the node, the name is marked and replaced in its code."""
     (tmp_path / "a.launch").write_text('<node name="viewer" ns="r"/>\n')
     (tmp_path / "b.cpp").write_text('create_subscription<Image>(\n  "imge", 1);\n')
     start, code = (

@@ -19,13 +19,13 @@ BASE, ALL, SIM = (f"bringup/launch/{name}.launch" for name in ("base", "all", "s
 
 
 def told(findings: list[Finding], choice: Choice | None = None, **more: Any) -> Report:
-    """Return the report about findings where `base.launch` is included."""
+    """Return the report about findings with `base.launch` included."""
     known: dict[str, Any] = {"included": {BASE}, "entries": [], "comments": Comments({})}
     return report(findings, choice or Choice(), **(known | more))
 
 
 def test_one_fault_in_several_systems_is_told_once() -> None:
-    """It is told of the system whose file has the line, and names the others."""
+    """It is reported for the system whose file has the line, and names the others."""
     alike = [finding(system=system) for system in (ALL, BASE, SIM)]
     (one,) = merged(alike)
     assert (one.system, one.also) == (BASE, (ALL, SIM))
@@ -41,12 +41,12 @@ def test_different_faults_stay_apart(other: dict[str, Any]) -> None:
 
 
 def test_findings_without_a_line_stay_apart_by_system() -> None:
-    """Where the rule names no line, each system is told of."""
+    """If the rule names no line, each system is reported."""
     assert len(merged([finding(place=None), finding(place=None, system=ALL)])) == 2
 
 
 def test_what_presumes_the_whole_is_not_told_of_what_is_included() -> None:
-    """Unless all is asked for, or the configuration by name."""
+    """Findings about incomplete systems are omitted for included files, unless requested or named."""
     findings = [finding(presumes_whole=True), finding(presumes_whole=True, system=ALL, subjects=("/b",))]
     assert [one.system for one in told(findings).findings] == [ALL]
     assert len(told(findings, Choice(every=True)).findings) == 2
@@ -54,7 +54,7 @@ def test_what_presumes_the_whole_is_not_told_of_what_is_included() -> None:
 
 
 def test_findings_are_chosen_by_level_and_code() -> None:
-    """What is less than the level, or of another code, is not told."""
+    """Findings below the level, or of another code, are omitted."""
     findings = [
         replace(finding(), code=code, severity=severity)
         for code, severity in (("KG412", "error"), ("KG401", "warning"), ("KG406", "note"))
@@ -65,12 +65,12 @@ def test_findings_are_chosen_by_level_and_code() -> None:
 
 @pytest.mark.parametrize(("severity", "failed"), [("error", True), ("warning", True), ("note", False)])
 def test_notes_are_no_failure(severity: str, failed: bool) -> None:  # noqa: FBT001 - a case
-    """Errors and warnings are."""
+    """Notes do not set the exit code, but errors and warnings do."""
     assert told([finding(severity=severity)]).failed is failed
 
 
 def test_an_allowance_of_what_was_not_asked_for_is_not_unused() -> None:
-    """Whether an entry is of use is a matter of all findings."""
+    """Unused entries are determined from all findings, including filtered ones."""
     entry = Allowance("KG407", "so", Place("kg.toml", 1))
     assert told([finding()], Choice(level="error"), entries=[entry]).unused == ()
     assert told([finding(code="KG401")], entries=[entry]).unused == (entry,)

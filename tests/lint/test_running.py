@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 def codes(folder: Path, question: Question) -> list[str]:
-    """Return what is told about the store in a folder, as code and system."""
+    """Return the reported findings of the store in a folder, as code and system."""
     with read(folder) as snapshot:
         checked = check(snapshot, question, load(folder=folder), folder)
     return [f"{one.code} {one.system.rpartition('/')[2]}" for one in checked.report.findings]
 
 
 def test_all_systems_of_a_store(robot: Path) -> None:
-    """What is allowed in a comment, and what presumes that an included file is the whole, is not told."""
+    """Findings allowed by a comment, and those that assume an included file to be complete, are omitted."""
     assert codes(robot, Question()) == ["KG412 all.launch", "KG401 base.launch", "KG407 sim.launch"]
     assert len(codes(robot, Question(every=True))) == 4
 
@@ -38,13 +38,13 @@ def test_all_systems_of_a_store(robot: Path) -> None:
     ],
 )
 def test_one_launch_file(robot: Path, launch: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is named by its path, here or in its source, or by package and file; all of its findings are told."""
+    """It is named by its path, here or in its source, or by package and file; all of its findings are reported."""
     monkeypatch.chdir(robot)
     assert codes(robot, Question(launch=launch)) == ["KG401 base.launch", "KG407 base.launch"]
 
 
 def test_a_launch_file_that_is_not_there(robot: Path) -> None:
-    """Its name is told with those that are like it."""
+    """An unknown launch file is reported with similar names."""
     with pytest.raises(
         UnknownNameError, match=r"KG422: the store has no launch file `bringup/launch/bas.launch`"
     ) as caught:
@@ -53,14 +53,14 @@ def test_a_launch_file_that_is_not_there(robot: Path) -> None:
 
 
 def test_the_launch_files_of_a_package(robot: Path) -> None:
-    """The package may have its source in front."""
+    """The package may have its source as prefix."""
     assert len(codes(robot, Question(package="bringup"))) == 4
     assert len(codes(robot, Question(package="local/rover:bringup"))) == 4
     assert codes(robot, Question(package="other:bringup")) == []
 
 
 def test_folders_have_a_store_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """It stands in the user's cache, one for each set of folders, whatever their order."""
+    """It is in the user's cache, one for each set of folders, in any order."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     one, other = tmp_path / "one", tmp_path / "other"
     place = own_store([one])

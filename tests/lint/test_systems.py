@@ -1,4 +1,4 @@
-"""Small workspaces as folders: `kg lint` checks `cases/systems/CASE/` and reports what `expected.txt` has.
+"""Small workspaces as folders: `kg lint` checks `cases/systems/CASE/` and reports the lines of `expected.txt`.
 
 A line is severity, code, file with line, and message. Some cases are faults that `kg lint` found in public robots.
 """
@@ -17,7 +17,7 @@ CASES = sorted(path.parent for path in (Path(__file__).parent / "cases" / "syste
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_findings_of_a_workspace(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Those that the case expects, and no others."""
+    """Exactly the findings expected by the case."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     sources = shutil.copytree(case, tmp_path / "src", ignore=shutil.ignore_patterns("expected.txt"))
     monkeypatch.chdir(tmp_path)

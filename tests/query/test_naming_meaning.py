@@ -1,4 +1,4 @@
-"""What typed names mean in a fact, compared with a plain search of all that is named, on random stores."""
+"""Meanings of typed names in a fact, compared with a plain search of all names, on random stores."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LABELS = ("one", "two", "/one", "/two", "other")
 
 
 class Snapshot:
-    """A store that answers as a snapshot does."""
+    """A store with the query method of snapshots."""
 
     def __init__(self, triples: set[tuple[str, str, str]]) -> None:
         self.store = Store()
@@ -44,7 +44,7 @@ class Snapshot:
 
 
 def triples() -> st.SearchStrategy[set[tuple[str, str, str]]]:
-    """Labels, kinds and uses of a few things."""
+    """Labels, kinds and uses of a few entities."""
     thing = st.sampled_from(THINGS)
     labels = st.tuples(thing, st.just(LABEL), st.sampled_from(LABELS))
     kinds = st.tuples(thing, st.just(KIND), st.sampled_from([BASE + "A", BASE + "B"]))
@@ -55,7 +55,7 @@ def triples() -> st.SearchStrategy[set[tuple[str, str, str]]]:
 @settings(deadline=None, max_examples=300)
 @given(triples())
 def test_names_mean_what_a_search_of_all_names_finds(known: set[tuple[str, str, str]]) -> None:
-    """Looking at few names finds the things, or the error, that looking at all finds."""
+    """Searching few names gives the same entities, or error, as searching all."""
     try:
         found, held = facts(Snapshot(known), "one", USES, "two")
         outcome: object = ({(fact.subject.value, fact.object.value) for fact in found}, held)  # type: ignore[union-attr]  # IRIs
@@ -65,7 +65,7 @@ def test_names_mean_what_a_search_of_all_names_finds(known: set[tuple[str, str, 
 
 
 def test_two_exact_names_are_not_searched_for() -> None:
-    """No query reads all that a property is used with, so the time does not grow with the store."""
+    """No query reads all uses of a property, so the time does not grow with the store."""
     first, second, kind = THINGS[0], THINGS[4], BASE + "A"
     labels = {(first, LABEL, "one"), (second, LABEL, "two")}
     snapshot = Snapshot({*labels, (first, KIND, kind), (second, KIND, kind), (first, USES, first)})
@@ -76,7 +76,7 @@ def test_two_exact_names_are_not_searched_for() -> None:
 
 
 def meaning(known: set[tuple[str, str, str]]) -> object:
-    """Return the facts that are meant and whether they are held, or the code of an error."""
+    """Return the resolved facts and whether they hold, or the code of an error."""
     having = [[one for one in THINGS if {(one, LABEL, word), (one, LABEL, "/" + word)} & known] for word in WORDS]
     every = [
         ones + [one for one in THINGS if one not in ones and ends(one, word, known)]
@@ -104,7 +104,7 @@ WORDS = ("one", "two")
 
 
 def ends(thing: str, word: str, known: set[tuple[str, str, str]]) -> bool:
-    """Tell whether a thing with a label has an IRI that ends in a word."""
+    """Whether an entity with a label has an IRI that ends in a word."""
     return thing.endswith(("/" + word, "#" + word)) and any(one == thing and prop == LABEL for one, prop, _ in known)
 
 

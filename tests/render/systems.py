@@ -1,4 +1,4 @@
-"""Systems made of facts, for tests of what is drawn of them."""
+"""Systems made of facts, for tests of their drawings."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def instance(
 
 
 def system(instances: Iterable[NodeInstance]) -> System:
-    """Return a system that one launch file starts."""
+    """Return a system started by one launch file."""
     launch = LaunchConfiguration("r", "bringup", PLACE.path, 1, LaunchDialect.ROSLAUNCH)
     return System(launch, tuple(instances))
 
@@ -81,4 +81,4 @@ CAMERA = (
     ),
     instance("/base", end(Role.SERVICES, "/clear"), end(Role.ACTION_SERVERS, "/dock"), reason="no package"),
 )
-"""A camera of nodelets, something that looks at it, and a base with a service and an action."""
+"""A camera of nodelets, a viewer of its images, and a base with a service and an action."""

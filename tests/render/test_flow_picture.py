@@ -23,7 +23,7 @@ FLOWS = [
 
 
 def test_the_picture_is_xml_and_says_in_words_what_it_draws() -> None:
-    """Names are escaped; the description tells each box with what it derives, reads and asks to be absent."""
+    """Names are escaped; the description lists each box with its derived, read and negated terms."""
     picture = draw_flow("Rules <2>", BOXES, FLOWS)
     root = ET.fromstring(picture)  # noqa: S314 - made above
     words = root.findtext("{http://www.w3.org/2000/svg}desc") or ""
@@ -33,10 +33,10 @@ def test_the_picture_is_xml_and_says_in_words_what_it_draws() -> None:
 
 
 def test_the_same_input_gives_the_same_bytes() -> None:
-    """Neither the order of lines nor the run matters."""
+    """The drawing does not depend on the order of lines."""
     assert draw_flow("x", BOXES, FLOWS) == draw_flow("x", BOXES, reversed(FLOWS))
 
 
 def test_an_empty_picture_is_a_picture() -> None:
-    """Without boxes there is the title."""
+    """Without boxes the picture has the title."""
     assert ET.fromstring(draw_flow("nothing", [], [])) is not None  # noqa: S314 - made above

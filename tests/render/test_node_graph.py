@@ -23,14 +23,14 @@ _SVG = "{http://www.w3.org/2000/svg}"
 
 
 def test_what_rules_inferred_is_dashed() -> None:
-    """The others are solid."""
+    """Other boxes and lines are solid."""
     root = ET.fromstring(node_graph_svg("amcl", AMCL))  # noqa: S314 - made here
     assert [path.get("class") for path in root.iter(f"{_SVG}path")] == ["way inferred", *["way"] * 6]
     assert node_graph_dot("amcl", AMCL).count("style=dashed") == 1
 
 
 def test_every_entity_has_one_box_of_its_own() -> None:
-    """No box lies on another, and a type that two services have is drawn once."""
+    """No boxes overlap, and a type shared by two services is drawn once."""
     root = ET.fromstring(node_graph_svg("amcl", AMCL))  # noqa: S314 - made here
     boxes = [
         tuple(float(one.get(key) or 0) for key in ("x", "y", "width", "height")) for one in root.iter(f"{_SVG}rect")
@@ -42,7 +42,7 @@ def test_every_entity_has_one_box_of_its_own() -> None:
 
 
 def test_relations_as_text() -> None:
-    """The name of a relation stands once, with what is at its other end and what that has."""
+    """The name of a relation appears once, with the entities at its other end and their own relations."""
     assert node_graph_lines("amcl", AMCL)[1:4] == [
         "  has function       navigation  (inferred)",
         "  subscribes         topic /scan  (has message sensor_msgs/LaserScan)",
@@ -52,7 +52,7 @@ def test_relations_as_text() -> None:
 
 @given(st.text(), st.text())
 def test_any_names_make_valid_pictures(node: str, other: str) -> None:
-    """No text leaves its place."""
+    """No text escapes its element."""
     relations = (Relation(node, "publishes", f"topic {other}"),)
     ET.fromstring(node_graph_svg(node, relations))  # noqa: S314 - made here
     assert re.fullmatch(r'  ".*" -> ".*" \[label="publishes"\];', node_graph_dot(node, relations).splitlines()[3])

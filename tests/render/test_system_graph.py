@@ -10,14 +10,14 @@ GRAPH = system_graph(system(CAMERA))
 
 
 def test_framework_ends_are_left_out_and_counted() -> None:
-    """What frameworks make is hidden unless asked for."""
+    """Implicit ends are hidden by default."""
     assert all(channel.name != "/rosout" for channel in GRAPH.channels)
     assert GRAPH.hidden == ("1 end that frameworks make",)
     assert any(channel.name == "/rosout" for channel in system_graph(system(CAMERA), every=True).channels)
 
 
 def test_channels_between_the_same_nodes_are_one_bundle() -> None:
-    """`/rect` and `/rect/info` lead from one node to one other."""
+    """`/rect` and `/rect/info` connect the same two nodes."""
     names = [[channel.name for channel in bundle.channels] for bundle in bundles(GRAPH)]
     assert ["/rect", "/rect/info"] in names
 
@@ -30,26 +30,26 @@ def test_a_name_that_is_not_known_joins_nothing() -> None:
 
 
 def test_two_nodes_of_one_name_are_two_boxes() -> None:
-    """The second has a number behind its name."""
+    """The second has a number after its name."""
     graph = system_graph(system([instance("/a"), instance("/a")]))
     assert [member.key for member in graph.members] == ["/a", "/a#2"]
 
 
 def test_a_host_that_is_not_started_is_there_all_the_same() -> None:
-    """A nodelet in a manager of another launch file lies in a box that says so."""
+    """A nodelet in a manager of another launch file is in a box with that note."""
     graph = system_graph(system([instance("/a", host="/far")]))
     assert [(member.key, member.kind) for member in graph.members] == [("/a", "node"), ("/far", "host")]
 
 
 def test_focus_keeps_what_is_near() -> None:
-    """One channel away from the base is the detector, two away the rectifier and its host."""
+    """The detector is one channel away from the base, the rectifier and its host two."""
     assert [one.key for one in around(GRAPH, ["/base"]).members] == ["/base", "/detector"]
     assert [one.key for one in around(GRAPH, ["/base"], 2).members] == ["/base", "/detector", "/manager", "/rectify"]
     assert around(GRAPH, ["/base"]).hidden[-1] == "3 nodes farther away"
 
 
 def test_namespaces_become_boxes_where_there_are_many_nodes() -> None:
-    """The deepest namespaces go first; those to be expanded stay; what is inside of one is counted."""
+    """The deepest namespaces are collapsed first; expanded ones remain; the content of one is counted."""
     robots = [
         instance(f"/{robot}/arm/{part}", end(Role.PUBLISHES, f"/{robot}/arm/joints"), end(Role.SUBSCRIBES, "/stop"))
         for robot in ("one", "two")
@@ -66,7 +66,7 @@ def test_namespaces_become_boxes_where_there_are_many_nodes() -> None:
 
 
 def test_two_systems_laid_over_each_other_tell_what_came_and_went() -> None:
-    """Nodes, channels and ends are new or gone; what is named as changed is so."""
+    """Nodes, channels and ends are marked as added or removed; those named as changed are marked so."""
     before = system_graph(system([instance("/a", end(Role.PUBLISHES, "/x")), instance("/b")]))
     after = system_graph(system([instance("/a", end(Role.PUBLISHES, "/y")), instance("/c")]))
     both = overlaid(before, after, {"/a"})
@@ -77,7 +77,7 @@ def test_two_systems_laid_over_each_other_tell_what_came_and_went() -> None:
 
 
 def test_what_is_far_from_changes_can_be_left_out() -> None:
-    """A node that came stands with those that it is joined to; where nothing changed all of it stays."""
+    """An added node is shown with its neighbours; a system without changes is shown completely."""
     after = system_graph(system([*CAMERA, instance("/undock", end(Role.ACTION_CLIENTS, "/dock"))]))
     assert [one.key for one in near_changes(overlaid(GRAPH, after)).members] == ["/base", "/detector", "/undock"]
     assert near_changes(GRAPH) == GRAPH

@@ -26,7 +26,7 @@ def test_dot_has_hosts_as_clusters_and_every_end_as_an_edge() -> None:
 
 
 def test_mermaid_has_hosts_as_subgraphs_and_every_end_as_an_edge() -> None:
-    """The shapes and lines tell topics, services and actions apart."""
+    """Shapes and lines distinguish topics, services and actions."""
     text = system_mermaid(GRAPH)
     assert text.startswith("flowchart LR\n")
     assert 'subgraph n3_host["/manager"]' in text
@@ -44,7 +44,7 @@ def test_names_cannot_leave_their_place() -> None:
 
 
 def test_json_says_what_dangles_and_what_is_not_known() -> None:
-    """An end without other side dangles, one without name is not known."""
+    """An end without a peer dangles, one without a name is unknown."""
     channels = {one["name"]: one for one in system_object(GRAPH)["channels"]}
     assert channels["/mode"]["dangling"]
     assert not channels["/raw"]["dangling"]
@@ -53,7 +53,7 @@ def test_json_says_what_dangles_and_what_is_not_known() -> None:
 
 
 def test_json_and_notations_tell_states() -> None:
-    """What is new or gone says so in all of them."""
+    """Added and removed parts are marked in all notations."""
     both = overlaid(GRAPH, system_graph(system([*CAMERA, instance("/extra")])))
     assert [one["id"] for one in system_object(both)["nodes"] if one.get("state") == "new"] == ["/extra"]
     assert "class n3 new" in system_mermaid(both)
@@ -61,7 +61,7 @@ def test_json_and_notations_tell_states() -> None:
 
 
 def test_words_tell_who_is_at_the_other_side() -> None:
-    """Each end names the nodes that it leads to, or what is lacking."""
+    """Each end names the nodes at the other side, or the missing one."""
     rows = {(row.node, row.name): row for row in system_rows(GRAPH)}
     assert rows["/detector", "/clear"].others == ("/base",)
     assert rows["/detector", "/mode"].nobody == "nobody publishes"

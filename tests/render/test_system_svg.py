@@ -18,7 +18,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def test_the_picture_is_xml_and_says_in_words_what_it_draws() -> None:
-    """Names and conditions are escaped; the description tells each node with what it sends and serves."""
+    """Names and conditions are escaped; the description lists each node with its outputs and services."""
     root = ET.fromstring(system_svg(GRAPH))  # noqa: S314 - made above
     words = root.findtext(f"{SVG}desc") or ""
     assert "/driver sends to topic /raw." in words
@@ -28,7 +28,7 @@ def test_the_picture_is_xml_and_says_in_words_what_it_draws() -> None:
 
 
 def test_what_leads_nowhere_stands_in_its_node() -> None:
-    """An end without other side is a line of the box; one whose name is not known has a question mark."""
+    """An end without a peer is a line of the box; one with an unknown name has a question mark."""
     texts = [text.text for text in ET.fromstring(system_svg(GRAPH)).iter(f"{SVG}text")]  # noqa: S314 - made above
     assert "← /mode" in texts
     assert "→ ? topic_" in texts
@@ -36,13 +36,13 @@ def test_what_leads_nowhere_stands_in_its_node() -> None:
 
 
 def test_many_ends_that_lead_nowhere_are_counted() -> None:
-    """A box does not grow without end."""
+    """The size of a box is bounded."""
     graph = system_graph(system([instance("/a", *(end(Role.PUBLISHES, f"/t{number}") for number in range(20)))]))
     assert "+ 13 more; kg node shows them" in system_svg(graph)
 
 
 def test_changes_have_a_sign_besides_their_colour() -> None:
-    """New, gone and changed nodes are told from each other without colour."""
+    """Added, removed and changed nodes are distinguishable without colour."""
     after = system_graph(system([*CAMERA[:-1], instance("/extra")]))
     picture = system_svg(overlaid(GRAPH, after, {"/driver"}))
     assert "+ /extra" in picture
@@ -51,7 +51,7 @@ def test_changes_have_a_sign_besides_their_colour() -> None:
 
 
 def test_an_empty_system_is_a_picture() -> None:
-    """Without nodes there is the title."""
+    """Without nodes the picture has the title."""
     assert ET.fromstring(system_svg(system_graph(system([])))) is not None  # noqa: S314 - made above
 
 
@@ -67,7 +67,7 @@ def systems(draw: st.DrawFn) -> list[tuple[str, list[tuple[Role, str]], bool]]:
 def test_any_system_can_be_drawn_and_gives_the_same_bytes_again(
     parts: list[tuple[str, list[tuple[Role, str]], bool]],
 ) -> None:
-    """Cycles, ends at oneself, hosts with and without parts: the picture is XML, and stable from run to run."""
+    """Cycles, self-connections, hosts with and without parts: the picture is XML, and equal in each run."""
     nodes = [
         instance(
             name,
@@ -85,7 +85,7 @@ def test_any_system_can_be_drawn_and_gives_the_same_bytes_again(
 @settings(max_examples=40, deadline=None)
 @given(st.data())
 def test_boxes_do_not_touch(data: st.DataObject) -> None:
-    """Whatever is joined, no two boxes overlap but a host and what it holds, and all lie inside the picture."""
+    """For any connections, no boxes overlap except a host and its parts, and all lie inside the picture."""
     size = data.draw(st.integers(1, 14))
     hosted = [data.draw(st.booleans()) for _ in range(size)]
     nodes = [Node("host", 40, 20), *(Node(str(n), 60, 24, "host" if hosted[n] else None) for n in range(size))]
@@ -105,7 +105,7 @@ def test_boxes_do_not_touch(data: st.DataObject) -> None:
 
 
 def test_parts_of_a_host_that_are_joined_to_nothing_stand_side_by_side() -> None:
-    """Nine of them are not one tower."""
+    """Nine of them are not arranged as one tower."""
     parts = [instance(f"/part{number}", host="/host") for number in range(9)]
     picture = ET.fromstring(system_svg(system_graph(system([instance("/host"), *parts]))))  # noqa: S314 - made above
     lefts = {box.get("x") for box in picture.iter(f"{SVG}rect") if box.get("class") == "box"}

@@ -12,7 +12,7 @@ from kg.render.text import count, printable, printable_json, width
 
 @given(st.text())
 def test_nothing_printable_steers_a_terminal(text: str) -> None:
-    """No control, format, private or surrogate character is left, and the text can be encoded."""
+    """No control, format, private or surrogate character remains, and the text can be encoded."""
     shown = printable(text)
     assert not {category(sign) for sign in shown} & {"Cc", "Cf", "Co", "Cs", "Cn"}
     shown.encode()
@@ -28,20 +28,20 @@ def test_nothing_printable_steers_a_terminal(text: str) -> None:
     ],
 )
 def test_what_is_unsafe_is_shown_as_an_escape(text: str, shown: str) -> None:
-    """A reader sees that something was there, and what."""
+    """A reader sees the character and its code."""
     assert printable(text) == shown
 
 
 @given(st.text(alphabet=st.characters()))
 def test_json_keeps_its_value_and_steers_no_terminal(text: str) -> None:
-    """What is unsafe stands as an escape of JSON; programs read the same value."""
+    """Unsafe characters are JSON escapes; programs read the same value."""
     written = printable_json(json.dumps(text, ensure_ascii=False))
     assert json.loads(written) == text
     assert not {category(sign) for sign in written} & {"Cc", "Cf", "Cs", "Zl", "Zp"}
 
 
 def test_wide_characters_count_twice() -> None:
-    """Carets stand under the right character in East Asian text."""
+    """Carets are below the right character in East Asian text."""
     assert (width("ab"), width("東京")) == (2, 4)
 
 

@@ -1,14 +1,14 @@
-"""What any `Connection` does: a suite that each middleware's tests run on theirs.
+"""The behaviour of every `Connection`: a suite run by the tests of each middleware.
 
-Make a class of `Behaviour` in your test module and give it a fixture `system` that returns a `System`:
+Create a subclass of `Behaviour` in your test module with a fixture `system` that returns a `System`:
 
     class TestMyConnection(Behaviour):
         @pytest.fixture
         def system(self) -> System:
             return System(ros=1, join=lambda name: connect(f"ros1://127.0.0.1:{port}", name, types_for_tests(1)))
 
-`join` becomes a node of one and the same system each time that it is awaited. `seconds` is how long the graph, or a
-message, may take to arrive. What a middleware cannot do is left out by overriding that test, with the reason.
+`join` creates another node of the same system each time that it is awaited. `seconds` is the time limit for the graph,
+or a message, to arrive. For unsupported features, override the test with the reason.
 """
 
 from __future__ import annotations
@@ -52,14 +52,14 @@ def types_for_tests(ros: int) -> Types:
 
 @dataclass
 class System:
-    """A system under test: how to become a node of it, and how long it may take."""
+    """A system under test: how to join it as a node, and its time limit."""
 
     ros: int
     join: Callable[[str], Awaitable[Connection]]
     seconds: float = 2.0
 
     async def soon(self, what: Awaitable[Any]) -> Any:
-        """Return what is awaited, or fail when it takes too long."""
+        """Return the awaited result, or fail at the time limit."""
         return await asyncio.wait_for(what, patient(self.seconds))
 
     async def until(self, true: Callable[[], bool]) -> None:
@@ -73,7 +73,7 @@ class System:
 
     @asynccontextmanager
     async def pair(self) -> AsyncIterator[tuple[Connection, Connection]]:
-        """Give two nodes, `/one` and `/two`."""
+        """Yield two nodes, `/one` and `/two`."""
         one, two = await self.join("/one"), await self.join("/two")
         try:
             yield one, two
@@ -89,7 +89,7 @@ class System:
         return publication, subscription
 
     async def seen(self, watcher: Connection, true: Callable[[ComputationGraph], bool]) -> ComputationGraph:
-        """Return the first graph that a condition holds of."""
+        """Return the first graph that satisfies a condition."""
 
         async def wait() -> ComputationGraph:
             async for graph in watcher.changes():
@@ -123,7 +123,7 @@ class Behaviour:
         raise NotImplementedError
 
     def test_it_says_who_and_where_it_is(self, system: System) -> None:
-        """A connection tells its node's absolute name, its address, the version of ROS and the time."""
+        """A connection has its node's absolute name, its address, the version of ROS and the time."""
 
         async def scene() -> None:
             async with system.pair() as (one, _):
@@ -136,7 +136,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_messages_arrive_in_order(self, system: System) -> None:
-        """What one node publishes another receives, whole, in order, with the time and the sender or None."""
+        """Published messages arrive complete, in order, with the time and the sender or None."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -167,7 +167,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_misfit_is_refused_before_it_is_sent(self, system: System) -> None:
-        """A value that does not fit its field, or a field that is not there, is KG805."""
+        """A value of the wrong type, or an unknown field, is KG805."""
 
         async def scene() -> None:
             async with system.pair() as (one, _):
@@ -180,7 +180,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_the_oldest_are_dropped_and_counted(self, system: System) -> None:
-        """When more messages wait than the queue holds the oldest are dropped, and counted."""
+        """When the queue is full, the oldest messages are dropped and counted."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -196,7 +196,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_the_type_of_a_topic_is_asked_for(self, system: System) -> None:
-        """A subscription without a type takes that of the topic; where nobody tells one it is KG804."""
+        """A subscription without a type takes that of the topic; without one it is KG804."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -214,7 +214,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_latched_message_is_kept(self, system: System) -> None:
-        """Who comes after a latched message still gets it, and only the last one."""
+        """A late subscriber receives the last latched message, and only that one."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -228,7 +228,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_closed_subscription_ends(self, system: System) -> None:
-        """The iteration over a subscription ends when it is closed, and the publisher counts one peer less."""
+        """The iteration over a subscription ends when it is closed, and the publisher has one peer less."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -264,7 +264,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_changes_follow_the_graph(self, system: System) -> None:
-        """Nodes that come and go are seen by who watches."""
+        """Watchers see nodes join and leave."""
 
         async def scene() -> None:
             async with system.pair() as (one, _):
@@ -276,7 +276,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_service_answers(self, system: System) -> None:
-        """A call returns the response; its failure is KG808 with its words; KG807 where nobody serves it."""
+        """A call returns the response; a failure is KG808 with its message; without a server it is KG807."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -297,7 +297,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_slow_service_is_not_waited_for(self, system: System) -> None:
-        """A call that takes longer than it may is KG803."""
+        """A call that exceeds its time limit is KG803."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -310,7 +310,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_goal_is_carried_out(self, system: System) -> None:
-        """A goal gives feedback while it is carried out, and a result."""
+        """A goal gives feedback during its execution, and a result."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -323,7 +323,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_goal_is_cancelled(self, system: System) -> None:
-        """A goal that is cancelled ends, its result is KG809, and the server has been told."""
+        """A cancelled goal ends with KG809, and the server receives the cancellation."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -338,7 +338,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_another_node_cancels_a_goal(self, system: System) -> None:
-        """A goal is cancelled by its identity, by a node that did not give it; one of another identity goes on."""
+        """Another node cancels a goal by its identity; a goal of another identity continues."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -360,7 +360,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_newer_goal_takes_over(self, system: System) -> None:
-        """A second goal cancels the first; both clients learn how theirs ended."""
+        """A second goal cancels the first; both clients receive their results."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -376,7 +376,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_goal_that_cannot_be_reached_is_aborted(self, system: System) -> None:
-        """A goal that the server aborts is KG809."""
+        """A goal aborted by the server is KG809."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -389,7 +389,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_a_goal_is_lost_with_its_server(self, system: System) -> None:
-        """A goal whose server leaves before it has ended is KG803."""
+        """A goal whose server leaves before the result is KG803."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):
@@ -404,7 +404,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_nobody_carries_out_a_goal(self, system: System) -> None:
-        """A goal for an action that nobody serves is KG807 when its time is over."""
+        """A goal for an action without a server is KG807 after its time limit."""
 
         async def scene() -> None:
             async with system.pair() as (_, two):
@@ -415,7 +415,7 @@ class Behaviour:
         asyncio.run(scene())
 
     def test_closing_leaves_nothing(self, system: System) -> None:
-        """After closing nothing of the node is in the graph, what it subscribed ends, and closing again is nothing."""
+        """After closing, the node is gone from the graph, its subscriptions have ended, and closing again is fine."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):

@@ -50,7 +50,7 @@ def _read(text: str) -> dict[str, Definition]:
 
 
 def test_a_capability_is_read_with_its_parameters() -> None:
-    """Kinds from the most general on, parameters in their order, with units, limits and defaults of their type."""
+    """Kinds start with the most general, parameters are in order, with units, limits and typed defaults."""
     hopping = _read(_HOPPING)["hopping"]
     assert (hopping.label, hopping.alternatives, hopping.modality) == ("hop", ("jump",), "write")
     assert hopping.kinds == ("movement", "jumping")
@@ -61,7 +61,7 @@ def test_a_capability_is_read_with_its_parameters() -> None:
 
 
 def test_fields_and_constants_are_those_of_the_message() -> None:
-    """Of a message, or of one part of a service, only its own paths are taken."""
+    """Only the paths of a message, or of one part of a service, are used."""
     hopping = _read(_HOPPING)["hopping"]
     assert hopping.fields_of(frozenset({"a_msgs/Hop"})) == {"height": "size.z"}
     assert hopping.fields_of(frozenset({"a_msgs/Jump request"})) == {"height": "height"}
@@ -71,7 +71,7 @@ def test_fields_and_constants_are_those_of_the_message() -> None:
 
 
 def test_a_service_named_as_a_whole_has_the_fields_of_the_part_that_is_sent() -> None:
-    """A context names a service without its part: a command fills its request, and nothing of its response."""
+    """For a service without a part, a command fills its request, and nothing of its response."""
     hopping = _read(
         _HOPPING.replace('"a_msgs/Jump request height"', '"a_msgs/Jump response x", "a_msgs/Jump request y"')
     )
@@ -90,7 +90,7 @@ def _every_pair() -> list[tuple[str, str, str]]:
 
 @pytest.fixture(scope="module")
 def shipped() -> dict[str, Definition]:
-    """The capabilities of the ontologies that kg brings."""
+    """The capabilities of the shipped ontologies."""
     store = Store()
     store.bulk_load(ontology_triples(), RdfFormat.N_TRIPLES)
     return definitions(MemorySnapshot(store))
@@ -98,7 +98,7 @@ def shipped() -> dict[str, Definition]:
 
 @pytest.mark.parametrize("ros", [1, 2])
 def test_what_a_context_suggests_names_fields_of_its_messages(shipped: dict[str, Definition], ros: int) -> None:
-    """For every context, message and capability it suggests, each path exists in a type that kg knows."""
+    """For every context, message and suggested capability, each path exists in a type known to kg."""
     types = Types(ros)
     reached = []
     for context, capability, name in _every_pair():
@@ -115,7 +115,7 @@ def test_what_a_context_suggests_names_fields_of_its_messages(shipped: dict[str,
 
 
 def test_parameters_are_those_that_a_way_has_a_field_for() -> None:
-    """What no way of a robot can be told is no parameter there; in general, without ways, all are."""
+    """A parameter without a field in a robot's ways is left out; without ways, all are present."""
     hopping = _read(_HOPPING)["hopping"]
     fields = hopping.fields_of(frozenset({"a_msgs/Hop"}))
     by_topic = Way(kind="topic", name="/hop", type="a_msgs/Hop", node="/legs", fields=fields)
@@ -126,7 +126,7 @@ def test_parameters_are_those_that_a_way_has_a_field_for() -> None:
 
 
 def test_classes_in_a_circle_end() -> None:
-    """A class that is a kind of itself by way of others does no harm."""
+    """A cycle of subclasses does no harm."""
     text = """
     :A rdfs:subClassOf :B, ros:Capability ; rdfs:label "a" . :B rdfs:subClassOf :A ; rdfs:label "b" .
     :x a :A ; ros:hasModality ros:read ; rdfs:label "x" .
@@ -136,14 +136,14 @@ def test_classes_in_a_circle_end() -> None:
 
 @given(st.text(string.printable, max_size=20))
 def test_any_text_may_stand_for_a_constant(text: str) -> None:
-    """What is JSON is read as such, all else is the text itself; nothing raises."""
+    """JSON is parsed as such, other text is taken literally; nothing raises."""
     definition = Definition("urn:x", "x", "x", "", "write", constants=(f"a/B field = {text}",))
     (value,) = definition.constants_of(frozenset({"a/B"})).values()
     assert isinstance(value, bool | int | float | str)
 
 
 def test_every_capability_that_kg_brings_can_be_read(shipped: dict[str, Definition]) -> None:
-    """Each has a label, a modality, a kind, and parameters of different names."""
+    """Each has a label, a modality, a kind, and parameters with different names."""
     assert len(shipped) > 50
     for one in shipped.values():
         assert one.label

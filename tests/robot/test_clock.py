@@ -1,4 +1,4 @@
-"""The clock of a simulation: who waits for its first time."""
+"""The clock of a simulation and waits for its first time."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def test_first_time() -> None:
-    """Waiting for a clock to begin ends with the first time that is told, and at once when one was."""
+    """Waiting for a clock to start ends with its first time, or at once if it has one."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -34,14 +34,14 @@ def test_first_time() -> None:
 
 
 def test_no_time() -> None:
-    """A clock that nobody tells is waited for no longer than asked."""
+    """Waiting for a clock without time ends at the time limit."""
     clock = SimulatedClock()
     asyncio.run(clock.begun(0.01))
     assert clock.now() == 0
 
 
 def test_connected_with_time() -> None:
-    """A connection to a simulation has its time from the beginning, so that no movement is over before it began."""
+    """A connection to a simulation has its time from the start, so no movement ends prematurely."""
 
     async def scene() -> None:
         async with Master() as master:
@@ -60,7 +60,7 @@ def test_connected_with_time() -> None:
 
 
 def test_no_answer_while_time_stands_still(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A service that does not answer is KG803, also when the time of the simulation stands still."""
+    """A service without a response is KG803, even if the time of the simulation is paused."""
     monkeypatch.setattr(clocks, "_STALLED", 0.05)
 
     async def scene() -> None:
@@ -79,7 +79,7 @@ def test_no_answer_while_time_stands_still(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_pauses_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What pauses with the simulation may take its time while that stands still, and ends when it has passed."""
+    """Work that pauses with the simulation may outlast the pause, and ends at its simulated time limit."""
     monkeypatch.setattr(clocks, "_STALLED", 0.01)
 
     async def scene() -> None:
@@ -95,7 +95,7 @@ def test_what_pauses_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_late_work_has_ended() -> None:
-    """When the time has passed, or who waits gives up, the work has cleaned up already."""
+    """At the time limit or after cancellation, the work has cleaned up."""
     cleaned: list[str] = []
 
     async def work(name: str) -> None:

@@ -1,4 +1,4 @@
-"""Addresses of robots that are none say what to write."""
+"""Hints for invalid addresses of robots."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from kg.robot.connecting import SCHEMES, connect
     ],
 )
 def test_what_to_write(address: str, hint: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A master as $ROS_MASTER_URI has it is shown as an address of kg; of what is neither, the schemes are told."""
+    """A master in the form of $ROS_MASTER_URI is shown as an address of kg; any other gets the list of schemes."""
     monkeypatch.delitem(SCHEMES, "rover", raising=False)  # other tests of this process may have added it
     with pytest.raises(RobotError) as refused:
         asyncio.run(connect(address))

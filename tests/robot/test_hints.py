@@ -1,4 +1,4 @@
-"""What errors of robots advise reads like that of all others."""
+"""Hints of robot errors have the same style as all others."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROOM = Path(__file__).parents[2] / "kg" / "robot"
 
 
 def _written(node: ast.AST) -> Iterator[ast.expr]:
-    """Yield what is given as a hint, or kept as one."""
+    """Yield the values passed or stored as hints."""
     given = isinstance(node, ast.keyword) and node.arg == "hint"
     kept = isinstance(node, ast.Assign) and [one.id for one in node.targets if isinstance(one, ast.Name)] == ["hint"]
     if isinstance(node, ast.keyword | ast.Assign) and (given or kept):
@@ -21,7 +21,7 @@ def _written(node: ast.AST) -> Iterator[ast.expr]:
 
 
 def _begins(value: ast.AST) -> Iterator[str]:
-    """Yield how the texts begin that an expression may be."""
+    """Yield the possible beginnings of an expression's text."""
     for choice in value.values if isinstance(value, ast.BoolOp) else (value,):
         first = choice.values[0] if isinstance(choice, ast.JoinedStr) else choice
         if isinstance(first, ast.Constant) and isinstance(first.value, str):

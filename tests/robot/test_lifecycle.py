@@ -1,4 +1,4 @@
-"""States of managed nodes, and what a robot cannot do for them."""
+"""States of managed nodes, and capabilities unavailable because of them."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ def _graph(**states: str | None) -> ComputationGraph:
     ],
 )
 def test_one_node_that_works_is_enough(graph: ComputationGraph, why: str | None) -> None:
-    """A capability is unavailable when all its nodes are managed and none is active, and so is what it implies."""
+    """A capability is unavailable if all its nodes are managed and inactive, and so is any implied one."""
     general = _capability("acting", implied_by=("moving",))
     found = available(Capabilities(of="robot", capabilities=(_capability("moving", "/base"), general)), graph)
     assert [one.unavailable for one in found.capabilities] == [why, why]
 
 
 def test_doubts_name_the_state() -> None:
-    """What is sent to an inactive node alone is doubted (KG819)."""
+    """A command to only an inactive node has the warning KG819."""
     way = _capability("moving", "/base").ways[0]
     (doubt,) = doubts_of(way, _graph(base="inactive"), reads=False)
     assert (doubt.code, doubt.subject) == ("KG819", "/base")
@@ -60,7 +60,7 @@ def test_doubts_name_the_state() -> None:
 
 
 def test_a_way_to_an_active_node_is_taken_first() -> None:
-    """Of two ways, the one whose node is active is chosen, though the other is more specific."""
+    """Of two ways, the one with an active node is chosen, although the other is more specific."""
     specific = Way(kind="action", name="/going", type="m/Go", node="/idle", fields={"x": "x"})
     plain = _capability("moving", "/base").ways[0]
     graph = _graph(base="active")
@@ -104,7 +104,7 @@ async def _until(states: States, connection: Connection, state: str | None) -> N
 
 
 def test_events_and_questions_tell_the_state(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A state comes by an event; one whose event was missed is asked for, until the node is active."""
+    """A state arrives by an event; after a missed event it is requested, until the node is active."""
     monkeypatch.setattr("kg.robot.lifecycle._AGAIN", 0.02)
 
     async def scene() -> None:
@@ -130,7 +130,7 @@ def test_events_and_questions_tell_the_state(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_node_that_starts_anew_is_asked_again() -> None:
-    """Another process with the name of a node has a state of its own."""
+    """A new process with the name of a node has a state of its own."""
 
     async def scene() -> None:
         with Bus("managed", ros=2) as bus:

@@ -1,4 +1,4 @@
-"""A look at a running system."""
+"""Snapshot of a running system."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kg.robot.ros1 import Master
 
 
 def test_an_empty_domain_is_no_robot() -> None:
-    """A domain in which nobody is answers nothing, and it is said how long it was listened to."""
+    """An empty domain is an error, with the duration of listening."""
     begun = time.monotonic()
     with domain() as number, pytest.raises(RobotError) as nobody:
         asyncio.run(look(f"dds://{number}?settle=1"))
@@ -28,7 +28,7 @@ def test_an_empty_domain_is_no_robot() -> None:
 
 
 def test_a_master_alone_is_no_robot() -> None:
-    """A master that lists no node but ours, or `/rosout` besides, is told from a robot, whose graph is without it."""
+    """A master with only our node, or also `/rosout`, is not a robot; a robot's graph omits them."""
 
     async def scene() -> str:
         async with Master() as master:
@@ -65,7 +65,7 @@ def test_a_master_alone_is_no_robot() -> None:
     ],
 )
 def test_nodes_that_are_none_of_the_robots(ros: int, name: str, *, counts: bool) -> None:
-    """What ROS itself runs, and what looks on, is left out with its ends and problems; what is called alike is not."""
+    """Nodes of ROS itself and observers are omitted with their ends and problems; similarly named nodes are not."""
     graph = ComputationGraph(
         ros,
         (LiveNode("/base"), LiveNode(name)),

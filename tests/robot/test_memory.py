@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def bus() -> Iterator[Bus]:
-    """Give a bus of a name of its own."""
+    """Yield a bus with a unique name."""
     with Bus(uuid4().hex, types=types_for_tests(1)) as made:
         yield made
 
 
 @pytest.mark.parametrize("ros", [1, 2])
 class TestMemory(Behaviour):
-    """A connection in memory behaves as every connection."""
+    """A connection in memory passes the suite of every connection."""
 
     @pytest.fixture
     def system(self, ros: int) -> Iterator[System]:
-        """Give a bus of one version of ROS."""
+        """Yield a bus of one version of ROS."""
         with Bus(uuid4().hex, ros=ros, types=types_for_tests(ros)) as made:
 
             async def join(name: str) -> Connection:
@@ -41,14 +41,14 @@ class TestMemory(Behaviour):
 
 
 def test_no_robot_of_that_name() -> None:
-    """An address that names no bus of this process is KG802."""
+    """An address without a bus in this process is KG802."""
     with pytest.raises(RobotError) as nobody:
         asyncio.run(connect("memory://nowhere"))
     assert nobody.value.code == "KG802"
 
 
 def test_a_name_is_taken_once(bus: Bus) -> None:
-    """A second bus of the same name is refused; a closed one gives its name back."""
+    """A second bus of the same name is rejected; closing the first releases the name."""
     with pytest.raises(RobotError) as taken:
         Bus(bus.name)
     assert taken.value.code == "KG801"
@@ -57,7 +57,7 @@ def test_a_name_is_taken_once(bus: Bus) -> None:
 
 
 def test_a_node_of_the_same_name_throws_the_first_out(bus: Bus) -> None:
-    """As in ROS 1: the first node learns that it is lost."""
+    """As in ROS 1, the first node is disconnected."""
 
     async def scene() -> None:
         first = bus.join("/one")
@@ -68,7 +68,7 @@ def test_a_node_of_the_same_name_throws_the_first_out(bus: Bus) -> None:
 
 
 def test_a_lost_node_knows_it(bus: Bus) -> None:
-    """What a lost node had open ends; what it sends or asks is KG803 (the graph KG802); others see it gone."""
+    """The open ends of a lost node end; its calls are KG803 (the graph KG802); others see it leave."""
 
     async def scene() -> None:
         one, two = bus.join("/one"), bus.join("/two")
@@ -97,7 +97,7 @@ def test_a_lost_node_knows_it(bus: Bus) -> None:
 
 
 def test_who_waits_for_a_lost_server_learns_it(bus: Bus) -> None:
-    """Calls and goals end with KG803 when the node that answers is lost."""
+    """Calls and goals end with KG803 when the answering node is lost."""
 
     async def scene() -> None:
         one, two = bus.join("/one"), bus.join("/two")
@@ -136,7 +136,7 @@ def test_types_that_differ_are_refused(bus: Bus) -> None:
 
 
 def test_types_are_learned_from_the_publisher(bus: Bus) -> None:
-    """A node that brings its own types learns one that it does not know from who publishes it."""
+    """A node with its own types learns an unknown one from its publisher."""
 
     async def scene() -> None:
         bus.types.define("kg_test/Odd", "float32 oddity")
@@ -153,7 +153,7 @@ def test_types_are_learned_from_the_publisher(bus: Bus) -> None:
 
 
 def test_receivers_do_not_share_a_value(bus: Bus) -> None:
-    """What one subscriber does to a value another does not see."""
+    """A change by one subscriber to a value is invisible to others."""
 
     async def scene() -> None:
         one = bus.join("/one")
@@ -166,7 +166,7 @@ def test_receivers_do_not_share_a_value(bus: Bus) -> None:
 
 
 def test_all_share_the_clock() -> None:
-    """Time is what the simulation tells: deadlines and receive times follow it."""
+    """Time is set by the simulation: deadlines and receive times follow it."""
 
     async def scene() -> None:
         clock = SimulatedClock()

@@ -1,4 +1,4 @@
-"""Parameters of running nodes: texts as values, and the parameter server of ROS 1."""
+"""Parameters of running nodes: conversion of texts, and the parameter server of ROS 1."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _of(kind: str, **more: Any) -> NodeParameter:
     ],
 )
 def test_a_text_is_a_value_of_the_type_of_the_parameter(kind: str, text: str, value: object) -> None:
-    """The type that the node describes decides what a text means."""
+    """The type described by the node decides how a text is parsed."""
     found = parsed(_of(kind), text)
     assert (found, type(found)) == (value, type(value))
 
@@ -71,13 +71,13 @@ def test_what_is_no_value_is_refused(parameter: NodeParameter, text: str, why: s
 
 @given(st.sampled_from(["boolean", "integer", "double", "string", "string array", "not set"]), st.text(max_size=20))
 def test_any_text_is_a_value_or_refused(kind: str, text: str) -> None:
-    """No text is an error of another kind."""
+    """Any text is a value or KG843."""
     with suppress(RobotError):
         parsed(_of(kind), text)
 
 
 def test_the_parameters_of_a_master() -> None:
-    """In ROS 1 parameters belong to the node above them; new ones can be added, and keep the type they have."""
+    """In ROS 1 parameters belong to the node above them; new ones can be added, and keep their type."""
 
     async def scene() -> None:
         async with Master() as master:
@@ -107,7 +107,7 @@ def test_the_parameters_of_a_master() -> None:
 
 
 def test_a_node_that_does_not_answer_is_a_problem() -> None:
-    """Of many nodes the others are shown; one that is asked alone is an error."""
+    """A dead node among many is a problem; requested alone it is an error."""
 
     async def broken(_: dict[str, Any]) -> dict[str, Any]:
         raise ValueError("no")

@@ -1,4 +1,4 @@
-"""Tasks whose errors are told."""
+"""Tasks that report their errors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from kg.robot.tasks import Tasks, ended, finished, spawn
 
 
 def test_an_error_that_nobody_awaits_is_told_at_once(caplog: pytest.LogCaptureFixture) -> None:
-    """An error that ends a task is logged with what it did, although the task is still held; an end is not."""
+    """An error of a task is logged at once with its work, even if the task is still referenced; a normal end is not."""
 
     async def fail() -> None:
         raise ValueError("no such thing")
@@ -27,7 +27,7 @@ def test_an_error_that_nobody_awaits_is_told_at_once(caplog: pytest.LogCaptureFi
 
 
 def test_tasks_end_with_their_owner(caplog: pytest.LogCaptureFixture) -> None:
-    """Work of an owner is counted while it goes on, is waited for or cancelled with it, and its errors are told."""
+    """Running work of an owner is counted, awaited or cancelled with it, and its errors are reported."""
 
     async def fail() -> None:
         raise ValueError("no such thing")
@@ -49,7 +49,7 @@ def test_tasks_end_with_their_owner(caplog: pytest.LogCaptureFixture) -> None:
 
 
 def test_what_has_to_come_to_its_end_does() -> None:
-    """Work that has to come to its end does, however often who waits for it is cancelled, which is raised then."""
+    """Uninterruptible work completes despite repeated cancellation of its waiter, which is raised afterwards."""
 
     async def scene() -> list[str]:
         told: list[str] = []

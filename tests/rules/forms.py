@@ -1,4 +1,4 @@
-"""Rules and triples in short form, for tests of evaluation independent of notations."""
+"""Short form of rules and triples, for tests of evaluation independent of notations."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["atom", "atoms", "expression", "position", "rule", "rule_set", "test"
 
 
 def position(text: str) -> Pattern:
-    """Read `?x`, `:name` (an IRI), `_:label`, `=iri` (in full), or a number."""
+    """Parse `?x`, `:name` (an IRI), `_:label`, `=iri` (in full), or a number."""
     if text.startswith("?"):
         return Variable(text[1:])
     if text.startswith("_:"):
@@ -32,18 +32,18 @@ def position(text: str) -> Pattern:
 
 
 def atom(text: str, *, asserted: bool = False) -> Atom:
-    """Read `?x :parent ?y`."""
+    """Parse `?x :parent ?y`."""
     subject, predicate, value = map(position, text.split())
     return Atom(subject, predicate, value, asserted)
 
 
 def atoms(text: str) -> tuple[Atom, ...]:
-    """Read atoms parted by ` . `."""
+    """Parse atoms separated by ` . `."""
     return tuple(atom(part) for part in text.split(" . "))
 
 
 def expression(text: str, *, mints: bool = False) -> Expression:
-    """Make an expression of no other question marks than those of its variables."""
+    """Make an expression whose only question marks are those of its variables."""
     return Expression(text, tuple(dict.fromkeys(re.findall(r"\?(\w+)", text))), mints)
 
 
@@ -66,6 +66,6 @@ def rule_set(rules: Sequence[Rule], data: Iterable[Triple] = ()) -> RuleSet:
 
 
 def triples(text: str) -> list[Triple]:
-    """Read triples without variables, one on each line."""
+    """Parse triples without variables, one on each line."""
     read = (map(position, line.split()) for line in text.strip().splitlines())
     return [Triple(*parts) for parts in read]  # type: ignore[arg-type] # no variables

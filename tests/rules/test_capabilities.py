@@ -1,4 +1,4 @@
-"""Tests of what the rules of capabilities infer of whole systems: a drone, a robot of an office, and tools."""
+"""Tests of the capabilities inferred for whole systems: a drone, an office robot, and tools."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ OFFICE: Final = (
 
 
 def reached(*ends: tuple[str, Role, str, str]) -> dict[str, set[str]]:
-    """Return the nodes through which each capability is reached."""
+    """Return the nodes that provide each capability."""
     nodes = tuple(LiveNode(name) for name in sorted({end[0] for end in ends}))
     graph = ComputationGraph(ros=1, nodes=nodes, ends=tuple(LiveEnd(*end) for end in ends))
     found = infer(graph, load(), name="robot").capabilities
@@ -47,7 +47,7 @@ def reached(*ends: tuple[str, Role, str, str]) -> dict[str, set[str]]:
 
 
 def test_a_drone() -> None:
-    """Names tell its signals apart; what rviz publishes and rosbag records is no capability of it."""
+    """Names distinguish its signals; topics of rviz and rosbag are not capabilities."""
     driver = {"/ardrone_driver"}
     assert reached(*DRONE) == {
         **dict.fromkeys(("sensingPose", "sensingVelocity", "seeing", "drivingAtVelocity"), driver),
@@ -57,7 +57,7 @@ def test_a_drone() -> None:
 
 
 def test_a_robot_of_an_office() -> None:
-    """Goals and guesses are no places where it is, a reset of an odometer no emergency, a multiplexer no base."""
+    """Goals and guesses are not positions, resetting an odometer is no emergency, a multiplexer is not a base."""
     assert reached(*OFFICE) == {
         "drivingAtVelocity": {"/base"},
         "sensingPose": {"/base"},
@@ -86,7 +86,7 @@ def test_a_robot_of_an_office() -> None:
     ],
 )
 def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
-    """The name tells what a plain message is used for."""
+    """The name gives the purpose of a plain message."""
     assert capability in reached(("/node", role, name, kind))
 
 
@@ -122,7 +122,7 @@ def test_contexts(role: Role, name: str, kind: str, capability: str) -> None:
     ],
 )
 def test_names_that_mean_something_else(role: Role, name: str, kind: str, capability: str) -> None:
-    """The name tells that a message is not used for what it could be."""
+    """The name excludes a possible purpose of a message."""
     assert capability not in reached(("/node", role, name, kind))
 
 
@@ -131,5 +131,5 @@ def test_names_that_mean_something_else(role: Role, name: str, kind: str, capabi
     [("/detected_objects", "geometry_msgs/PoseArray"), ("/ball_position", "geometry_msgs/PointStamped")],
 )
 def test_places_of_things(name: str, kind: str) -> None:
-    """Points and poses tell where things are if the name speaks of things."""
+    """Points and poses give positions of objects if the name mentions objects."""
     assert "knowingPlaces" in reached(("/node", P, name, kind))

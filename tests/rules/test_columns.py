@@ -18,7 +18,7 @@ WANTED: Final = Wanted(frozenset(NAMES[:2]), frozenset([(NAMES[2], NAMES[3]), (N
 
 
 class Tables:
-    """A store in memory as columns are read from."""
+    """A store in memory as a source of columns."""
 
     def __init__(self, store: Store) -> None:
         self._store = store
@@ -33,7 +33,7 @@ class Tables:
 
 
 def triples(store: Store, *, small: int) -> dict[NamedNode | None, set[tuple[str, ...]]]:
-    """Return what is read of each graph, where one of fewer wanted triples than `small` is small."""
+    """Return the triples read from each graph; a graph with fewer wanted triples than `small` counts as small."""
     dictionary = Dictionary()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(columns, "_SMALL", small)
@@ -50,7 +50,7 @@ def triples(store: Store, *, small: int) -> dict[NamedNode | None, set[tuple[str
 
 @given(st.lists(st.tuples(*[st.sampled_from(NAMES)] * 3, st.sampled_from(GRAPHS))), st.integers(2, 20))
 def test_small_graphs_are_read_as_large_ones_are(quads: list[tuple[NamedNode, ...]], small: int) -> None:
-    """One query a graph gives what a query for each predicate gives, and large graphs are still read in parts."""
+    """One query per graph and one per predicate give the same result, and large graphs are read in parts."""
     store = Store()
     store.extend(Quad(*quad) for quad in quads)
     assert triples(store, small=small) == triples(store, small=1)

@@ -1,4 +1,4 @@
-"""Tests of rules kept for the next process."""
+"""Tests of rules cached for the next process."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="module")
 def shipped() -> RuleSet:
-    """The rules that `kg` ships, of every notation, where there are no axioms."""
+    """The rules shipped with `kg`, of every notation, without axioms."""
     return specialised(discover([resources.folder("rules")]), ())
 
 
 def test_rules_come_back_equal(tmp_path: Path, shipped: RuleSet) -> None:
-    """What is loaded are the rules and the data that were saved, in their order."""
+    """The loaded rules and data equal the saved ones, in their order."""
     saved = compiled.save(tmp_path, "mark", shipped)
     loaded = compiled.load(tmp_path, "mark")
     assert loaded == saved
@@ -35,7 +35,7 @@ def test_rules_come_back_equal(tmp_path: Path, shipped: RuleSet) -> None:
 
 
 def test_the_order_of_rules_and_their_digest_come_back(tmp_path: Path, shipped: RuleSet) -> None:
-    """They are those that the rules have without being kept."""
+    """They equal those computed without the cache."""
     compiled.save(tmp_path, "mark", shipped)
     loaded = compiled.load(tmp_path, "mark")
     assert loaded is not None
@@ -44,7 +44,7 @@ def test_the_order_of_rules_and_their_digest_come_back(tmp_path: Path, shipped: 
 
 
 def test_rules_are_kept_uncut_beside_those_that_are_cut(tmp_path: Path, shipped: RuleSet) -> None:
-    """Rules that have no order yet come back with the prefixes of their files, and those kept for evaluation stay."""
+    """Unordered rules come back with the prefixes of their files, and the cached ones for evaluation remain."""
     compiled.save(tmp_path, "mark", shipped)
     uncut = discover([resources.folder("rules")])
     saved = compiled.save(tmp_path, "mark", uncut, cut=False)
@@ -58,7 +58,7 @@ def test_rules_are_kept_uncut_beside_those_that_are_cut(tmp_path: Path, shipped:
 
 
 def test_rules_of_something_else_are_none(tmp_path: Path, shipped: RuleSet) -> None:
-    """Rules that were made of other files, and a file that is damaged or not there, give none."""
+    """Rules made from other files, and a damaged or missing file, give none."""
     assert compiled.load(tmp_path, "mark") is None
     compiled.save(tmp_path, "mark", shipped)
     assert compiled.load(tmp_path, "another mark") is None
@@ -68,7 +68,7 @@ def test_rules_of_something_else_are_none(tmp_path: Path, shipped: RuleSet) -> N
 
 
 class _Harmful:
-    """What runs code of its own when it is read without care."""
+    """An object that runs code when unpickled."""
 
     def __init__(self, target: Path) -> None:
         self.target = target
@@ -78,7 +78,7 @@ class _Harmful:
 
 
 def test_nothing_but_rules_is_made(tmp_path: Path, shipped: RuleSet) -> None:
-    """A file with the right digests that names other code is refused, and the code does not run."""
+    """A file with the right digests that names other code is rejected, and the code does not run."""
     compiled.save(tmp_path, "mark", shipped)
     path, target = next(tmp_path.iterdir()), tmp_path / "made"
     packed = pickle.dumps((_Harmful(target), ()))

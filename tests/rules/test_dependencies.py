@@ -28,7 +28,7 @@ TERM = TripleTerm(Variable("s"), NamedNode("urn:x:p"), Variable("s"))
     ],
 )
 def test_an_atom_depends_on_the_heads_that_it_unifies_with(reader: str, head: str, *, expected: bool) -> None:
-    """Constants, repeated variables and new blank nodes tell an atom from a head."""
+    """Constants, repeated variables and new blank nodes can prevent unification."""
     assert depends(atom(reader), atom(head)) is expected
 
 
@@ -43,14 +43,14 @@ def test_triple_terms_are_unified_part_by_part() -> None:
 
 
 def test_a_variable_predicate_does_not_read_what_decomposition_introduced() -> None:
-    """Auxiliary predicates are no part of the data; by name they are read."""
+    """Auxiliary predicates are not part of the data; by name they are read."""
     head = Atom(Variable("x"), NamedNode(AUXILIARY + "1"), Variable("y"))
     assert not depends(atom("?s ?p ?o"), head)
     assert depends(Atom(Variable("a"), head.predicate, Variable("b")), head)
 
 
 def test_reads_tell_what_is_negated_and_leave_out_asserted_data() -> None:
-    """NOT negates what is in it, at any depth; a block reads its predicates."""
+    """NOT negates its content, at any depth; a block reads its predicates."""
     block = EngineBlock("…", (), reads=frozenset({NamedNode("urn:x:r")}), monotone=True)
     body = (
         atom("?x :p ?y"),
@@ -65,13 +65,13 @@ def test_reads_tell_what_is_negated_and_leave_out_asserted_data() -> None:
 
 
 def test_a_block_that_may_read_anything_reads_every_triple() -> None:
-    """Without predicates a block stands for an atom of three variables, negated unless it is monotone."""
+    """A block without predicates acts as an atom of three variables, negated unless it is monotone."""
     (read,) = reads(rule("?x :h ?y", EngineBlock("…", ())))
     assert read == Read(Atom(Variable(".s"), Variable(".p"), Variable(".o")), negated=True)
 
 
 def test_rules_that_make_terms_are_known() -> None:
-    """Blank nodes, computed values and triple terms with variables make terms; constants and tests do not."""
+    """Blank nodes, computed values and triple terms with variables create terms; constants and tests do not."""
     computed = Assignment(Variable("y"), expression("?x + 1", mints=True))
     assert mints(rule("?x :p _:b", "?x :q ?y"))
     assert mints(rule("?x :p ?y", "?x :q ?z", computed))

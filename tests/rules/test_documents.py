@@ -1,4 +1,4 @@
-"""Lines of ontologies: where a fact stands in the files that `kg` brings along."""
+"""Lines of ontologies: the place of a fact in the files shipped with `kg`."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ PROPERTY = NamedNode("http://www.w3.org/2002/07/owl#ObjectProperty")
 
 
 def line(fact: Triple) -> str:
-    """Return the line of the file that a fact is said to stand on."""
+    """Return the line of the file at the reported place of a fact."""
     found = place_of(fact, KNOWN)
     assert found is not None
     return Path(found[0]).read_text("utf-8").splitlines()[found[1] - 1]
 
 
 def test_the_line_of_the_object() -> None:
-    """A label stands on the line that has it, a type on the line that names the class."""
+    """A label has its own line, a type the line that names the class."""
     assert '"publishes"' in line(Triple(NamedNode(RNKG + "publishes"), LABEL, Literal("publishes", language="en")))
     assert "owl:ObjectProperty" in line(Triple(NamedNode(RNKG + "publishes"), TYPE, PROPERTY))
 
 
 def test_what_the_files_do_not_name() -> None:
-    """A subject that no ontology describes stands nowhere; an unknown object stands where its subject begins."""
+    """A subject without an ontology has no place; an unknown object has the line of its subject."""
     assert place_of(Triple(NamedNode("https://example.org/x"), TYPE, PROPERTY), KNOWN) is None
     assert line(Triple(NamedNode(RNKG + "publishes"), LABEL, Literal("no such label"))).startswith("rnkg:publishes")

@@ -1,4 +1,4 @@
-"""Rules give the same wherever they run: over files, in a store at once or after changes, on a server."""
+"""Rules give the same result everywhere: over files, in a store at once or after changes, on a server."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ DATA = """
 <urn:test:b> <urn:test:l> "x"@en .
 """
 BODIES = {
-    # A constant is a path of length zero from itself to itself, also where no graph has it (SPARQL 1.1, 18.4).
+    # A constant has a path of length zero to itself, even if no graph contains it (SPARQL 1.1, 18.4).
     ":absent :p* ?v . BIND(:absent AS ?a)": "absent absent",
     "?a :p* :absent . BIND(:absent AS ?v)": "absent absent",
     ":a :p* ?v . BIND(:a AS ?a)": "a a, a b",
-    # A variable is at both ends of a path a node of the graph, whatever else binds it.
+    # A variable at both ends of a path is a node of the graph, even if bound elsewhere.
     "VALUES ?a { :lost :b } ?a :p* ?v": "b b",
     "BIND(:lost AS ?a) ?a :p? ?v": "",
-    # Literals meet where they are the same in a store, which keeps values.
+    # Literals join if they are equal in a store, which stores values.
     "?a :n ?n . ?v :n ?n": "a a, a b, b a, b b, c c",
     '?a :n "+1"^^xsd:integer . ?v :p ?a': "b a",
     "?a :l ?n . ?v :l ?n": "a a, a b, b a, b b",
@@ -49,19 +49,19 @@ EXPECTED = {
 
 
 def over_files(settings: Settings, folder: Path) -> bytes:
-    """Return what follows from a file."""
+    """Return the inferences from a file."""
     (folder / "in.nt").write_text(DATA)
     run_on_files(settings, [folder / "in.nt"], folder / "out.nt")
     return (folder / "out.nt").read_bytes()
 
 
 def in_a_store(settings: Settings, folder: Path) -> bytes:
-    """Return what follows in a store that is filled at once."""
+    """Return the inferences in a store that is filled at once."""
     return _in_a_store(settings, folder, [DATA])
 
 
 def after_changes(settings: Settings, folder: Path) -> bytes:
-    """Return what follows in a store that gets one triple after the other."""
+    """Return the inferences in a store that receives one triple after the other."""
     return _in_a_store(settings, folder, DATA.splitlines(keepends=True)[1:])
 
 
@@ -76,7 +76,7 @@ def _in_a_store(settings: Settings, folder: Path, parts: list[str]) -> bytes:
 
 
 def on_a_server(settings: Settings, _folder: Path) -> bytes:
-    """Return what follows on a server."""
+    """Return the inferences on a server."""
     with oxigraph_server() as address:
         remote = RemoteStore(f"{address}/query", f"{address}/update")
         with remote.write("test") as transaction:
@@ -87,7 +87,7 @@ def on_a_server(settings: Settings, _folder: Path) -> bytes:
 
 @pytest.mark.parametrize("run", [over_files, in_a_store, after_changes, on_a_server])
 def test_rules_mean_the_same_everywhere(tmp_path: Path, run: Callable[[Settings, Path], bytes]) -> None:
-    """Paths of length zero and values of literals give the same triples in every place."""
+    """Paths of length zero and values of literals give the same triples everywhere."""
     (tmp_path / "rules" / "mine").mkdir(parents=True)
     prefixes = "PREFIX : <urn:test:> PREFIX xsd: <http://www.w3.org/2001/XMLSchema#> "
     for number, body in enumerate(BODIES):

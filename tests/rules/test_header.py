@@ -38,7 +38,7 @@ def test_a_header_has_title_sections_and_keys() -> None:
 
 @pytest.mark.parametrize("text", ["", "CONSTRUCT { } WHERE { }\n# late", "\n\nRULE { } WHERE { }"])
 def test_a_rule_without_comments_before_it_has_no_documentation(text: str) -> None:
-    """Comments behind the first statement document nothing."""
+    """Comments after the first statement are not documentation."""
     found = parse_header(text, "x.rq")
     assert (found.title, found.sections, found.since, found.severity) == ("", {}, None, None)
 
@@ -55,7 +55,7 @@ def test_a_rule_without_comments_before_it_has_no_documentation(text: str) -> No
     ],
 )
 def test_a_malformed_header_is_refused(text: str, place: str, message: str, hint: str) -> None:
-    """An unknown heading or severity is named with its place and what may have been meant (KG206)."""
+    """An unknown heading or severity is reported with its place and a suggestion (KG206)."""
     with pytest.raises(RuleError, match=message) as caught:
         parse_header(text, "x.rq")
     assert caught.value.code == "KG206"

@@ -1,4 +1,4 @@
-"""The rules of OWL 2 RL: those in force are those that the ontologies need, and the whole profile is what it says."""
+"""The rules of OWL 2 RL: those needed by the ontologies are active, and the whole profile is complete."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ NEEDS: dict[tuple[Node | None, Node | None], set[str]] = {
     (RDF.type, OWL.FunctionalProperty): {"prp-fp"},
     (RDF.type, OWL.InverseFunctionalProperty): {"prp-ifp"},
 }
-"""What an axiom with this predicate and object needs of the profile to be used; unions only have members, by no rule in
-force, and disjointness only contradicts, which `kg ontology check` tells."""
+"""The rules of the profile needed for an axiom with this predicate and object. Unions only have members, by no
+active rule, and disjointness only contradicts, which `kg ontology check` reports."""
 
 NAMES = st.sampled_from([NamedNode(f"urn:x:{letter}") for letter in "abcde"])
 RELATIONS = [
@@ -69,7 +69,7 @@ FACTS = st.one_of(
 
 
 def test_the_rules_in_force_are_those_that_the_ontologies_need() -> None:
-    """Each kind of axiom that occurs has its rules, and no rule is there for what does not occur."""
+    """Each kind of axiom that occurs has its rules, and no other rules are active."""
     occurring = [
         names for (predicate, value), names in NEEDS.items() if (None, predicate, value) in ontologies.together()
     ]
@@ -78,7 +78,7 @@ def test_the_rules_in_force_are_those_that_the_ontologies_need() -> None:
 
 
 def test_the_whole_profile_is_there() -> None:
-    """The tables of the profile have 78 rules; the three about literals as subjects cannot be stated in RDF."""
+    """The tables of the profile have 78 rules; the three about literals as subjects cannot be expressed in RDF."""
     tables = [re.search(r"table (\d)", file.documentation.sections["References"]) for file in profile().files]
     counted = [int(found[1]) for found in tables if found]
     assert [counted.count(table) for table in range(4, 10)] == [9, 20, 19, 5, 2, 20]
@@ -98,19 +98,19 @@ def program() -> Program:
 
 @cache
 def axiomatic() -> frozenset[Triple]:
-    """Return what the profile infers from nothing."""
+    """Return the inferences of the profile from no data."""
     return frozenset(infer(program(), [])[0])
 
 
 def ours(data: Iterable[Triple]) -> set[str]:
-    """Return what the profile infers together with the data, as text; without what no data is needed for."""
+    """Return the inferences of the profile together with the data, as text, without those from no data."""
     given = set(data)
     inferred, _ = infer(program(), given)
     return {str(each) for each in {*given, *inferred} - axiomatic()}
 
 
 def theirs(data: Iterable[Triple]) -> set[str]:
-    """Return what owlrl infers together with the data, as text."""
+    """Return the inferences of owlrl together with the data, as text."""
     owlrl = pytest.importorskip("owlrl", reason="owlrl is not installed: pip install -e '.[dev]'")
     graph = Graph().parse(data="\n".join(f"{each} ." for each in data), format="nt")
     owlrl.DeductiveClosure(owlrl.OWLRL_Semantics, axiomatic_triples=False, datatype_axioms=False).expand(graph)
@@ -119,9 +119,9 @@ def theirs(data: Iterable[Triple]) -> set[str]:
 
 
 def compared(found: set[str]) -> set[str]:
-    """Return what both are asked for: triples about the data, without what is trivially true of a class or property.
+    """Return the comparable triples: those about the data, without trivial ones about a class or property.
 
-    owlrl has more data types, and does not say of every class that it is below and equivalent to itself.
+    owlrl has more data types, and does not derive that every class is a subclass of and equivalent to itself.
     """
     parts = {text: text.split() for text in found if "urn:x:" in text}
     trivial = ("subClassOf>", "subPropertyOf>", "equivalentClass>", "equivalentProperty>")
@@ -131,5 +131,5 @@ def compared(found: set[str]) -> set[str]:
 @given(st.lists(FACTS, max_size=7))
 @settings(deadline=None, max_examples=8)
 def test_the_profile_infers_what_owlrl_infers(data: list[Triple]) -> None:
-    """On small ontologies both give the same triples but for what `compared` names."""
+    """On small ontologies both give the same triples, within `compared`."""
     assert compared(ours(data)) == compared(theirs(data))

@@ -1,4 +1,4 @@
-"""A rule is called local only if it infers the same from each part of a graph as from the whole."""
+"""A rule is local only if each part of a graph gives the same inferences as the whole."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ QUADS = """
 
 @pytest.fixture
 def parts() -> Parts:
-    """How these quads divide."""
+    """The parts of these quads."""
     quads = [quad for quad in parse(QUADS, RdfFormat.N_QUADS) if isinstance(quad, Quad)]
     return parts_of(
         lambda: quads,
@@ -44,7 +44,7 @@ def reason(parts: Parts, *body: Element) -> str:
 
 
 def test_what_stays_within_a_source_is_local(parts: Parts) -> None:
-    """Ends of a node are of its source, and names of topics are copied to each."""
+    """Ends of a node belong to its source, and names of topics are copied to each."""
     assert not reason(parts, atom("?n :part ?e"), atom("?e :to ?t"), atom("?t :name ?name"))
 
 
@@ -57,12 +57,12 @@ def test_two_ends_of_one_topic_are_not(parts: Parts) -> None:
 
 
 def test_a_property_that_leads_elsewhere_holds_nothing_together(parts: Parts) -> None:
-    """The ends of a node that another one extends may be of another source."""
+    """The ends of an extended node may belong to another source."""
     assert reason(parts, atom("?n :extends ?m"), atom("?m :part ?e"))
 
 
 def test_absence_counts_too(parts: Parts) -> None:
-    """That nobody else connects to a topic is known from all sources only."""
+    """The absence of other connections to a topic is known only from all sources."""
     assert reason(parts, atom("?a :to ?t"), Exists((atom("?b :to ?t"),), negated=True))
 
 
@@ -72,19 +72,19 @@ def test_what_is_inferred_about_shared_things_is_not_local(parts: Parts) -> None
 
 
 def test_blocks_of_the_engine_are_not_judged(parts: Parts) -> None:
-    """What cannot be decomposed needs the whole graph."""
+    """A block without decomposition needs the whole graph."""
     assert "engine" in reason(parts, EngineBlock("?a <urn:x:to> ?t", (Variable("a"), Variable("t"))))
 
 
 def test_what_a_global_rule_infers_may_lead_elsewhere(parts: Parts) -> None:
-    """A rule that joins by it is not local either, though nothing of it is in the store."""
+    """A rule that joins by such a property is not local, even if the store has none of its triples."""
     joins = rule("?a :feeds ?b", "?a :to ?t . ?b :to ?t")
     reads = rule("?a :new ?n", "?a :feeds ?b . ?b :to ?n")
     assert [one.is_local for one in verdicts([joins, reads], parts, parts)] == [False, False]
 
 
 def test_asserted_facts_are_not_in_doubt(parts: Parts) -> None:
-    """A rule that reads asserted facts alone is local, whatever other rules infer of the same property."""
+    """A rule that reads only asserted facts is local, whatever other rules infer for the same property."""
     joins = rule("?a :part ?b", "?a :to ?t . ?b :to ?t")
     body = (atom("?n :part ?e", asserted=True), atom("?e :to ?t", asserted=True))
     reads = rule("?n :new ?t", *body)
@@ -92,7 +92,7 @@ def test_asserted_facts_are_not_in_doubt(parts: Parts) -> None:
 
 
 def test_names_of_properties_are_told(parts: Parts) -> None:
-    """How the test's quads are read: one property stays, one leads to what all share."""
+    """Properties in the test's quads: one stays within a source, one leads to shared entities."""
     assert ("urn:x:part", "") in parts.inner
     assert ("urn:x:to", "") in parts.outward
     assert ("urn:x:extends", "") not in parts.inner | parts.outward

@@ -28,7 +28,7 @@ TTL = """\
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder with a rule of each notation and files that are none."""
+    """A folder with a rule of each notation and other files."""
     files = {
         "family/one.rq": RQ,
         "family/one.md": "examples",
@@ -45,7 +45,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def code_of(action: Callable[[], object]) -> str:
-    """Return the code of the error that something raises."""
+    """Return the code of the raised error."""
     with pytest.raises(RuleError) as caught:
         action()
     assert caught.value.place is not None
@@ -53,7 +53,7 @@ def code_of(action: Callable[[], object]) -> str:
 
 
 def test_rules_of_all_notations_are_found(folder: Path) -> None:
-    """A folder gives its rule files sorted by name, each read by its notation."""
+    """A folder gives its rule files sorted by name, each parsed by its notation."""
     found = discover([folder])
     assert [file.name for file in found.files] == ["family/deep/two", "family/one", "three"]
     assert [file.notation for file in found.files] == [".srl", ".rq", ".ttl"]
@@ -62,24 +62,24 @@ def test_rules_of_all_notations_are_found(folder: Path) -> None:
 
 
 def test_a_file_can_be_given_instead_of_a_folder(folder: Path) -> None:
-    """A file by itself is named after its folder and itself."""
+    """A single file is named after its folder and itself."""
     (file,) = discover([folder / "family" / "one.rq"]).files
     assert file.name == "family/one"
 
 
 def test_rules_of_packs_carry_the_name_of_the_pack(folder: Path) -> None:
-    """A file of a pack says which pack brought it."""
+    """A rule file of a pack has the name of the pack."""
     assert {file.pack for file in discover([], [Pack("mine", folder)]).files} == {"mine"}
 
 
 def test_two_files_of_one_name_are_refused(folder: Path, tmp_path: Path) -> None:
-    """Two endings or two folders may not give one name (KG207)."""
+    """Two suffixes or two folders may not give one name (KG207)."""
     (folder / "family" / "one.srl").write_text(SRL)
     assert code_of(lambda: discover([tmp_path])) == "KG207"
 
 
 def test_a_copy_is_no_other_rule(folder: Path, tmp_path: Path) -> None:
-    """A folder that stands twice, as a checkout beside what is installed of it, has each rule once; an edit is told."""
+    """A folder given twice, such as a checkout and its installation, has each rule once; a difference is reported."""
     copy = shutil.copytree(folder, tmp_path.parent / f"{tmp_path.name}-copy")
     assert discover([folder, copy]) == discover([folder])
     (copy / "family" / "one.rq").write_text(RQ.replace("rnkg:q", "rnkg:r"))
@@ -87,12 +87,12 @@ def test_a_copy_is_no_other_rule(folder: Path, tmp_path: Path) -> None:
 
 
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
-    """A folder that is not there is an error, not an empty set."""
+    """A missing folder is an error, not an empty set."""
     assert code_of(lambda: discover([tmp_path / "nowhere"])) == "KG231"
 
 
 def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
-    """A file that is missing is KG231, one that is no text or of no notation KG201."""
+    """A missing file is KG231, a binary one or one of no notation KG201."""
     (tmp_path / "latin.rq").write_bytes(b"# caf\xe9\n")
     assert code_of(lambda: read(tmp_path / "nowhere.rq", "x")) == "KG231"
     assert code_of(lambda: read(tmp_path / "latin.rq", "x")) == "KG201"
@@ -100,12 +100,12 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_editor_reads_text_that_is_not_saved() -> None:
-    """The text of a file can be given in place of the file."""
+    """The text of a file can be passed in place of the file."""
     assert read_text("\n" + RQ.replace("rnkg:q", "rnkg:r"), Path("family/x.rq"), "family/x").rules
 
 
 def test_imported_rules_come_once(tmp_path: Path) -> None:
-    """What two rule sets import, and what is found by itself too, is in the set once."""
+    """A file imported by two rule sets, and also found directly, is in the set once."""
     (tmp_path / "a.srl").write_text("IMPORTS <lib/c.srl>\nIMPORTS <../outside.srl>\n" + SRL)
     (tmp_path / "b.srl").write_text("IMPORTS <lib/c.srl>\nIMPORTS <../outside.srl>\n" + SRL)
     inner = tmp_path / "rules"
@@ -120,7 +120,7 @@ def test_imported_rules_come_once(tmp_path: Path) -> None:
 
 
 def test_parts_of_a_rule_set_are_numbered_through_imports(tmp_path: Path) -> None:
-    """Rules of a file and of its imports have different parts, so that they can be told apart."""
+    """Rules of a file and of its imports have different part numbers."""
     (tmp_path / "a.srl").write_text("IMPORTS <b.srl>\n" + SRL)
     (tmp_path / "b.srl").write_text(SRL + "RULE { } WHERE { }\n")
     assert [rule.part for rule in read(tmp_path / "a.srl", "a").rules] == [1, 2]
@@ -148,7 +148,7 @@ def test_a_pack_is_a_package_or_a_function(folder: Path, monkeypatch: pytest.Mon
 
 
 def test_a_broken_pack_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pack that does not load, or whose folder is not there, is KG208."""
+    """A pack that fails to load, or whose folder is missing, is KG208."""
     for loaded in (ImportError("gone"), lambda: tmp_path / "nowhere"):
         entry("mine", loaded, monkeypatch)
         assert code_of(packs) == "KG208"

@@ -1,4 +1,4 @@
-"""The examples of the rules that `kg` ships, each a case; `kg rules test` runs them the same way."""
+"""The examples of the rules shipped with `kg`, each a case; `kg rules test` runs them the same way."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ EXAMPLES: Final = [
 
 @pytest.mark.parametrize(("name", "example"), EXAMPLES)
 def test_example(name: str, example: Example) -> None:
-    """The rule infers what its example says."""
+    """The rule infers the triples of its example."""
     problem = failure(run_example(LIBRARY.read(name), example, LIBRARY))
     assert problem is None, f"{problem}\n{problem.hint}"
 
 
 @pytest.mark.parametrize("name", LIBRARY.entries)
 def test_every_rule_has_examples(name: str) -> None:
-    """Beside each rule stands a page with examples."""
+    """Each rule has a page with examples next to it."""
     assert LIBRARY.entries[name].examples.is_file()

@@ -43,7 +43,7 @@ FAMILY = rule_set(
 
 
 def parents(*pairs: tuple[int, int]) -> bytes:
-    """Return triples that say who is whose parent."""
+    """Return triples of parents and their children."""
     return "".join(f"<urn:{one}> <urn:parent> <urn:{other}> .\n" for one, other in pairs).encode()
 
 
@@ -63,12 +63,12 @@ def inferred(store: EmbeddedStore) -> list[bytes]:
 
 
 def figures(report: RunReport) -> tuple[str, int, int, int]:
-    """Return what a run did: mode, inferred triples, those added and removed."""
+    """Return the result of a run: mode, inferred triples, those added and removed."""
     return report.mode, report.inferred, report.added, report.removed
 
 
 def test_a_run_writes_what_follows_from_all_graphs_and_the_next_one_changes_nothing(store: EmbeddedStore) -> None:
-    """The union of the graphs is read, each triple once; without a change no generation is made."""
+    """The union of the graphs is read, each triple once; without a change no generation is created."""
     report = Runner(NAMES, store.layout.cache).run(store, FAMILY)
     assert figures(report) == ("full", 7, 7, 0)
     assert report.asserted == 3
@@ -83,7 +83,7 @@ def test_a_run_writes_what_follows_from_all_graphs_and_the_next_one_changes_noth
 
 
 def test_a_change_of_one_graph_is_maintained_in_the_transaction_that_makes_it(store: EmbeddedStore) -> None:
-    """A graph that is written anew is read again; what only it stated goes, with what followed from it."""
+    """A replaced graph is read again; its removed triples disappear with their inferences."""
     Runner(NAMES, store.layout.cache).run(store, FAMILY)
     runner = Runner(NAMES, store.layout.cache)
     with store.write("test") as transaction:
@@ -97,7 +97,7 @@ def test_a_change_of_one_graph_is_maintained_in_the_transaction_that_makes_it(st
 
 
 def test_a_dry_run_tells_the_difference_and_writes_nothing(store: EmbeddedStore) -> None:
-    """The lines that would come are in the report; the store has no new generation."""
+    """The report has the lines to add; the store has no new generation."""
     report = Runner(NAMES, store.layout.cache).run(store, FAMILY, dry_run=True)
     assert report.dry_run
     added = b"".join(lines(report.change.added, report.change.dictionary)).splitlines()
@@ -116,7 +116,7 @@ def test_a_limit_leaves_the_store_as_it_is(store: EmbeddedStore) -> None:
 
 
 def test_changes_of_any_kind_are_noticed(store: EmbeddedStore) -> None:
-    """Updates in SPARQL, patches, graphs that go, and a graph of inferred triples that somebody dropped."""
+    """SPARQL updates, patches, dropped graphs, and a dropped graph of inferred triples."""
     Runner(NAMES, store.layout.cache).run(store, FAMILY)
     with store.write("test") as transaction:
         transaction.update(f"DELETE DATA {{ GRAPH {A} {{ <urn:1> <urn:parent> <urn:2> }} }}")
@@ -133,7 +133,7 @@ def test_changes_of_any_kind_are_noticed(store: EmbeddedStore) -> None:
 
 
 def test_a_damaged_cache_is_not_used(store: EmbeddedStore) -> None:
-    """A file whose digest does not fit is as none."""
+    """A file with a wrong digest counts as missing."""
     Runner(NAMES, store.layout.cache).run(store, FAMILY)
     for path in (store.layout.cache / "columns").iterdir():
         content = path.read_bytes()
@@ -142,7 +142,7 @@ def test_a_damaged_cache_is_not_used(store: EmbeddedStore) -> None:
 
 
 def test_small_changes_are_done_again_by_later_processes_until_there_are_many(store: EmbeddedStore) -> None:
-    """What a run left is not written anew for each change; what is inferred is right all the same."""
+    """The saved result is not rewritten for each change; the inferences are right in any case."""
     with store.write("test") as transaction:
         transaction.patch_graph(B, b"", parents(*((number, number + 1) for number in range(100, 300, 2))))
     Runner(NAMES, store.layout.cache).run(store, FAMILY)
@@ -156,7 +156,7 @@ def test_small_changes_are_done_again_by_later_processes_until_there_are_many(st
 
 
 def _changed_by_another_process(store: EmbeddedStore, number: int) -> str:
-    """Add a child with its rules, and return the name of the file that the next process starts from."""
+    """Add a child with its inferences, and return the name of the file that the next process loads."""
     runner = Runner(NAMES, store.layout.cache)
     with store.write("test") as transaction:
         transaction.patch_graph(A, b"", parents((number - 1, number)))
@@ -167,7 +167,7 @@ def _changed_by_another_process(store: EmbeddedStore, number: int) -> str:
 
 
 def test_blank_nodes_of_heads_keep_their_labels(store: EmbeddedStore) -> None:
-    """A rule that makes blank nodes gives the same ones in every run, and the store has them under these names."""
+    """A rule that creates blank nodes gives the same labels in every run and in the store."""
     rules = rule_set(("family/knows", Atom(X, KNOWS, BlankNode("one")), (Atom(X, PARENT, Y),)))
     assert figures(Runner(NAMES, store.layout.cache).run(store, rules)) == ("full", 3, 3, 0)
     first = inferred(store)
@@ -179,7 +179,7 @@ def test_blank_nodes_of_heads_keep_their_labels(store: EmbeddedStore) -> None:
 
 
 def test_what_rule_files_state_is_inferred_unless_a_graph_states_it(store: EmbeddedStore) -> None:
-    """Triples of DATA take part as asserted ones and stand in the graph of inferred ones."""
+    """Triples of DATA count as asserted ones and are in the graph of inferred ones."""
     rules = rule_set(
         ("family/base", Atom(X, ANCESTOR, Y), (Atom(X, PARENT, Y),)), data=parents((1, 2), (7, 8)).decode()
     )
@@ -189,7 +189,7 @@ def test_what_rule_files_state_is_inferred_unless_a_graph_states_it(store: Embed
 
 
 def test_the_graph_of_builds_has_one_activity_a_run_with_its_rules(store: EmbeddedStore) -> None:
-    """Rules that inferred something are named with what they were the first to derive; a run without changes is not."""
+    """Rules with inferences are listed with their first derivations; a run without changes is not recorded."""
     Runner(NAMES, store.layout.cache).run(store, FAMILY)
     Runner(NAMES, store.layout.cache).run(store, FAMILY, incremental=False)
     with store.read() as snapshot:
@@ -213,7 +213,7 @@ def test_any_sequence_of_changes_gives_what_starting_over_gives(
     tmp_path_factory: pytest.TempPathFactory,
     made: list[tuple[NamedNode, list[tuple[int, int]], list[tuple[int, int]], bool]],
 ) -> None:
-    """Patches, with one process for all or one for each, leave the triples of a run from nothing."""
+    """Patches, in one process or one for each, give the triples of a run from scratch."""
     store = EmbeddedStore.create(tmp_path_factory.mktemp("changes") / ".kg")
     with store.write("test") as transaction:
         transaction.replace_graphs({A: [parents((1, 2), (2, 3))], B: [parents((2, 3), (3, 4))]})

@@ -39,7 +39,7 @@ def copies() -> RuleSet:
     ],
 )
 def test_files_give_what_follows_from_them(tmp_path: Path, text: str, expected: str) -> None:
-    """Plain lines are cut where their terms meet; whatever is less plain is parsed."""
+    """Plain lines are split at the ends of their terms; all others are parsed."""
     source, output = tmp_path / "in.nt", tmp_path / "out.nt"
     source.write_text(text)
     report = run_files([source], output, copies())
@@ -48,7 +48,7 @@ def test_files_give_what_follows_from_them(tmp_path: Path, text: str, expected: 
 
 
 def test_files_that_are_not_valid_are_refused_with_the_line(tmp_path: Path) -> None:
-    """KG601 names the line; nothing is written."""
+    """KG601 has the line; nothing is written."""
     source, output = tmp_path / "in.nt", tmp_path / "out.nt"
     source.write_text("<urn:a> <urn:p> <urn:b> .\n<urn:a> <urn:p> <urn b> .\n")
     with pytest.raises(GraphError) as caught:
@@ -67,7 +67,7 @@ def test_files_that_cannot_be_opened_are_named(tmp_path: Path) -> None:
 
 
 def test_the_ending_names_the_format(tmp_path: Path) -> None:
-    """Turtle and TriG are read as such, relative names against the file; an unknown ending is refused."""
+    """Turtle and TriG are parsed as such, with relative names based on the file; an unknown suffix is rejected."""
     text = "@prefix u: <urn:> . u:a u:p u:b , <#here> ."
     for name in ("in.ttl", "in.trig"):
         (tmp_path / name).write_text(text)
@@ -96,7 +96,7 @@ SAME = Rule(
 @settings(max_examples=20, deadline=None)
 @given(st.lists(values, min_size=1, max_size=6))
 def test_a_rule_joins_the_same_values_over_files_and_in_a_store(objects: list[str]) -> None:
-    """Whatever the format of a file, in a store, and after a patch, rules see the terms that queries see."""
+    """In files of any format, in a store, and after a patch, rules use the same terms as queries."""
     lines = [f"<urn:{number}> <urn:p> {one} .\n" for number, one in enumerate(objects)]
     rules = RuleSet((RuleFile("test/same", Path("a.rq"), "", Documentation(), (SAME,)),))
     with tempfile.TemporaryDirectory() as name:
@@ -120,7 +120,7 @@ def test_a_rule_joins_the_same_values_over_files_and_in_a_store(objects: list[st
 
 
 def test_files_share_no_blank_node(tmp_path: Path) -> None:
-    """One file keeps its labels; several files with the same label have a node each."""
+    """A single file keeps its labels; a label in several files is a node in each."""
     files = [tmp_path / "a.nt", tmp_path / "b.ttl"]
     for file in files:
         file.write_text("_:x <urn:p> <urn:b> .\n")

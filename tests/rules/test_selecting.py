@@ -81,7 +81,7 @@ quads = st.dictionaries(
 
 
 def contents_of(placed: dict[tuple[str, str, str], int]) -> list[list[bytes]]:
-    """Return the content of each graph; each triple is in one, for the store gives those of several more than once."""
+    """Return the content of each graph; each triple is in one, because the store repeats those of several."""
     contents: list[list[bytes]] = [[] for _ in GRAPHS]
     for (s, p, o), graph in placed.items():
         contents[graph].append(f"<urn:{s}> <urn:{p}> {o} .\n".encode())
@@ -89,7 +89,7 @@ def contents_of(placed: dict[tuple[str, str, str], int]) -> list[list[bytes]]:
 
 
 def with_columns(folder: Path, contents: Sequence[list[bytes]]) -> EmbeddedStore:
-    """Return a store of some graphs, whose columns are kept."""
+    """Return a store of some graphs, with saved columns."""
     store = EmbeddedStore.create(folder / ".kg")
     with store.write("test") as transaction:
         transaction.replace_graphs(dict(zip(GRAPHS, contents, strict=False)))
@@ -98,19 +98,19 @@ def with_columns(folder: Path, contents: Sequence[list[bytes]]) -> EmbeddedStore
 
 
 def rows(found: Iterable[Any]) -> Counter[tuple[str | None, ...]]:
-    """Return the values of rows, and how often each row comes."""
+    """Return the values of rows with their multiplicity."""
     return Counter(tuple(None if term is None else term.value for term in row) for row in found)
 
 
 def same(snapshot: EmbeddedSnapshot, columns: Columns | EmbeddedSnapshot, text: str) -> bool:
-    """Return whether columns answer a query as the store does."""
+    """Whether columns and the store give the same result."""
     return rows(columns.query(text, prefixes=PREFIXES)) == rows(snapshot.query(text, prefixes=PREFIXES))  # type: ignore[arg-type]  # a SELECT
 
 
 @settings(max_examples=25, deadline=None)
 @given(quads)
 def test_columns_answer_as_the_store_does(placed: dict[tuple[str, str, str], int]) -> None:
-    """Each row comes as often as in the store, whether rules can express the query or not."""
+    """Each row has the same multiplicity as in the store, whether rules can express the query or not."""
     with tempfile.TemporaryDirectory() as folder, with_columns(Path(folder), contents_of(placed)).read() as snapshot:
         columns = columns_of(snapshot)
         assert isinstance(columns, Columns)
@@ -121,7 +121,7 @@ def test_columns_answer_as_the_store_does(placed: dict[tuple[str, str, str], int
 @settings(max_examples=10, deadline=None)
 @given(quads)
 def test_the_order_is_that_of_the_store(placed: dict[tuple[str, str, str], int]) -> None:
-    """Rows with an order are in it."""
+    """Ordered rows are in the order of the store."""
     with tempfile.TemporaryDirectory() as folder, with_columns(Path(folder), contents_of(placed)).read() as snapshot:
         columns = columns_of(snapshot)
         for text in ORDERED:
@@ -139,7 +139,7 @@ def test_the_order_is_that_of_the_store(placed: dict[tuple[str, str, str], int])
     ],
 )
 def test_a_triple_of_several_graphs_is_found_in_each(tmp_path: Path, text: str) -> None:
-    """A pattern in any graph has as many solutions as graphs have it."""
+    """A pattern in any graph has one solution for each graph with the triple."""
     line = b"<urn:a> <urn:p> <urn:b> .\n"
     with with_columns(tmp_path, [[line], [line], [line]]).read() as snapshot:
         columns = columns_of(snapshot)
@@ -148,7 +148,7 @@ def test_a_triple_of_several_graphs_is_found_in_each(tmp_path: Path, text: str) 
 
 
 def test_whole_answers_are_those_of_the_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Terms are whole, and a triple of several graphs is one; what may differ is left to the store."""
+    """Terms are complete, and a triple of several graphs is one; uncertain cases are left to the store."""
     monkeypatch.setattr(selecting, "_MANY", 1)
     line = b'<urn:a> <urn:p> "so"@en .\n'
     store = with_columns(tmp_path, [[line], [line, b"<urn:a> <urn:p> <urn:b> .\n"]])
@@ -168,7 +168,7 @@ def test_whole_answers_are_those_of_the_store(tmp_path: Path, monkeypatch: pytes
 
 
 def test_later_patches_are_followed(tmp_path: Path) -> None:
-    """Columns of an earlier generation answer as the store in force."""
+    """Columns of an earlier generation give the result of the current store."""
     store = with_columns(tmp_path, [[b"<urn:a> <urn:p> <urn:b> .\n"]])
     with store.write("test") as transaction:
         transaction.patch_graph(GRAPHS[0], b"<urn:a> <urn:p> <urn:b> .\n", b"<urn:c> <urn:p> <urn:new> .\n")
@@ -180,7 +180,7 @@ def test_later_patches_are_followed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("kept", [True, False])
 def test_the_store_answers_what_columns_do_not_know(tmp_path: Path, *, kept: bool) -> None:
-    """A graph whose new content is not recorded, or a store without columns, is asked itself."""
+    """A graph without recorded content, or a store without columns, is queried directly."""
     store = with_columns(tmp_path, [[b"<urn:a> <urn:p> <urn:b> .\n"]])
     if kept:
         with store.write("test") as transaction:

@@ -1,4 +1,4 @@
-"""The rules that are shipped: each documented, each with examples that pass, and in order."""
+"""The shipped rules: documented, with passing examples, and stratified."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ IN_FORCE = [entry for entry in Library([RULES]).entries.values() if entry.in_for
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_examples_pass(family: str) -> None:
-    """What each rule's examples expect is what it infers."""
+    """Each rule infers the triples of its examples."""
     entries: list[Entry] = [entry for entry in LIBRARY.entries.values() if entry.name.startswith(f"{family}/")]
     assert entries
     failed = [result for result in run_examples(entries, LIBRARY) if not result.passed]
@@ -36,7 +36,7 @@ def test_examples_pass(family: str) -> None:
 
 @pytest.mark.parametrize("name", LIBRARY.entries)
 def test_documented(name: str) -> None:
-    """Each rule has a title, says what it infers and why and since when, and has examples beside it."""
+    """Each rule has a title, a description, a reason, a version, and examples next to it."""
     file = LIBRARY.read(name)
     assert file.documentation.title
     assert file.documentation.since
@@ -45,25 +45,25 @@ def test_documented(name: str) -> None:
 
 
 def test_every_example_has_its_rule() -> None:
-    """No page of examples is left over."""
+    """Every page of examples has its rule."""
     pages = {path.relative_to(RULES).with_suffix("").as_posix() for path in RULES.rglob("*.md")}
     assert pages == set(LIBRARY.entries)
 
 
 def test_the_rules_in_force_have_an_order() -> None:
-    """With the ontologies that are shipped, the rules can be stratified, and none mints terms in recursion."""
+    """With the shipped ontologies, the rules can be stratified, and none creates terms in recursion."""
     axioms = [quad.triple for quad in parse(ontology_triples(), RdfFormat.N_TRIPLES)]
     rules = [rule for entry in IN_FORCE for rule in LIBRARY.read(entry.name).rules]
     assert stratify(specialise(rules, axioms))
 
 
 def test_all_three_notations_are_used() -> None:
-    """SPARQL, SPARQL RL and SHACL each have rules among those in force."""
+    """The active rules use SPARQL, SPARQL RL and SHACL."""
     assert {entry.path.suffix for entry in IN_FORCE} == {".rq", ".srl", ".ttl"}
 
 
 def test_optional_families_are_in_force_where_they_are_named() -> None:
-    """A family with a file `optional` is left out unless it is named; then it is the only one."""
+    """A family with a file `optional` is excluded unless it is named; then it is the only one."""
     optional = {path.parent.name for path in RULES.rglob(OPTIONAL)}
     assert optional == {"owl-rl"}
     assert not [entry for entry in IN_FORCE if entry.name.split("/")[0] in optional]

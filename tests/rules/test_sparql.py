@@ -28,20 +28,20 @@ def store() -> Store:
 
 
 def rows(store: Store, text: str, names: str = "xyz", **options: bool) -> set[tuple[object, ...]]:
-    """Return the solutions of a query, the columns that it has."""
+    """Return the solutions of a query, projected to its variables."""
     found = store.query(text, use_default_graph_as_union=options.get("union", False))
     columns = [name for name in names if f"?{name} " in text.split("WHERE", maxsplit=1)[0]]
     return {tuple(solution[name] for name in columns) for solution in found}  # type: ignore[union-attr]  # SELECT
 
 
 def count(found: Iterable[object] | QueryBoolean) -> int:
-    """Return how many solutions or triples a query gave."""
+    """Return the number of solutions or triples of a query."""
     assert not isinstance(found, QueryBoolean)
     return len(list(found))
 
 
 def test_a_filter_sees_only_what_stands_before_it(store: Store) -> None:
-    """A variable of NOT that an element behind it binds is another one in the body, and in the text."""
+    """A variable of NOT that a later element binds is a different one in the body, and in the text."""
     body = (Atom(X, P, Y), Exists((Atom(Y, Q, Z),), negated=True), Atom(A, Q, Z))
     assert rows(store, select(body, (X, Z))) == {(A, C)}
     assert group(body).startswith("{")
@@ -71,12 +71,12 @@ def test_bindings_cut_the_solutions_down(
     bindings: dict[Variable, NamedNode | Literal],
     expected: set[tuple[object, ...]],
 ) -> None:
-    """The query has the solutions of the body in which the variables have these values."""
+    """The query has only the solutions of the body with these values."""
     assert rows(store, select(body, variables, bindings)) == expected
 
 
 def test_bindings_to_blank_nodes_are_for_the_engine(store: Store) -> None:
-    """SPARQL cannot write a blank node of the data; the engine takes it beside the text."""
+    """SPARQL cannot express a blank node of the data, so the engine takes it as a substitution."""
     blank = BlankNode("b")
     store.extend([Quad(blank, P, A), Quad(BlankNode("other"), P, A)])
     bindings = {Variable(".x"): blank}
@@ -89,19 +89,19 @@ def test_bindings_to_blank_nodes_are_for_the_engine(store: Store) -> None:
 
 
 def test_asserted_atoms_are_written_as_asked_for(store: Store) -> None:
-    """By a graph that has what was inferred, or like any other."""
+    """They are restricted to the graph without inferences, or written like any other."""
     body = (Atom(X, Q, C, asserted=True),)
     assert rows(store, select(body, (X,)), union=True) == {(A,), (B,)}
     assert rows(store, select(body, (X,), inferred=GRAPH), union=True) == {(A,)}
 
 
 def test_a_blank_node_of_a_head_is_new_once_for_each_solution(store: Store) -> None:
-    """The query gives as many as the body has solutions."""
+    """The query creates as many as the body has solutions."""
     rule = Rule("a/b", (Atom(BlankNode("n"), H, X),), (Atom(X, P, Y),), Place("a/b.rq"))
     assert count(store.query(construct(rule))) == 2
 
 
 def test_different_variables_are_spelt_differently() -> None:
-    """Names that decomposition made never meet those that a rule may have."""
+    """Generated names never clash with those of a rule."""
     names = [".x", "x", "_·x", "_··_·x", ".x-y", ".x.y", ".xy", ".·x"]
     assert len({spelling(Variable(name)) for name in names}) == len(names)

@@ -1,4 +1,4 @@
-"""Rules over a schema: cut to the schema that there is, they infer the same, and stand in better strata."""
+"""Rules over a schema: specialised to it, they infer the same, and have better strata."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ FACTS = st.builds(Triple, NAMES, st.one_of(NAMES, st.just(RDF_TYPE)), NAMES)
 
 
 def triples(text: str) -> list[Triple]:
-    """Read Turtle; `:` is urn:x:."""
+    """Parse Turtle; `:` is urn:x:."""
     head = "".join(f"PREFIX {name}: <{iri}>\n" for name, iri in {**PREFIXES, "": "urn:x:"}.items())
     return [quad.triple for quad in parse(head + text, RdfFormat.TURTLE)]
 
@@ -48,13 +48,13 @@ def schema(found: Iterable[Triple]) -> list[Triple]:
 @given(st.lists(st.one_of(AXIOMS, KINDS, FACTS), max_size=25))
 @settings(deadline=None, max_examples=60)
 def test_rules_cut_to_the_schema_infer_the_same(data: list[Triple]) -> None:
-    """Whatever schema and data, the rules of OWL in force give the same triples cut or not."""
+    """For any schema and data, the active OWL rules give the same triples, specialised or not."""
     cut = specialise(OWL, schema(data))
     assert infer(Program(cut), data)[0] == infer(Program(OWL), data)[0]
 
 
 def test_one_rule_for_each_axiom() -> None:
-    """An axiom makes a plain rule that says which predicates it reads and writes; parts are numbered from one."""
+    """An axiom gives a plain rule with its input and output predicates; parts are numbered from one."""
     cut = specialise(OWL, triples(":p rdfs:subPropertyOf :q . :q rdfs:subPropertyOf :r ."))
     found = [each for each in cut if each.name == "owl/prp-spo1"]
     written = [(str(each.body[0].predicate), str(each.head[0].predicate)) for each in found]  # type: ignore[union-attr]  # atoms
@@ -63,7 +63,7 @@ def test_one_rule_for_each_axiom() -> None:
 
 
 def test_negation_beside_rules_over_a_schema_can_be_stratified() -> None:
-    """The rules that are shipped have an order, which they do not have while some of them write any predicate."""
+    """The shipped rules can be stratified, but not while some of them write any predicate."""
     shipped = discover([folder("rules")]).rules
     axioms = [quad.triple for quad in parse(ontology_triples(), RdfFormat.N_TRIPLES)]
     assert stratify(specialise(shipped, axioms))
@@ -72,14 +72,14 @@ def test_negation_beside_rules_over_a_schema_can_be_stratified() -> None:
 
 
 def test_rules_that_derive_schema_from_data_leave_all_as_it_is() -> None:
-    """Where data makes axioms, no axiom may be taken for the last."""
+    """If data creates axioms, the set of axioms is not final."""
     derives = rule("?x =http://www.w3.org/2000/01/rdf-schema#subClassOf ?y", "?x :below ?y")
     rules = (*OWL, derives)
     assert specialise(rules, triples(":A rdfs:subClassOf :B .")) == rules
 
 
 def test_a_class_without_a_name_is_bound_by_a_row() -> None:
-    """A blank node in a head would stand for a new one, so it comes from a row of values."""
+    """A blank node in a head would be a new one, so it is bound by a row of values."""
     kind, domain = "=http://www.w3.org/1999/02/22-rdf-syntax-ns#type", "=http://www.w3.org/2000/01/rdf-schema#domain"
     general = rule(f"?x {kind} ?c", f"?p {domain} ?c . ?x ?p ?y")
     (cut,) = specialise([general], triples(":p rdfs:domain [] ."))

@@ -18,7 +18,7 @@ def names(*rules: object) -> list[tuple[list[str], bool]]:
 
 
 def test_rules_run_after_those_that_they_read() -> None:
-    """A chain of rules gives one stratum each, in the order of their dependencies."""
+    """A chain of rules gives one stratum each, in dependency order."""
     last = rule("?x :c ?y", "?x :b ?y", name="t/last")
     first = rule("?x :a ?y", "?x :given ?y", name="t/first")
     middle = rule("?x :b ?y", "?x :a ?y", name="t/middle")
@@ -26,7 +26,7 @@ def test_rules_run_after_those_that_they_read() -> None:
 
 
 def test_rules_that_feed_each_other_are_one_recursive_stratum() -> None:
-    """Mutual recursion is one component; what reads it comes after."""
+    """Mutual recursion is one component; its readers come after it."""
     one = rule("?x :a ?y", "?x :b ?y", name="t/one")
     two = rule("?x :b ?y", "?y :a ?x", name="t/two")
     out = rule("?x :c ?y", "?x :a ?y", NOT_Q, name="t/out")
@@ -39,7 +39,7 @@ def test_constants_keep_rules_apart() -> None:
 
 
 def test_order_decides_where_dependencies_leave_it_open() -> None:
-    """A lower `sh:order` runs first, unless it reads what a higher one derives."""
+    """A lower `sh:order` runs first, unless it reads derivations of a higher one."""
     early = replace(rule("?x :a ?y", "?x :given ?y", name="t/early"), order=-1.0)
     late = replace(rule("?x :b ?y", "?x :given ?y", name="t/late"), order=2.0)
     reader = replace(rule("?x :c ?y", "?x :b ?y", name="t/reader"), order=-2.0)
@@ -47,7 +47,7 @@ def test_order_decides_where_dependencies_leave_it_open() -> None:
 
 
 def test_negation_of_what_a_rule_feeds_is_refused_rule_by_rule() -> None:
-    """KG202 names the cycle from the negating rule back to it, at the place of the negated atom."""
+    """KG202 has the cycle from the negating rule back to it, at the place of the negated atom."""
     place = replace(rule("?x :p ?x").place, path="p.rq", line=7)
     negated = replace(atom("?x :q ?x"), place=place)
     one = rule("?x :p ?x", "?x :node ?x", Exists((negated,), negated=True), name="t/one")
@@ -86,7 +86,7 @@ def test_making_terms_in_recursion_is_refused_unless_bounded() -> None:
 
 
 def test_volatile_functions_in_recursion_are_refused_even_when_bounded() -> None:
-    """KG204: the fixpoint would depend on when each round runs."""
+    """KG204: the fixpoint would depend on the time of each round."""
     drawn = Filter(Expression("RAND() < 0.5", (), volatile=True))
     with pytest.raises(RuleError, match="KG204"):
         stratify([rule("?x :p ?z", "?x :p ?y . ?y :p ?z", drawn)], bounded=True)
@@ -99,7 +99,7 @@ def test_long_chains_of_rules_need_no_deep_stack() -> None:
 
 
 def test_a_long_cycle_is_told_by_its_first_rules() -> None:
-    """KG204 names a shortest way back; rules that derive any property are given as a reason where there is one."""
+    """KG204 has a shortest way back; rules that derive any property are named as the reason, if any."""
     chain = [rule(f"?x :p{number + 1} ?y", f"?x :p{number} ?y", name=f"t/{number}") for number in range(9)]
     minting = rule("_:new :p0 ?x", "?x :p9 ?y", name="t/mints")
     with pytest.raises(RuleError, match=r"\(through t/8, t/7, t/6, t/5, t/4 and 5 more\)") as caught:
@@ -111,7 +111,7 @@ def test_a_long_cycle_is_told_by_its_first_rules() -> None:
 
 
 def test_levels_rise_over_negation_alone() -> None:
-    """Rules that read share a level with what they read; those that negate or count stand one above."""
+    """Rules share a level with their input; those that negate or count are one above."""
     base = rule("?x :q ?x", "?x :given ?x", name="t/base")
     reader = rule("?x :r ?x", "?x :q ?x", name="t/reader")
     denier = rule("?x :s ?x", "?x :given ?x", NOT_Q, name="t/denier")

@@ -44,7 +44,7 @@ operations = st.lists(
 
 
 def do(transaction: EmbeddedTransaction, operation: str, graph: NamedNode, content: bytes) -> None:
-    """Change a graph in one of the ways that a transaction has."""
+    """Change a graph by one of the operations of a transaction."""
     if operation == "load":
         transaction.load(graph, [content])
     elif operation == "replace":
@@ -69,7 +69,7 @@ def do(transaction: EmbeddedTransaction, operation: str, graph: NamedNode, conte
 @settings(max_examples=40)
 @given(operations, st.sampled_from([1, 1 << 20]))
 def test_what_is_written_is_what_would_be_read(changes: list[tuple[str, NamedNode, bytes]], batch: int) -> None:
-    """Whatever a transaction does to an empty store, a graph is as it would be read back, or is left to be read."""
+    """After any transaction on an empty store, a graph equals its content read back, or is left to be read."""
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "_BATCH_BYTES", batch)
         with EmbeddedStore.create(Path(folder)).write("test") as transaction:
@@ -85,7 +85,7 @@ def test_what_is_written_is_what_would_be_read(changes: list[tuple[str, NamedNod
 
 
 def test_a_graph_that_was_only_loaded_need_not_be_read(tmp_path: Path) -> None:
-    """Loads, new contents and added triples are known; a removed triple, and an update of the engine, are not."""
+    """Loads, replacements and added triples are known; removed triples and engine updates are not."""
     line = b"<urn:s> <urn:p> <urn:a> .\n"
     with EmbeddedStore.create(tmp_path).write("test") as transaction:
         transaction.changes = Written(tmp_path)

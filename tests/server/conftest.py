@@ -1,4 +1,4 @@
-"""The stores that the tests of the server serve, and the browser that opens its pages."""
+"""The stores and the browser of the server's tests."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The example workspace as a store: its folder, which is only read."""
+    """The example workspace as a store: its folder, which is read-only."""
     return example(tmp_path_factory) / ".kg"
 
 
 @pytest.fixture(scope="session")
 def client(store: Path) -> Iterator[TestClient]:
-    """A client of a server as it is when nothing is said: reading only, on this machine."""
+    """A client of a server with default options: read-only, on this machine."""
     with application(store, log="off") as found:
         yield found
 
@@ -43,7 +43,7 @@ def browser() -> Iterator[Chromium]:
 
 @pytest.fixture(scope="session")
 def standard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Standard]:
-    """A server that takes changes, with the data set of the standard; tests of W3C give it the data of each case."""
+    """A writable server with the data set of the standard; tests of W3C give it the data of each case."""
     layout = create(tmp_path_factory.mktemp("w3c") / ".kg")
     put(layout)
     with served(layout.root, write=True, token=TOKEN, no_union=True, log="off") as server:

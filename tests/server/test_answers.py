@@ -1,4 +1,4 @@
-"""Tests of answers: whatever comes with status 200 is whole, and headers tell what it is; C7, C10, C31."""
+"""Tests of responses: a body with status 200 is complete, and headers describe it; C7, C10, C31."""
 
 from __future__ import annotations
 
@@ -39,25 +39,25 @@ COUNT: Final = "SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }"
 
 
 MOMENT: Final = 0.2
-"""Seconds of processor time that only what answers a query without end takes."""
+"""Seconds of processor time exceeded only by endless queries."""
 
 
 def rdf(name: str) -> Callable[[bytes], object]:
-    """Return what reads a format of RDF to its end."""
+    """Return a reader that parses a format of RDF to its end."""
     found = pyoxigraph.RdfFormat.from_extension(name)
     assert found is not None
     return lambda body: list(pyoxigraph.parse(body, found))
 
 
 def table(body: bytes) -> None:
-    """Read CSV of which all rows are as long as the first, and the last line has an end."""
+    """Read CSV whose rows are all as long as the first, and whose last line is terminated."""
     assert body.endswith(b"\r\n")
     rows = list(csv.reader(io.StringIO(body.decode(), newline="")))
     assert {len(row) for row in rows} == {len(rows[0])}
 
 
 def lines(body: bytes) -> None:
-    """Read lines that all have an end."""
+    """Read lines that are all terminated."""
     assert body.endswith(b"\n")
 
 
@@ -81,18 +81,18 @@ READERS: Final[Mapping[str, tuple[str, Callable[[bytes], object]]]] = {
     "trig": (ENDLESS_GRAPH, rdf("trig")),
     "nquads": (ENDLESS_GRAPH, rdf("nq")),
 }
-"""Format to a query that has no end, and what reads the format."""
+"""Format to an endless query and a reader of the format."""
 
 
 @pytest.fixture(scope="module")
 def unbounded(store: Path) -> Iterator[Serving]:
-    """A server that caps rows at more than a query finds in its time."""
+    """A server whose row limit exceeds the rows a query finds in its time."""
     with served(store, before=UNASKED, rows=1 << 40, seconds=patient(20), cache=0, log="off") as found:
         yield found
 
 
 def get(server: Serving, **parameters: str) -> tuple[int, Mapping[str, str], bytes]:
-    """Return status, headers and body; IncompleteRead where the server ends the connection before the body does."""
+    """Return status, headers and body; IncompleteRead if the server closes the connection early."""
     connection = HTTPConnection("127.0.0.1", server.port, timeout=patient(60))
     try:
         connection.request("GET", "/sparql?" + urlencode(parameters))
@@ -104,7 +104,7 @@ def get(server: Serving, **parameters: str) -> tuple[int, Mapping[str, str], byt
 
 @pytest.mark.parametrize("name", READERS)
 def test_deadline_is_never_a_broken_answer(unbounded: Serving, name: str) -> None:
-    """An answer that its deadline ends is an error, in every format."""
+    """A response cut off by its deadline is an error, in every format."""
     status, headers, body = get(unbounded, query=READERS[name][0], format=name, timeout="0.4")
     assert status == 503, body
     assert headers["content-type"] == "application/problem+json"
@@ -113,20 +113,20 @@ def test_deadline_is_never_a_broken_answer(unbounded: Serving, name: str) -> Non
 
 @pytest.mark.parametrize("name", READERS)
 def test_stream_is_seen_to_be_cut(unbounded: Serving, name: str) -> None:
-    """An answer that is streamed and ended by its deadline is one that the client knows to be incomplete."""
+    """A client detects that a streamed response was cut off by its deadline."""
     for given in ({"timeout": "0.6"}, {"timeout": "3"}, {"timeout": "12"}, {}):
         try:
             status, _, _ = get(unbounded, query=READERS[name][0], format=name, stream="true", **given)
         except IncompleteRead:
             return
-        # On a machine that is busy the deadline may come before the first part, which is an error then.
+        # On a busy machine the deadline may come before the first part, which is then an error.
         assert status == 503
     pytest.fail("nothing was streamed")
 
 
 @pytest.mark.parametrize("name", READERS)
 def test_rows_cut_an_answer_that_is_whole(unbounded: Serving, name: str) -> None:
-    """An answer that the cap of rows cuts can be read to its end, and says that it was cut."""
+    """A response at the row limit can be parsed to its end, and is marked as truncated."""
     query, read = READERS[name]
     for rows in (0, 1, 300):
         status, headers, body = get(unbounded, query=query, format=name, limit=str(rows))
@@ -137,7 +137,7 @@ def test_rows_cut_an_answer_that_is_whole(unbounded: Serving, name: str) -> None
 
 @pytest.mark.parametrize("stream", [False, True])
 def test_crash_is_never_a_broken_answer(unbounded: Serving, *, stream: bool) -> None:
-    """When its reader dies an answer is an error, or one that the client knows to be incomplete."""
+    """If its reader dies, a response is an error, or the client detects that it is incomplete."""
     said: list[Any] = []
     streams = threading.Event()
 
@@ -155,7 +155,7 @@ def test_crash_is_never_a_broken_answer(unbounded: Serving, *, stream: bool) -> 
     before = worked(unbounded)
     asking = threading.Thread(target=ask)
     asking.start()
-    # What answers has worked since, and of a stream the beginning has come.
+    # The reader has used processor time since, and a stream has begun.
     while not (readers := busy(unbounded, before)) or (stream and not streams.is_set()):
         assert asking.is_alive(), said
         time.sleep(0.05)
@@ -171,19 +171,19 @@ def test_crash_is_never_a_broken_answer(unbounded: Serving, *, stream: bool) -> 
 
 
 def readers_of(server: Serving) -> list[int]:
-    """Return the processes that answer queries: those that the processes started which a server started."""
+    """Return the reader processes: the grandchildren of a server process."""
     parents = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
             parents[int(path.parent.name)] = int(path.read_text().rpartition(")")[2].split()[1])
         except OSError:
             continue
-    # What they are forked from works too: it loads modules, at its start and when it has nothing else to do.
+    # Their fork server uses processor time, too: it loads modules, at its start and when idle.
     return [process for process, parent in parents.items() if parents.get(parent) == server.process.pid]
 
 
 def worked(server: Serving) -> dict[int, float]:
-    """Return how many seconds each reader of a server has worked."""
+    """Return the processor seconds of each reader of a server."""
     found = {}
     for process in readers_of(server):
         with suppress(OSError):
@@ -193,19 +193,19 @@ def worked(server: Serving) -> dict[int, float]:
 
 
 def busy(server: Serving, before: Mapping[int, float]) -> list[int]:
-    """Return the readers of a server that have worked since for more than a moment."""
+    """Return the readers of a server that have since used more than a moment of processor time."""
     return [process for process, seconds in worked(server).items() if seconds - before.get(process, 0) > MOMENT]
 
 
 def test_broken_queries_are_no_answers(unbounded: Serving) -> None:
-    """What fails before the first row is an error, streamed or not."""
+    """A failure before the first row is an error, streamed or not."""
     for stream in ({}, {"stream": "true"}):
         status, _, body = get(unbounded, query="SELECT", **stream)
         assert (status, json.loads(body)["code"]) == (400, "KG501")
 
 
 def test_large_answer(unbounded: Serving) -> None:
-    """An answer that is larger than what is held in memory comes whole, with its length."""
+    """A response larger than the memory buffer is complete, with its length."""
     status, headers, body = get(unbounded, query=ENDLESS_ROWS, format="json", limit="25000")
     assert status == 200
     assert len(body) == int(headers["content-length"]) > 8 << 20
@@ -213,7 +213,7 @@ def test_large_answer(unbounded: Serving) -> None:
 
 
 def test_stream_has_no_cap(store: Path) -> None:
-    """An answer that is streamed is not cut at the rows of the server."""
+    """A streamed response is not limited to the rows of the server."""
     with application(store, rows=5, log="off") as small:
         every = {"query": "SELECT ?s WHERE { ?s ?p ?o } LIMIT 50"}
         assert len(small.get("/sparql", params=every).json()["results"]["bindings"]) == 5
@@ -223,7 +223,7 @@ def test_stream_has_no_cap(store: Path) -> None:
 
 
 def test_disk_that_is_full(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An answer that cannot be held is an error, of the disk and not of ours."""
+    """A response that cannot be buffered on disk is an error of the disk, not a defect."""
 
     def full() -> None:
         raise OSError(28, "No space left on device")
@@ -235,7 +235,7 @@ def test_disk_that_is_full(client: TestClient, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_size_is_capped(store: Path) -> None:
-    """An answer of more bytes than the server sends at once is an error that says so (C10)."""
+    """A response with more bytes than the limit of the server is an error that names it (C10)."""
     with application(store, answer_bytes=2000, log="off") as small:
         answer = small.get("/sparql", params={"query": "SELECT * WHERE { ?s ?p ?o } LIMIT 500"})
         assert answer.status_code >= 400
@@ -244,7 +244,7 @@ def test_size_is_capped(store: Path) -> None:
 
 
 def test_pages_of_rows(store: Path) -> None:
-    """Following the links of answers that are cut gives each row once; exactly the cap is not cut (C10)."""
+    """The links of truncated responses give each row once; a response of exactly the limit is not truncated (C10)."""
     query = "SELECT DISTINCT ?c WHERE { ?s a ?c } ORDER BY ?c"
     with application(store, rows=7, log="off") as small:
         whole = small.get("/sparql", params={"query": query, "stream": "true"}).json()["results"]["bindings"]
@@ -266,7 +266,7 @@ def test_pages_of_rows(store: Path) -> None:
 
 
 def test_tags(client: TestClient) -> None:
-    """The tag of an answer tells data and request; with it, the same answer is not sent again (C31)."""
+    """The tag of a response identifies data and request; with it, an unchanged response is not sent again (C31)."""
     first = client.get("/sparql", params={"query": COUNT})
     tag = first.headers["etag"]
     again = client.get("/sparql", params={"query": COUNT}, headers={"if-none-match": tag})
@@ -279,14 +279,14 @@ def test_tags(client: TestClient) -> None:
 
 
 def test_no_tag_for_what_changes(client: TestClient) -> None:
-    """Answers that are others each time have no tag, and are not to be kept."""
+    """A response that differs each time has no tag, and must not be cached."""
     answer = client.get("/sparql", params={"query": "SELECT (NOW() AS ?now) WHERE { }"})
     assert "etag" not in answer.headers
     assert answer.headers["cache-control"] == "no-store"
 
 
 def test_other_data(store: Path, tmp_path: Path) -> None:
-    """When the data changes tags change with it; a link to data that is gone says so and links to what is (C31)."""
+    """When the data changes, so do the tags; a link to old data gets an error and a link to the current data (C31)."""
     copied(store, tmp_path / ".kg")
     with application(tmp_path / ".kg", log="off") as changing:
         first = changing.get("/sparql", params={"query": COUNT})
@@ -316,11 +316,11 @@ class Readers(app.Readers):
         super().__init__(layout, **options, program=program("sabotaged.py"))
 app.Readers = Readers
 """
-"""Makes the readers of a server fail as queries tell them to."""
+"""Makes the readers of a server fail as instructed by queries."""
 
 
 def test_a_failing_disk_is_not_the_fault_of_the_query(store: Path) -> None:
-    """Where the store cannot be read the status is 503; where the engine cannot do what the query wants, 400."""
+    """An unreadable store is status 503; a query the engine cannot execute is 400."""
     tests = str(Path(__file__).parents[1])
     with served(store, before=_SABOTAGED, environment={"PYTHONPATH": tests}, log="off") as server:
         for how, row, expected in (

@@ -1,4 +1,4 @@
-"""Tests with the libraries that Python programs ask endpoints with: SPARQLWrapper and rdflib's SPARQLStore."""
+"""Tests with common Python clients of endpoints: SPARQLWrapper and rdflib's SPARQLStore."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ REQUESTS: Final = [("GET", "urlencoded"), ("POST", "urlencoded"), ("POST", "post
 
 @pytest.fixture(scope="module")
 def server(store: Path) -> Iterator[Serving]:
-    """A server that reads only."""
+    """A read-only server."""
     with served(store, log="off") as found:
         yield found
 
 
 def asked(server: Serving, text: str, returned: str, request: tuple[str, str]) -> tuple[str, Any]:
-    """Ask with SPARQLWrapper; return the media type and what the library makes of the answer."""
+    """Query with SPARQLWrapper; return the media type and the parsed response."""
     wrapper = SPARQLWrapper.SPARQLWrapper(f"{server.address}/sparql")
     wrapper.setQuery(text)
     wrapper.setMethod(request[0])
@@ -57,7 +57,7 @@ def asked(server: Serving, text: str, returned: str, request: tuple[str, str]) -
 def test_sparqlwrapper_reads_rows(
     server: Serving, text: str, returned: str, media_type: str, request_method: tuple[str, str]
 ) -> None:
-    """Each format of rows that the library knows is the format of the answer."""
+    """Each row format of the library is the format of the response."""
     found, content = asked(server, text, returned, request_method)
     assert found == media_type
     if returned == SPARQLWrapper.JSON:
@@ -79,14 +79,14 @@ def test_sparqlwrapper_reads_rows(
     ],
 )
 def test_sparqlwrapper_reads_graphs(server: Serving, returned: str, request_method: tuple[str, str]) -> None:
-    """Each format of graphs that the library knows has the triples."""
+    """Each graph format of the library has the triples."""
     found, content = asked(server, GRAPH, returned, request_method)
     graph = content if isinstance(content, rdflib.Graph) else rdflib.Graph().parse(data=content, format=found)
     assert len(graph) == 5
 
 
 def test_sparqlstore_reads(server: Serving) -> None:
-    """A graph of rdflib on the endpoint answers queries and patterns as one in memory does."""
+    """An rdflib graph on the endpoint gives the same results for queries and patterns as one in memory."""
     graph = rdflib.Graph(SPARQLStore(f"{server.address}/sparql"))
     rows = list(graph.query(ROWS))
     assert len(rows) == 3
@@ -99,7 +99,7 @@ def test_sparqlstore_reads(server: Serving) -> None:
 
 
 def test_sparqlstore_writes(tmp_path: Path) -> None:
-    """What rdflib adds and removes through the endpoint is in the store, and no longer."""
+    """Triples added by rdflib through the endpoint are in the store; removed ones are not."""
     layout = EmbeddedStore.create(tmp_path / ".kg").layout
     with EmbeddedStore(layout).write("test") as transaction:
         transaction.replace_graphs({pyoxigraph.NamedNode("urn:g"): [b"<urn:a> <urn:b> <urn:c> .\n"]})

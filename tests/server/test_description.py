@@ -1,4 +1,4 @@
-"""C3: what the endpoint says of itself, by the three tests of W3C and what they leave open."""
+"""C3: the service description, by the three tests of W3C and details they leave open."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ FORMATS: Final = rdflib.Namespace("http://www.w3.org/ns/formats/")
 
 
 def described(client: TestClient, path: str = "/sparql", **headers: str) -> rdflib.Graph:
-    """Return the description that GET without a query has."""
+    """Return the description sent for GET without a query."""
     answer = client.get(path, headers=headers)
     assert answer.status_code == 200
     return rdflib.Graph().parse(data=answer.content, format=answer.headers["content-type"].partition(";")[0])
 
 
 def count(client: TestClient, query: str) -> int:
-    """Return the one number that a query answers."""
+    """Return the single number that a query returns."""
     return int(client.get("/sparql", params={"query": query}).json()["results"]["bindings"][0]["n"]["value"])
 
 
 def test_the_suite_is_covered() -> None:
-    """The suite has the three tests that the next three functions are, and no other."""
+    """The suite consists of the three tests in the next three functions."""
     known = {"has-endpoint-triple", "returns-rdf", "conforms-to-schema"}
     found = {case.identity.rpartition("#")[2] for case in cases("service-description/manifest.ttl")}
     if not found:
@@ -55,13 +55,13 @@ def test_returns_rdf(client: TestClient, media_type: str) -> None:
 @pytest.mark.parametrize("path", ["/sparql", "/sparql/"])
 @pytest.mark.parametrize("host", ["127.0.0.1:7878", "localhost:7878"])
 def test_has_endpoint_triple(client: TestClient, path: str, host: str) -> None:
-    """The description has the address that was used as the endpoint."""
+    """The description names the requested address as the endpoint."""
     graph = described(client, path, host=host)
     assert [str(found) for found in graph.objects(None, SD.endpoint)] == [f"http://{host}{path}"]
 
 
 def test_conforms_to_schema(client: TestClient) -> None:
-    """Each thing of the vocabulary has the type and the number that the specification gives it."""
+    """Each term of the vocabulary has the type and cardinality of the specification."""
     graph = described(client)
     (service,) = graph.subjects(rdflib.RDF.type, SD.Service)
     (dataset,) = graph.objects(service, SD.defaultDataset)
@@ -80,7 +80,7 @@ def test_conforms_to_schema(client: TestClient) -> None:
 
 
 def test_formats_are_computed(client: TestClient) -> None:
-    """Each format that is listed is one that answers have, and the other way around."""
+    """The listed formats are exactly those of responses."""
     listed = {str(found).removeprefix(FORMATS) for found in described(client).objects(None, SD.resultFormat)}
     known = {name for _, name in (*RESULTS, *GRAPH)} - {"jsonl", "markdown", "parquet"}
     assert len(listed) == len(known)
@@ -88,7 +88,7 @@ def test_formats_are_computed(client: TestClient) -> None:
 
 
 def test_counts(client: TestClient) -> None:
-    """The counts of the default graph and of each named one are those that queries have."""
+    """The counts of the default graph and of each named one equal those of queries."""
     graph = described(client)
     (default,) = graph.objects(None, SD.defaultGraph)
     assert int(str(graph.value(default, VOID.triples))) == count(client, "SELECT (COUNT(*) AS ?n) { ?s ?p ?o }")
@@ -101,7 +101,7 @@ def test_counts(client: TestClient) -> None:
 
 
 def test_what_is_not_there_is_not_described(store: Path) -> None:
-    """Updates are described where they are taken, and the union of graphs where it is the default."""
+    """Updates are described on writable servers, and the union of graphs if it is the default."""
     with application(store, write=True, token=TOKEN, no_union=True, log="off") as writing:
         graph = described(writing)
         assert SD.SPARQL11Update in set(graph.objects(None, SD.supportedLanguage))
@@ -112,6 +112,6 @@ def test_what_is_not_there_is_not_described(store: Path) -> None:
 
 
 def test_only_rdf(client: TestClient) -> None:
-    """A client that accepts no RDF is told so."""
+    """A client that accepts no RDF gets an error."""
     answer = client.get("/sparql", headers={"accept": "text/csv"})
     assert (answer.status_code, answer.json()["code"]) == (406, "KG523")

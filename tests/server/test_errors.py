@@ -1,4 +1,4 @@
-"""Tests that errors have one shape, whatever route and whatever error: C32, and C27 for their headers."""
+"""Tests that errors have one form on every route: C32, and C27 for their headers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ BROWSER = {"Accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
 
 
 def assert_error(answer: Any, status: int | None = None, code: str | None = None) -> dict[str, Any]:
-    """Assert that an answer is an error of the one shape, and return its members."""
+    """Assert that a response is an error of the common form, and return its members."""
     assert answer.headers["content-type"] == "application/problem+json", (answer.status_code, answer.text[:200])
     members: dict[str, Any] = answer.json()
     assert set(members) == MEMBERS
@@ -54,7 +54,7 @@ def assert_error(answer: Any, status: int | None = None, code: str | None = None
 
 
 def routes(app: Starlette) -> Iterator[Route]:
-    """Yield the routes of an application, those of mounts left out."""
+    """Yield the routes of an application, except those of mounts."""
     remaining: list[BaseRoute] = list(app.routes)
     for route in remaining:
         if isinstance(route, Route):
@@ -65,13 +65,13 @@ def routes(app: Starlette) -> Iterator[Route]:
 
 @pytest.fixture(scope="module")
 def writing(store: Path) -> Iterator[TestClient]:
-    """A server that may be changed with a token."""
+    """A server writable with a token."""
     with application(store, write=True, token=TOKEN, log="off") as found:
         yield found
 
 
 def test_every_route_and_every_kind_of_refusal(client: TestClient) -> None:
-    """Whatever stops a request in front of a route, or a method the route does not have, looks the same."""
+    """Every rejection before a route, and every wrong method, has the common form."""
     app: Any = client.app
     for route in routes(app):
         path = re.sub(r"\{[^}]*\}", "x", route.path)
@@ -115,12 +115,12 @@ def test_every_route_and_every_kind_of_refusal(client: TestClient) -> None:
 def test_errors_of_routes(
     client: TestClient, method: str, path: str, expected: tuple[int, str | None], named: Any
 ) -> None:
-    """What a route raises has the same shape, with a status that programs understand."""
+    """Errors raised by a route have the common form, with a suitable status."""
     assert_error(client.request(method, path, **named), *expected)
 
 
 def test_what_may_pass_says_when_to_ask_again() -> None:
-    """Each refusal for lack of room or time has `Retry-After`; what its owner has to mend has not."""
+    """Each rejection for lack of space or time has `Retry-After`; errors for the owner to fix do not."""
     request = HTTPConnection({"type": "http", "method": "GET", "path": "/", "query_string": b"", "headers": []})
     told = {code for code in STATUS if "retry-after" in errors.answer(request, KgError(code, "x")).headers}
     assert {STATUS[code] for code in told} == {429, 503}
@@ -130,14 +130,14 @@ def test_what_may_pass_says_when_to_ask_again() -> None:
 
 @pytest.mark.parametrize("headers", [CURL, {"User-Agent": "Wget/1.21"}, {"Accept": "text/plain"}])
 def test_people_at_a_terminal_read_text(client: TestClient, headers: dict[str, str]) -> None:
-    """Who asks with curl gets the code, the place, the line with what is wrong underlined, and the way out."""
+    """A client like curl gets the code, the place, the line with the error underlined, and instructions."""
     answer = client.get("/sparql?query=SELECT+%7B", headers=headers)
     assert answer.headers["content-type"] == "text/plain; charset=utf-8"
     assert re.fullmatch(r"KG501: line 1, column 8: .+\n    SELECT \{\n           \^\n.+\n", answer.text)
 
 
 def test_people_in_a_browser_see_a_page(client: TestClient) -> None:
-    """A browser gets a page that leads to what the code means; what was asked for is text on it."""
+    """A browser gets a page that links to the explanation of the code; the request is shown as text."""
     answer = client.get("/<script>alert(1)</script>", headers=BROWSER)
     assert answer.status_code == 404
     assert answer.headers["content-type"] == "text/html; charset=utf-8"
@@ -148,7 +148,7 @@ def test_people_in_a_browser_see_a_page(client: TestClient) -> None:
 
 @pytest.mark.parametrize("accept", ["application/json", "application/sparql-results+json", "text/turtle", "*/*", ""])
 def test_programs_get_json(client: TestClient, accept: str) -> None:
-    """All others get a problem as RFC 9457 writes it, whatever format they had hoped for."""
+    """Other clients get a problem of RFC 9457, whatever format they accept."""
     assert_error(client.get("/nothing", headers={"Accept": accept}), 404)
 
 
@@ -161,7 +161,7 @@ def test_every_code_is_explained(client: TestClient) -> None:
 
 
 def test_every_status_is_of_a_code() -> None:
-    """The map of codes to statuses names codes that exist, and statuses of errors."""
+    """The map of codes to statuses has only existing codes and error statuses."""
     assert set(STATUS) <= set(CATALOGUE)
     assert all(400 <= status < 600 for status in STATUS.values())
     assert all(code in STATUS for code in CATALOGUE if "KG521" <= code < "KG540")
@@ -172,7 +172,7 @@ def test_every_status_is_of_a_code() -> None:
     [(1, 1, "SELEC ?x", 6), (3, 4, "\tä\U0001f600?x foo", 6), (1, 9, "SELECT *", 10), (2, 1, None, 2)],
 )
 def test_the_place_of_an_error(line: int, column: int, excerpt: str | None, end: int) -> None:
-    """An error of a query says where it begins and ends, in code points."""
+    """The place of a query error has start and end, in code points."""
     place = Place("query", line, column, excerpt)
     members = problem(QueryError("KG501", "no", place=place))
     found = (members["line"], members["column"], members["endLine"], members["endColumn"])
@@ -183,20 +183,20 @@ def test_the_place_of_an_error(line: int, column: int, excerpt: str | None, end:
 
 
 def test_no_path_of_this_machine_is_told(client: TestClient) -> None:
-    """The place of an error is told only where it is in what the client sent."""
+    """The place of an error is included only if it is in the client's request."""
     members = problem(KgError("KG303", "damaged", place=Place("/secret/current", 1, 1)))
     assert "secret" not in json.dumps(members)
     assert client.get("/nothing").json()["line"] is None
 
 
 def test_what_may_be_tried_again_says_when() -> None:
-    """Errors that pass say how long to wait."""
+    """Temporary errors give the time to wait."""
     with pytest.raises(LookupError):
         RequestError("KG599", "no such code")
 
 
 def test_defects_are_told_by_an_identity(writing: TestClient, capfd: pytest.CaptureFixture[str]) -> None:
-    """What nobody has foreseen is a 500 with an identity; what happened stands in the log, and only there."""
+    """An unforeseen error is a 500 with an identity; the details are in the log only."""
     app: Any = writing.app
 
     async def broken(_request: Any) -> None:

@@ -1,4 +1,4 @@
-"""Tests of graphs as resources, and of updates, beside those of W3C."""
+"""Tests of graphs as resources, and of updates, apart from those of W3C."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ G = {"graph": "https://example.org/g"}
 
 @pytest.fixture(scope="module")
 def writing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    """A server of a store of its own that takes changes, asked with its token."""
+    """A server with a writable store of its own, and a client with its token."""
     layout = create(tmp_path_factory.mktemp("graphs") / ".kg")
     layout.generation(1).mkdir()
     pyoxigraph.Store(str(layout.generation(1))).flush()
@@ -35,7 +35,7 @@ def writing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
 
 
 def test_formats(writing: TestClient) -> None:
-    """A graph is written in one format and read in each, the same triples."""
+    """A graph written in one format and read in each has the same triples."""
     assert writing.put("/store", params=G, content=ONE, headers=TURTLE).status_code in {201, 204}
     for name in ("turtle", "ntriples", "rdfxml", "jsonld", "trig", "nquads"):
         answer = writing.get("/store", params={**G, "format": name})
@@ -47,7 +47,7 @@ def test_formats(writing: TestClient) -> None:
 
 
 def test_relative_names(writing: TestClient) -> None:
-    """Relative IRIs of content are relative to its graph, and a graph below /store is named as its address."""
+    """Relative IRIs of content are relative to its graph, and a graph below /store is named by its address."""
     path = "/store/a%2Fb/c"
     assert writing.put(path, content="<> <p> <#x> .", headers=TURTLE).status_code == 201
     (quad,) = pyoxigraph.parse(writing.get(path).content, pyoxigraph.RdfFormat.TURTLE)
@@ -59,7 +59,7 @@ def test_relative_names(writing: TestClient) -> None:
 
 
 def test_empty_graph(writing: TestClient) -> None:
-    """A graph without triples is there, and one that is not there is not."""
+    """An empty graph exists, and an unknown one does not."""
     empty = {"graph": "https://example.org/empty"}
     assert writing.put("/store", params=empty, content="", headers=TURTLE).status_code == 201
     assert writing.get("/store", params=empty).status_code == 200
@@ -93,14 +93,14 @@ def test_empty_graph(writing: TestClient) -> None:
     ],
 )
 def test_refusals(writing: TestClient, method: str, path: str, arguments: dict[str, Any], status: int) -> None:
-    """What cannot be done is refused with the status of its kind, in the shape of all errors."""
+    """Impossible changes are rejected with the status of their kind, in the common form of errors."""
     answer = writing.request(method, path, **arguments)
     assert answer.status_code == status, answer.text
     assert answer.json()["status"] == status
 
 
 def test_forms_with_files(writing: TestClient) -> None:
-    """Files of a form come into one graph, by their media types or the ends of their names."""
+    """The files of a form go into one graph, by their media types or suffixes."""
     files = [
         ("a", ("a.ttl", ONE, "text/turtle")),
         ("b", ("b.nt", "<urn:s> <urn:p> <urn:o> .\n", "application/n-triples")),
@@ -112,7 +112,7 @@ def test_forms_with_files(writing: TestClient) -> None:
 
 
 def test_updates(writing: TestClient) -> None:
-    """An update says what it did, and the next query sees it."""
+    """An update reports its changes, and the next query sees them."""
     answer = writing.post("/update", data={"update": "INSERT DATA { <urn:a> <urn:b> <urn:c>, <urn:d> }"})
     assert answer.status_code == 200
     assert answer.headers["x-kg-added"] == "2"
@@ -123,7 +123,7 @@ def test_updates(writing: TestClient) -> None:
 
 
 def test_updates_of_other_data(writing: TestClient) -> None:
-    """An update that names the data it is meant for does nothing to other data."""
+    """An update that names its snapshot does not change any other."""
     before = writing.get("/sparql", params={"query": "ASK {}"}).headers["x-kg-snapshot"]
     changed = writing.put("/store", params={"graph": "https://example.org/other"}, content=ONE, headers=TURTLE)
     assert changed.status_code == 201
@@ -132,7 +132,7 @@ def test_updates_of_other_data(writing: TestClient) -> None:
 
 
 def test_changes_of_what_was_read_only(writing: TestClient) -> None:
-    """With If-Match a graph changes only while the data is that of the tag: 412 otherwise (RFC 9110, 13.1.1)."""
+    """With If-Match a graph changes only if the data still has the tag: 412 otherwise (RFC 9110, 13.1.1)."""
     graph = {"graph": "https://example.org/guarded"}
     current = writing.put("/store", params=graph, content=ONE, headers=TURTLE).headers["x-kg-snapshot"]
     tag = writing.get("/store", params=graph).headers["etag"]
@@ -152,7 +152,7 @@ def test_changes_of_what_was_read_only(writing: TestClient) -> None:
 
 
 def test_changes_of_what_is_there_only(writing: TestClient) -> None:
-    """If-Match: * lets a graph be changed that is there, and makes none."""
+    """If-Match: * allows changes of an existing graph, and creates none."""
     graph, anything = {"graph": "https://example.org/there"}, {**TURTLE, "if-match": "*"}
     assert writing.put("/store", params=graph, content=ONE, headers=anything).status_code == 412
     assert writing.put("/store", params=graph, content=ONE, headers=TURTLE).status_code == 201
@@ -164,7 +164,7 @@ def test_changes_of_what_is_there_only(writing: TestClient) -> None:
 
 
 def test_what_is_made_replaces_nothing(writing: TestClient) -> None:
-    """If-None-Match: * makes a graph and changes none; with tags other data than theirs is changed (13.1.2)."""
+    """If-None-Match: * creates a graph and changes none; with tags only data with other tags is changed (13.1.2)."""
     graph, nothing = {"graph": "https://example.org/made"}, {**TURTLE, "if-none-match": "*"}
     made = writing.put("/store", params=graph, content=ONE, headers=nothing)
     assert made.status_code == 201
@@ -179,7 +179,7 @@ def test_what_is_made_replaces_nothing(writing: TestClient) -> None:
 
 
 def test_updates_of_what_was_read_only(writing: TestClient) -> None:
-    """An update happens with the tag of any answer from the data in force; a tag that is none is refused."""
+    """An update accepts the tag of any response from the current data; an invalid tag is rejected."""
     update = {"update": "INSERT DATA { <urn:matched> <urn:p> 1 }"}
     tag = writing.get("/sparql", params={"query": "ASK {}"}).headers["etag"]
     assert writing.post("/update", data=update, headers={"if-match": tag}).status_code == 200
@@ -196,7 +196,7 @@ def test_updates_of_what_was_read_only(writing: TestClient) -> None:
 
 
 def test_data_that_changes_behind_the_check(writing: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where another change comes between the check of If-Match and the change, that is 412 too."""
+    """A concurrent change between the check of If-Match and the change is 412, too."""
     state = cast("Starlette", writing.app).state.server
     current = writing.get("/sparql", params={"query": "ASK {}"}).headers["x-kg-snapshot"]
     monkeypatch.setattr(state.readers, "layout", SimpleNamespace(current=lambda: int(current) - 1))

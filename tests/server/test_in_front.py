@@ -1,4 +1,4 @@
-"""`kg serve` in front of a SPARQL server shows what it shows of a store with the same graph."""
+"""`kg serve` in front of a SPARQL server shows the same as for a store with the same graph."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ QUERIES = [
 
 @pytest.fixture(scope="module")
 def server(store: Path) -> Iterator[str]:
-    """The address for queries of an Oxigraph server with the graph of the store."""
+    """The query address of an Oxigraph server with the graph of the store."""
     with oxigraph_server() as found:
         load_server(store, RemoteStore(f"{found}/query", f"{found}/update"))
         yield f"{found}/query"
@@ -80,13 +80,13 @@ def server(store: Path) -> Iterator[str]:
 
 @pytest.fixture(scope="module")
 def front(server: str) -> Iterator[TestClient]:
-    """A client of a server in front of it."""
+    """A client of `kg serve` in front of the server."""
     with application(server, log="off") as found:
         yield found
 
 
 def _shown(client: TestClient, address: str) -> tuple[int, str]:
-    """Return status and text of an answer, apart from the number of the snapshot."""
+    """Return status and text of a response, without the number of the snapshot."""
     found = client.get(address)
     return found.status_code, re.sub(
         r'(Snapshot <strong>|"snapshot": ?"?|&#34;snapshot&#34;:|data-snapshot=")\d+', r"\1", found.text
@@ -106,14 +106,14 @@ def test_a_page_is_that_of_the_store(client: TestClient, front: TestClient, addr
 def test_a_query_has_the_answer_of_the_store(
     client: TestClient, front: TestClient, query: str, graphs: dict[str, str]
 ) -> None:
-    """So do queries that are refused."""
+    """Responses to queries, including rejected ones, are equal."""
     here, there = (one.post("/sparql", data={"query": query, **graphs}) for one in (client, front))
     assert (there.status_code, sorted(there.text.splitlines())) == (here.status_code, sorted(here.text.splitlines()))
 
 
 @pytest.mark.parametrize("method", ["PUT", "POST", "DELETE"])
 def test_nothing_is_changed(front: TestClient, method: str) -> None:
-    """The error says where changes go."""
+    """The error explains where to make changes."""
     found = front.request(method, "/store?graph=urn:g", headers={"Content-Type": "text/turtle"})
     assert found.status_code == 403
     assert "Send changes to the SPARQL server itself" in found.text
@@ -128,13 +128,13 @@ def test_writing_is_refused_at_the_start(server: str) -> None:
 
 
 def test_a_server_must_answer_at_the_start() -> None:
-    """One that is not there is KG225."""
+    """An unreachable server is KG225."""
     with pytest.raises(StoreError, match="cannot connect to the server"), application("http://127.0.0.1:9/query"):
         pass
 
 
 def test_a_server_that_went_away_is_reported() -> None:
-    """Queries and views are answered with 502 and why."""
+    """Queries and views get 502 with the reason."""
     with ExitStack() as stack:
         with oxigraph_server() as found:
             client = stack.enter_context(application(f"{found}/query", log="off"))

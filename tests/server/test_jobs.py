@@ -1,4 +1,4 @@
-"""Tests of what runs: looking at it, cancelling it, leaving it; C14, C15."""
+"""Tests of running queries: listing, cancelling, disconnecting; C14, C15."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def server(store: Path) -> Iterator[Serving]:
 
 
 def send(server: Serving, method: str, path: str, **headers: str) -> tuple[int, Any]:
-    """Return status and JSON of the answer to a request, None without a body."""
+    """Return status and JSON of the response to a request, None without a body."""
     connection = HTTPConnection("127.0.0.1", server.port, timeout=patient(60))
     connection.request(method, path, headers=headers)
     answer = connection.getresponse()
@@ -49,7 +49,7 @@ def send(server: Serving, method: str, path: str, **headers: str) -> tuple[int, 
 
 
 def until(found: Callable[[], bool], seconds: float = 20) -> float:
-    """Wait until something holds; return how long that took."""
+    """Wait until a condition holds; return the seconds it took."""
     began = time.monotonic()
     while not found():
         assert time.monotonic() - began < patient(seconds)
@@ -58,17 +58,17 @@ def until(found: Callable[[], bool], seconds: float = 20) -> float:
 
 
 def running(server: Serving) -> int:
-    """Return how many jobs run."""
+    """Return the number of running jobs."""
     return len(send(server, "GET", "/jobs")[1]["jobs"])
 
 
 def runs(server: Serving, identity: str) -> bool:
-    """Tell whether a job runs or waits."""
+    """Whether a job runs or waits."""
     return send(server, "GET", f"/jobs/{identity}")[0] == 200
 
 
 def test_cancel(server: Serving) -> None:
-    """A query can be looked at and cancelled by who knows its identity, once or more often (C15)."""
+    """A query can be inspected and cancelled by its identity, once or repeatedly (C15)."""
     answers: list[tuple[int, Any]] = []
     path = "/sparql?" + urlencode({"query": ENDLESS, "job": JOB})
     asking = threading.Thread(target=lambda: answers.append(send(server, "GET", path)))
@@ -78,7 +78,7 @@ def test_cancel(server: Serving) -> None:
     assert told["id"] == JOB
     assert told["query"] == ENDLESS
     assert told["seconds"] >= 0
-    assert send(server, "GET", path)[0] == 400  # an identity is of one query at a time
+    assert send(server, "GET", path)[0] == 400  # an identity belongs to one query at a time
     assert send(server, "DELETE", f"/jobs/{JOB}")[0] == 204
     asking.join(patient(20))
     status, problem = answers[0]
@@ -89,7 +89,7 @@ def test_cancel(server: Serving) -> None:
 
 
 def test_identities_are_secret(server: Serving) -> None:
-    """Who has no token is told that something runs, and neither what nor how to end it."""
+    """Without a token, the number of running queries is visible, but neither their text nor the way to cancel them."""
     path = "/sparql?" + urlencode({"query": ENDLESS, "job": JOB})
     asking = threading.Thread(target=send, args=(server, "GET", path))
     asking.start()
@@ -112,13 +112,13 @@ def test_leaving_ends_the_query(server: Serving, stream: str) -> None:
         until(lambda: running(server) == 1)
         time.sleep(0.5)
         assert running(server) == 1
-    # The promise is one second; the rest is for machines that do other things as well.
+    # The guarantee is one second; the rest allows for busy machines.
     assert until(lambda: running(server) == 0) < patient(4)
 
 
 @pytest.mark.parametrize("stream", ["false", "true"])
 def test_leaving_ends_the_waiting(server: Serving, stream: str) -> None:
-    """When the client of a query that waits for others closes the connection it waits no more (C14)."""
+    """When the client of a queued query closes the connection the query leaves the queue (C14)."""
     with ExitStack() as clients, ExitStack() as leaving:
         for number in range(4):
             client = clients if number < 3 else leaving
@@ -134,7 +134,7 @@ def test_leaving_ends_the_waiting(server: Serving, stream: str) -> None:
 
 
 def test_a_body_that_nobody_reads() -> None:
-    """What is wrong with the body of a request is told also where the request needs none."""
+    """A malformed body is reported even if the request needs none."""
 
     async def receive() -> NoReturn:
         raise RequestError("KG532", "the request body arrived too slowly")
@@ -144,7 +144,7 @@ def test_a_body_that_nobody_reads() -> None:
 
 
 def test_streams_tell_their_identity(server: Serving) -> None:
-    """An answer that is streamed has a header with an identity that cannot be guessed."""
+    """A streamed response has a header with an unguessable identity."""
     identities = set()
     for _ in range(3):
         connection = HTTPConnection("127.0.0.1", server.port, timeout=patient(60))

@@ -17,7 +17,7 @@ _BUILT = pytest.mark.skipif(not libraries.libraries(), reason=libraries.HELP)
 
 
 def test_the_lock_file_names_no_registry() -> None:
-    """Each package has its checksum; where it is fetched from is for the machine that installs it to say."""
+    """Each package has its checksum; the installing machine chooses the registry."""
     lock = json.loads((_FRONTEND / "package-lock.json").read_text("utf-8"))
     packages = {name: one for name, one in lock["packages"].items() if name}
     assert all("resolved" not in one and one["integrity"].startswith("sha512-") for one in packages.values())
@@ -26,7 +26,7 @@ def test_the_lock_file_names_no_registry() -> None:
 
 @_BUILT
 def test_each_library_is_whole_and_licensed() -> None:
-    """Every file is as the manifest says, stands alone, and has its licence beside it."""
+    """Every file matches the manifest, is self-contained, and has its licence."""
     manifest = json.loads((_VENDOR / "manifest.json").read_text("utf-8"))
     for one in manifest["libraries"]:
         module = _VENDOR / one["name"] / one["file"]
@@ -47,7 +47,7 @@ def test_the_import_map_names_what_is_there() -> None:
 
 
 def test_without_a_build_there_is_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where nothing was built the map is empty, and pages are told how to get the libraries."""
+    """Without a build the map is empty, and pages explain how to get the libraries."""
     monkeypatch.setattr(libraries, "_VENDOR", ROOT / "nowhere")
     libraries._manifest.cache_clear()
     try:

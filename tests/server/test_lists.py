@@ -1,4 +1,4 @@
-"""Tests of the pages that list everything of one kind, as programs and browsers without scripts read them."""
+"""Tests of the pages that list all entities of a kind, as seen by programs and browsers without scripts."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ _EVERY = pytest.mark.parametrize("name", LISTS)
 
 
 def test_every_list_has_a_page() -> None:
-    """Pages and the view list the same kinds of things."""
+    """Pages and the view list the same kinds."""
     assert list(LISTS) == list(lists.LISTS)
 
 
 @_EVERY
 def test_exports_have_all_rows(client: TestClient, name: str) -> None:
-    """JSON, JSON Lines and CSV have as many rows as the page says, whatever the page shows."""
+    """JSON, JSON Lines and CSV have as many rows as the page reports, however many it shows."""
     told = client.get(f"/{name}", headers={"Accept": "application/json"}).json()
     lines = client.get(f"/{name}?format=jsonl").text.splitlines()
     table = list(csv.DictReader(client.get(f"/{name}?format=csv").text.splitlines()))
@@ -36,7 +36,7 @@ def test_exports_have_all_rows(client: TestClient, name: str) -> None:
 
 @_EVERY
 def test_every_link_leads_somewhere(client: TestClient, name: str) -> None:
-    """Cells, headings, filters and pages link to pages that are there."""
+    """Cells, headings, filters and pages link to existing pages."""
     text = client.get(f"/{name}?limit=2").text.partition("<main")[2].partition("</main>")[0]
     addresses = {unescape(one) for one in re.findall(r'href="(/[^"]*)"', text)}
     assert len(addresses) > len(LISTS)
@@ -44,7 +44,7 @@ def test_every_link_leads_somewhere(client: TestClient, name: str) -> None:
 
 
 def test_pages_are_followed_by_links(client: TestClient) -> None:
-    """Filters and order go along to the next page, and back."""
+    """Links to the next and previous page preserve filters and order."""
     first = client.get("/topics?limit=5&sort=-giving&ends=both+ends").text
     (after,) = re.findall(r'href="([^"]*)">Next', first)
     second = client.get(unescape(after)).text
@@ -53,13 +53,13 @@ def test_pages_are_followed_by_links(client: TestClient) -> None:
 
 
 def test_an_unknown_format_is_refused(client: TestClient) -> None:
-    """A format that lists are not written in, by name or by header, is 406."""
+    """A format that lists do not support, by name or by header, is 406."""
     assert client.get("/nodes?format=xml").status_code == 406
     assert client.get("/nodes", headers={"Accept": "image/png"}).status_code == 406
 
 
 def test_the_start_page_leads_to_lists(client: TestClient) -> None:
-    """Counts link to what they count, a source to its packages."""
+    """Each count links to its list, a source to its packages."""
     text = client.get("/").text
     assert all(f'href="/{name}"' in text for name in ("nodes", "packages", "topics", "hardware", "findings"))
     (packages,) = set(re.findall(r'href="(/packages\?repository=[^"]*)"', text))

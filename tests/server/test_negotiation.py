@@ -1,4 +1,4 @@
-"""Tests of which format an answer is written in, C6."""
+"""Tests of content negotiation, C6."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ TYPES = sorted({media_type for media_type, _ in (*RESULTS, *GRAPH)})
     ],
 )
 def test_table(accept: str | None, rows: str | None, graph: str | None) -> None:
-    """Each header has its type for rows and for graphs, or none for one of them."""
+    """Each header gives its type for rows and for graphs, or none for one of them."""
     found = choose(accept)
     assert (found.get("rows") and found["rows"].media_type) == rows
     assert (found.get("graph") and found["graph"].media_type) == graph
@@ -52,7 +52,7 @@ def test_table(accept: str | None, rows: str | None, graph: str | None) -> None:
 
 @pytest.mark.parametrize("accept", ["image/png", "*/*;q=0", "text/csv;q=0.0", "application/pdf, image/*"])
 def test_nothing_acceptable(accept: str) -> None:
-    """A client that takes nothing that there is is told what there is."""
+    """A client that accepts no available format gets the list of them."""
     with pytest.raises(RequestError) as refused:
         choose(accept)
     assert refused.value.code == "KG523"
@@ -75,7 +75,7 @@ def test_nothing_acceptable(accept: str) -> None:
     ],
 )
 def test_names(name: str, rows: str | None, graph: str | None) -> None:
-    """A name in a link wins over the header, and stands for what it can of each kind of answer."""
+    """A name in a link wins over the header, and selects the matching format of each kind of response."""
     found = choose("image/png", (name,))
     assert (found.get("rows") and found["rows"].format) == rows
     assert (found.get("graph") and found["graph"].format) == graph
@@ -84,19 +84,19 @@ def test_names(name: str, rows: str | None, graph: str | None) -> None:
 @pytest.mark.parametrize("name", ["jsn", "application/pdf", "a/b/c"])
 @pytest.mark.parametrize("accept", [None, "*/*"])
 def test_unknown_name(name: str, accept: str | None) -> None:
-    """A name that no format has is refused where the client would take anything else."""
+    """An unknown format name is rejected if the client accepts anything else."""
     with pytest.raises(RequestError, match="unknown format"):
         choose(accept, (name,))
 
 
 @pytest.mark.parametrize("named", [("tsv", "csv"), ("jsn", "tsv"), ("a/b", "", "tsv"), ("jsn",), ("a/b", "")])
 def test_the_first_known_name_counts(named: tuple[str, ...]) -> None:
-    """Names that no format has are left out, as long as another one or the header says what the client takes."""
+    """Unknown format names are ignored if another one or the header gives an accepted format."""
     assert choose("text/tab-separated-values", named)["rows"].format == "tsv"
 
 
 def test_pages() -> None:
-    """Browsers that follow a link would have a page; programs that name HTML last would not."""
+    """Browsers that follow a link get a page; programs that list HTML last do not."""
     assert prefers_pages(BROWSER)
     assert not prefers_pages("*/*")
     assert not prefers_pages("text/html;q=0.1, text/csv")
@@ -104,7 +104,7 @@ def test_pages() -> None:
 
 
 def test_content_type() -> None:
-    """Text tells its encoding; JSON, which has but one, does not."""
+    """Text declares its encoding; JSON, with its single one, does not."""
     assert Choice("csv", "text/csv").content_type == "text/csv; charset=utf-8"
     assert Choice("json", "application/json").content_type == "application/json"
 
@@ -119,7 +119,7 @@ HEADERS = st.lists(
 
 @given(HEADERS)
 def test_quality_decides(header: list[tuple[str, float]]) -> None:
-    """What is chosen has a quality that no other type has more of, and above nothing."""
+    """The chosen type has the highest quality, and one above zero."""
     accept = ranges(", ".join(f"{name};q={quality:.3f}" for name, quality in header))
 
     def quality(media_type: str) -> float:
@@ -136,12 +136,12 @@ def test_quality_decides(header: list[tuple[str, float]]) -> None:
 
 @given(st.text(max_size=80))
 def test_any_header(header: str) -> None:
-    """Any text at all has a choice, or is refused as a request."""
+    """Any text gives a choice, or is rejected as a bad request."""
     with suppress(RequestError):
         assert choose(header)
 
 
 @given(st.text(alphabet='text/csv;q=01.", *application\\ ', max_size=60))
 def test_almost_headers(header: str) -> None:
-    """What looks like a header is read without trouble, and no quality leaves its bounds."""
+    """Header-like text is parsed without error, and no quality is out of bounds."""
     assert all(0 <= found.quality <= 1 for found in ranges(header))

@@ -1,4 +1,4 @@
-"""Tests that the endpoint calls no other server, C18 and C19, and opens no file that a client names, C20."""
+"""Tests that the endpoint calls no other server, C18 and C19, and opens no file named by a client, C20."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ HARMLESS = [
 
 @pytest.fixture(scope="module")
 def writing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
-    """A server of a small store that may be changed."""
+    """A writable server with a small store."""
     root = tmp_path_factory.mktemp("called") / ".kg"
     with EmbeddedStore.create(root).write("test") as transaction:
         transaction.replace_graphs({NamedNode("a:g"): [b"<a:a> <a:b> <a:c> .\n"]})
@@ -77,7 +77,7 @@ def writing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
 
 @pytest.fixture
 def listener() -> Iterator[str]:
-    """The address of a server that nobody may call; the test fails behind itself where one did."""
+    """The address of a server that must not be called; a call fails the test afterwards."""
     calls: list[Any] = []
     listening = socket.create_server(("127.0.0.1", 0))
 
@@ -96,7 +96,7 @@ def listener() -> Iterator[str]:
 
 @pytest.mark.parametrize("text", QUERIES)
 def test_no_query_calls_a_server(writing: TestClient, listener: str, text: str) -> None:
-    """SERVICE, however written and wherever it stands, is refused with the reason: 403."""
+    """SERVICE, in any spelling and position, is rejected with the reason: 403."""
     text = text.replace("<IRI>", f"<{listener}>")
     for answer in (
         writing.get("/sparql", params={"query": text}),
@@ -109,7 +109,7 @@ def test_no_query_calls_a_server(writing: TestClient, listener: str, text: str) 
 
 @pytest.mark.parametrize("text", UPDATES)
 def test_no_update_calls_a_server(writing: TestClient, listener: str, text: str) -> None:
-    """LOAD and SERVICE are no part of updates either."""
+    """LOAD and SERVICE are rejected in updates, too."""
     text = text.replace("<IRI>", f"<{listener}>")
     for answer in (
         writing.post("/update", data={"update": text}),
@@ -120,14 +120,14 @@ def test_no_update_calls_a_server(writing: TestClient, listener: str, text: str)
 
 @pytest.mark.parametrize("text", HARMLESS)
 def test_words_and_names_pass(writing: TestClient, listener: str, text: str) -> None:
-    """The words pass where they are no keywords, and a graph's name is a name: nothing is fetched."""
+    """The words are allowed unless they are keywords, and a graph's name is never fetched."""
     text = text.replace("<IRI", f"<{listener}")
     answer = writing.get("/sparql", params={"query": text})
     assert answer.status_code == 200, answer.text
 
 
 def test_names_of_graphs_are_not_fetched(writing: TestClient, listener: str) -> None:
-    """A graph that a parameter names is one of the store, whatever its name says."""
+    """A graph named by a parameter is one of the store, whatever its name."""
     for parameter in ("default-graph-uri", "named-graph-uri"):
         answer = writing.get("/sparql", params={"query": "SELECT * { ?s ?p ?o }", parameter: listener})
         assert answer.status_code == 200
@@ -137,7 +137,7 @@ def test_names_of_graphs_are_not_fetched(writing: TestClient, listener: str) -> 
 
 
 def test_documents_fetch_nothing(writing: TestClient, listener: str) -> None:
-    """JSON-LD that names a context elsewhere, and XML that names an entity, are refused or taken, but not followed."""
+    """JSON-LD that names a remote context, and XML with an entity, are rejected or accepted, but nothing is fetched."""
     context = f'{{"@context": "{listener}", "@id": "a:a", "a:b": "c"}}'
     entity = (
         f'<!DOCTYPE r [<!ENTITY x SYSTEM "{listener}">]><r xmlns="http://www.w3.org/1999/02/22-rdf-syntax-ns#">&x;</r>'
@@ -148,7 +148,7 @@ def test_documents_fetch_nothing(writing: TestClient, listener: str) -> None:
 
 
 def is_read(pipe: Path) -> bool:
-    """Tell whether somebody has opened a pipe to read it: then it can be opened to write."""
+    """Whether a process has opened a pipe for reading: then it can be opened for writing."""
     try:
         os.close(os.open(pipe, os.O_WRONLY | os.O_NONBLOCK))
     except OSError:
@@ -157,7 +157,7 @@ def is_read(pipe: Path) -> bool:
 
 
 def test_no_file_is_opened(writing: TestClient, tmp_path: Path) -> None:
-    """`file:` is a name like others: who opened the file, a pipe, would wait in it and be seen."""
+    """`file:` is an ordinary name: a process that opened the file, a pipe, would block and be detected."""
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     iri = pipe.as_uri()

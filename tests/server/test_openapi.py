@@ -1,4 +1,4 @@
-"""Tests of the description of the server, and a short fuzzing of what it describes."""
+"""Tests of the OpenAPI description of the server, and a short fuzzing of its operations."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from starlette.testclient import TestClient
 
 ROUNDS = 6
-"""Batches of 25 requests; `benchmarks/fuzzing` asks others for ten minutes."""
+"""Batches of 25 requests; `benchmarks/fuzzing` runs for ten minutes."""
 
 
 def test_every_route_is_described(client: TestClient) -> None:
-    """Each address and method that the server has stands in the description, and each view with what it takes."""
+    """Each address and method of the server is described, and each view with its parameters."""
     app: Any = client.app
     paths = client.get("/openapi.json").json()["paths"]
     for route in app.routes:
@@ -36,7 +36,7 @@ def test_every_route_is_described(client: TestClient) -> None:
 
 
 def test_what_is_described_is_there(client: TestClient) -> None:
-    """What is known of addresses is known of such as there are."""
+    """Every described address and parameter exists on the server."""
     paths = client.get("/openapi.json").json()["paths"]
     for method, path in OPERATIONS:
         assert ("x-query" if method == "QUERY" else method.lower()) in paths[path], path
@@ -54,7 +54,7 @@ def test_what_a_form_of_the_description_says(client: TestClient) -> None:
 
 
 def test_nothing_asked_at_random_is_a_defect(store: Path) -> None:
-    """Some hundred requests that nobody would send: no 500, no body that does not parse, no dead server."""
+    """Hundreds of random requests cause no 500, no unparsable body and no crash."""
     command = [sys.executable, str(ROOT / "benchmarks" / "fuzzing"), str(store), "--rounds", str(ROUNDS), "--write"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=patient(60), check=False)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -29,13 +29,13 @@ QUERY = "SELECT ?secretvariable { ?secretvariable ?p ?o } LIMIT 3"
 
 
 def figure(client: TestClient, name: str) -> float:
-    """Return a figure of the metrics, 0 where it is not there yet."""
+    """Return a value of the metrics, 0 if it is missing."""
     found = re.search(rf"^{re.escape(name)} (\S+)$", client.get("/metrics").text, re.MULTILINE)
     return float(found[1]) if found else 0.0
 
 
 def test_health(client: TestClient) -> None:
-    """A server that can read its store says so, with the data in force and what its readers do."""
+    """A server with a readable store is healthy, and reports its snapshot and its readers."""
     answer = client.get("/health")
     assert answer.status_code == 200
     members = answer.json()
@@ -45,7 +45,7 @@ def test_health(client: TestClient) -> None:
 
 
 def test_what_is_done_unasked_is_no_request_that_runs(store: Path) -> None:
-    """Who watches a server is told of what clients asked for, and not of what it does of its own."""
+    """The metrics count requests of clients, not the background work of the server."""
     with application(store, log="off") as client:
         jobs = client.app.state.server.readers.jobs  # type: ignore[attr-defined]  # it is Starlette
         jobs["own"] = Job("own", "prepare", own=True)
@@ -55,7 +55,7 @@ def test_what_is_done_unasked_is_no_request_that_runs(store: Path) -> None:
 
 
 def test_a_store_that_is_gone(store: Path, tmp_path: Path) -> None:
-    """Without its store a server stays alive and says what is wrong."""
+    """Without its store a server stays alive and reports the problem."""
     copy = tmp_path / ".kg"
     copied(store, copy)
     with application(copy, log="off") as client:
@@ -68,7 +68,7 @@ def test_a_store_that_is_gone(store: Path, tmp_path: Path) -> None:
 
 
 def test_a_pointer_that_is_damaged(store: Path, tmp_path: Path) -> None:
-    """A store that cannot be read is 503, and not a path of this machine."""
+    """An unreadable store is 503, without a path of this machine."""
     copy = tmp_path / ".kg"
     copied(store, copy)
     with application(copy, log="off") as client:
@@ -91,7 +91,7 @@ def test_metrics_count_queries(client: TestClient) -> None:
 
 
 def test_look_ups_are_counted_and_kept(store: Path) -> None:
-    """A query that no reader was asked is counted as any other, and its repetition as one that was kept."""
+    """A query answered without a reader is counted as any other, and its repetition as a cache hit."""
     with application(store, log="off") as client:
         readers: Readers = client.app.state.server.readers  # type: ignore[attr-defined]  # it is Starlette
         asked = Question(text="ASK { ?s ?p ?o }", formats={"boolean": "json"})
@@ -109,7 +109,7 @@ def test_look_ups_are_counted_and_kept(store: Path) -> None:
 
 
 def test_metrics_are_prometheus_text(client: TestClient) -> None:
-    """The format is that of Prometheus, and methods that nobody has heard of are one label."""
+    """The format is that of Prometheus, and unknown methods share one label."""
     client.request("FROBNICATE", "/health")
     answer = client.get("/metrics")
     assert answer.headers["content-type"].startswith("text/plain; version=")
@@ -118,14 +118,14 @@ def test_metrics_are_prometheus_text(client: TestClient) -> None:
 
 
 def test_servers_count_for_themselves(store: Path, client: TestClient) -> None:
-    """The figures of one server are not those of another in the same process."""
+    """Servers in the same process have separate metrics."""
     client.get("/sparql", params={"query": QUERY})
     with application(store, log="off") as other:
         assert figure(other, 'kg_queries_total{outcome="ok"}') == 0
 
 
 def test_one_line_for_each_request(store: Path) -> None:
-    """The log has time, path, status, rows and a digest, but no query, no token, and nothing on standard output."""
+    """The log has time, path, status, rows and a digest, but no query, no token, and standard output is empty."""
     with served(store, log="json", write=True, token=TOKEN) as server:
         headers = {"Authorization": f"Bearer {TOKEN}"}
         with httpx.Client(base_url=server.address, timeout=patient(30)) as client:
@@ -147,7 +147,7 @@ def test_one_line_for_each_request(store: Path) -> None:
 
 
 def test_lines_of_text(store: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """A line of text is one line, whatever the address holds."""
+    """A log line of text is one line, whatever the address contains."""
     caplog.set_level(logging.INFO, "kg.server")
     with application(store) as client:
         client.get("/a%0Ab%1B[31m c")
@@ -156,7 +156,7 @@ def test_lines_of_text(store: Path, caplog: pytest.LogCaptureFixture) -> None:
 
 
 def test_slow_queries_are_told_whole(store: Path, tmp_path: Path) -> None:
-    """The log of slow queries has the text, in the file that was asked for, and only of those that were slow."""
+    """The log of slow queries has the text, in the requested file, and only for slow ones."""
     file = tmp_path / "slow.jsonl"
     with application(store, log="off", slow=0.0, slow_log=file) as client:
         client.get("/sparql", params={"query": QUERY})
@@ -171,13 +171,13 @@ def test_slow_queries_are_told_whole(store: Path, tmp_path: Path) -> None:
 
 
 def test_a_log_that_cannot_be_written(store: Path, tmp_path: Path) -> None:
-    """A disk without room for the log costs the line, not the answer."""
+    """A full disk loses the log line, not the response."""
     with application(store, log="off", slow=0.0, slow_log=tmp_path / "none" / "slow") as client:
         assert client.get("/sparql", params={"query": QUERY}).status_code == 200
 
 
 def test_a_defect_stands_in_the_log(store: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """The log has what happened under the identity that the client was told."""
+    """The log has the details under the identity sent to the client."""
 
     async def broken(_request: object) -> None:
         raise ZeroDivisionError("what happened")

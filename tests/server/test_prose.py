@@ -19,7 +19,7 @@ _SPAN = re.compile(r'<span (?:id="L\d+"|class="tok-\w+")>|</span>')
 
 
 def test_paragraphs_lists_and_code() -> None:
-    """Lines join to paragraphs, items to lists; what is set in stays as it is; backticks are code."""
+    """Lines join to paragraphs, items to lists; indented text is preserved; backticks are code."""
     found = prose("One `rnkg:feeds`\ntwo.\n\n- first\n  goes on\n- second\n\n    kg rules\n")
     assert found == (
         "<p>One <code>rnkg:feeds</code> two.</p>\n<ul><li>first goes on</li><li>second</li></ul>\n"
@@ -28,7 +28,7 @@ def test_paragraphs_lists_and_code() -> None:
 
 
 def test_tokens_of_a_rule() -> None:
-    """Lines are numbered, keywords, variables, names and comments are marked; `#` in an IRI is no comment."""
+    """Lines are numbered; keywords, variables, names and comments are marked; `#` in an IRI starts no comment."""
     found = source("# Title\nPREFIX x: <http://x.example/ns#>\nCONSTRUCT { ?a x:b 1 }")
     assert '<span id="L1"><span class="tok-comment"># Title</span>' in found
     assert '<span class="tok-iri">&lt;http://x.example/ns#&gt;</span>' in found
@@ -37,7 +37,7 @@ def test_tokens_of_a_rule() -> None:
 
 
 def test_every_shipped_rule_stays_as_it_is() -> None:
-    """The text of what is shown is the text of the file, line for line."""
+    """The displayed text equals the text of the file, line for line."""
     for path in sorted(folder("rules").rglob("*.rq")):
         text = path.read_text("utf-8").rstrip("\n")
         assert unescape(_SPAN.sub("", source(text))) == text + "\n", path
@@ -45,20 +45,20 @@ def test_every_shipped_rule_stays_as_it_is() -> None:
 
 @given(st.text())
 def test_no_text_becomes_markup(text: str) -> None:
-    """Whatever the text, only our own elements are in what is made of it."""
+    """For any text, the output contains only our own elements."""
     assert "<" not in _MARKUP.sub("", prose(text))
     assert "<" not in _SPAN.sub("", source(text))
     assert breakable(text).replace("<wbr>", "") == escape(text)
 
 
 def test_names_break_between_their_parts() -> None:
-    """A line ends behind `/` and `_`, and between words that are written as one; the text stays the same."""
+    """Lines may break after `/` and `_`, and between joined words; the text is unchanged."""
     assert breakable("sensor_msgs/PointCloud2") == "sensor_<wbr>msgs/<wbr>Point<wbr>Cloud2"
     assert breakable("src/a__b.cpp") == "src/<wbr>a__<wbr>b.cpp"
 
 
 def test_addresses() -> None:
-    """Parameters are quoted, empty ones left out; only addresses of the web and of editors become links."""
+    """Parameters are quoted, empty ones omitted; only web and editor addresses become links."""
     assert url("/search", q="a b&c", package="", limit=None) == "/search?q=a+b%26c"
     href = environment().filters["href"]
     assert href("https://a.example/") == "https://a.example/"

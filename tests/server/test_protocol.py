@@ -1,4 +1,4 @@
-"""Tests of the protocol of queries beside those of W3C: methods, parameters, limits; C9, C16, C35."""
+"""Tests of the query protocol apart from those of W3C: methods, parameters, limits; C9, C16, C35."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ COUNT = "SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }"
 
 @pytest.fixture(scope="module")
 def limited(store: Path) -> Iterator[TestClient]:
-    """A server with a token, that gives SECONDS and 10 rows to others."""
+    """A server with a token, which limits other clients to SECONDS and 10 rows."""
     with application(store, token=TOKEN, seconds=SECONDS, rows=10, log="off") as found:
         yield found
 
 
 @pytest.fixture(scope="module")
 def writing(store: Path) -> Iterator[TestClient]:
-    """A server that takes changes, asked with its token; nothing here makes any."""
+    """A writable server and a client with its token; no test here makes changes."""
     with application(store, write=True, token=TOKEN, log="off") as found:
         found.headers["authorization"] = f"Bearer {TOKEN}"
         yield found
 
 
 def asked(client: TestClient, query: str, **parameters: str) -> Any:
-    """Return the answer to a query by GET."""
+    """Return the response to a query by GET."""
     return client.get("/sparql", params={"query": query, **parameters})
 
 
 @pytest.mark.parametrize("path", ["/sparql", "/sparql/"])
 def test_each_way_answers_the_same(client: TestClient, path: str) -> None:
-    """GET, POST of a form, POST of the query and QUERY have one answer."""
+    """GET, POST of a form, POST of the query and QUERY give the same response."""
     answers = [
         client.get(path, params={"query": COUNT}),
         client.post(path, data={"query": COUNT}),
@@ -73,7 +73,7 @@ def test_head(client: TestClient) -> None:
     ],
 )
 def test_methods(writing: TestClient, path: str, allowed: str) -> None:
-    """OPTIONS tells the methods of each address, and one that it has not is answered by 405 with the same (C35)."""
+    """OPTIONS lists the methods of each address; an unsupported method gets 405 with the same list (C35)."""
     options = writing.options(path)
     assert (options.status_code, options.headers["allow"]) == (204, allowed)
     other = writing.request("BREW", path)
@@ -106,19 +106,19 @@ def test_methods(writing: TestClient, path: str, allowed: str) -> None:
     ],
 )
 def test_refusals(client: TestClient, method: str, arguments: dict[str, Any], status: int, code: str) -> None:
-    """What cannot be answered is refused with the status of its kind."""
+    """An invalid request is rejected with the status of its kind."""
     answer = client.request(method, "/sparql", **arguments)
     assert (answer.status_code, answer.json()["code"]) == (status, code)
 
 
 def test_place_of_error(client: TestClient) -> None:
-    """An error says where the query is wrong, in code points of the text that was sent."""
+    """The place of a query error is in code points of the text sent."""
     answer = asked(client, 'SELECT * WHERE {\n  ?s ?p "🤖🤖" ; }}')
     assert (answer.status_code, answer.json()["line"], answer.json()["column"]) == (400, 2, 17)
 
 
 def test_timeout_may_be_lowered_only(limited: TestClient) -> None:
-    """A client may give a query less time than the server would, and more with the token alone (C9)."""
+    """A client may lower the time limit of the server, and raise it only with the token (C9)."""
     less, more = str(SECONDS - 0.5), str(SECONDS + 1)
     assert asked(limited, COUNT, timeout=less).status_code == 200
     assert asked(limited, COUNT, timeout=more).status_code == 403
@@ -127,7 +127,7 @@ def test_timeout_may_be_lowered_only(limited: TestClient) -> None:
 
 
 def test_remembered_requests_are_told_apart(limited: TestClient) -> None:
-    """What was read of a posted query is used again only for the same request: parameters, headers, token and body."""
+    """The cache of posted queries distinguishes requests by parameters, headers, token and body."""
     bearer = {"authorization": f"Bearer {TOKEN}"}
     more = {"timeout": str(SECONDS + 1)}
     sparql = {"content-type": "application/sparql-query"}
@@ -146,13 +146,13 @@ def test_remembered_requests_are_told_apart(limited: TestClient) -> None:
 
 
 def test_lowered_timeout_ends_the_query(client: TestClient) -> None:
-    """A query that takes longer than the client gives it is ended with an error."""
+    """A query that exceeds the time limit of the client ends with an error."""
     answer = asked(client, "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }", timeout="0.5")
     assert (answer.status_code, answer.json()["code"]) == (503, "KG503")
 
 
 def test_rows_may_be_lowered_only(limited: TestClient) -> None:
-    """The same holds for rows."""
+    """A client may lower the row limit, and raise it only with the token."""
     every = "SELECT * WHERE { ?s ?p ?o }"
     assert len(asked(limited, every, limit="3").json()["results"]["bindings"]) == 3
     assert asked(limited, every, limit="11").status_code == 403
@@ -162,7 +162,7 @@ def test_rows_may_be_lowered_only(limited: TestClient) -> None:
 
 
 def test_variables(client: TestClient) -> None:
-    """A parameter `$name` gives a variable a term."""
+    """A parameter `$name` binds a variable to a term."""
     term = "<http://www.w3.org/1999/02/22-rdf-syntax-ns#type>"
     answer = asked(client, "SELECT ?p (COUNT(*) AS ?n) WHERE { ?s ?p ?o } GROUP BY ?p", **{"$p": term})
     (row,) = answer.json()["results"]["bindings"]
@@ -172,7 +172,7 @@ def test_variables(client: TestClient) -> None:
 
 
 def test_a_link_that_is_followed_shows_the_page(client: TestClient) -> None:
-    """A browser that follows a link to the endpoint gets the page of queries, unless the link names a format."""
+    """A browser that follows a link to the endpoint gets the query page, unless the link names a format."""
     browser = {"accept": "text/html,*/*;q=0.8"}
     answer = client.get("/sparql", params={"query": COUNT}, headers=browser)
     assert answer.status_code == 303
@@ -199,7 +199,7 @@ def test_a_link_that_is_followed_shows_the_page(client: TestClient) -> None:
     ],
 )
 def test_nothing_is_changed(client: TestClient, method: str, path: str, arguments: dict[str, Any]) -> None:
-    """A server that was not told to write refuses every form of a change (C16)."""
+    """A read-only server rejects every form of change (C16)."""
     before = asked(client, COUNT).headers["etag"]
     answer = client.request(method, path, **arguments)
     assert 400 <= answer.status_code < 500

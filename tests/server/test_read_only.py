@@ -1,4 +1,4 @@
-"""Tests that a server which reads only changes nothing, C16, however it is asked."""
+"""Tests that a read-only server changes nothing, C16, for any request."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ PATHS = ("/store?default", "/store?graph=a:g", "/store", "/store/", "/store/name
 
 
 def digest(store: Path) -> dict[str, str]:
-    """Return a hash of every file of the store but the log that the engine writes while it reads."""
+    """Return a hash of every file of the store except the log that the engine writes while reading."""
     folder = Layout(store).generation(Layout(store).current() or 0)
     files = [store / "current", *sorted(folder.glob("*.sst"))]
     return {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
@@ -45,7 +45,7 @@ def digest(store: Path) -> dict[str, str]:
 
 @pytest.fixture
 def unchanged(store: Path, client: TestClient) -> Any:
-    """Assert behind a test that the store is as it was: its files and its number of quads."""
+    """Assert after a test that the store is unchanged: its files and its number of quads."""
     counting = {"query": "SELECT (COUNT(*) AS ?n) { GRAPH ?g { ?s ?p ?o } }", "format": "csv"}
     before, count = digest(store), client.get("/sparql", params=counting).text
     yield
@@ -55,7 +55,7 @@ def unchanged(store: Path, client: TestClient) -> Any:
 
 @pytest.mark.usefixtures("unchanged")
 def test_no_update_is_taken(client: TestClient) -> None:
-    """Every form of update at every address for it is refused: 403, or where it is no query 400."""
+    """Every form of update at every update address is rejected: 403, or 400 if it is not a query."""
     for text in UPDATES:
         direct = {"Content-Type": "application/sparql-update"}
         answers = [
@@ -85,7 +85,7 @@ def test_no_update_is_taken(client: TestClient) -> None:
 @pytest.mark.parametrize("path", PATHS)
 @pytest.mark.parametrize("method", ["PUT", "POST", "DELETE", "PATCH"])
 def test_no_graph_is_changed(client: TestClient, method: str, path: str) -> None:
-    """Every method of the Graph Store Protocol that changes is refused."""
+    """Every changing method of the Graph Store Protocol is rejected."""
     answer = client.request(method, path, content=TRIPLE, headers=TURTLE)
     assert (answer.status_code, answer.json()["code"]) == (403, "KG530")
 
@@ -102,7 +102,7 @@ def test_no_graph_is_changed(client: TestClient, method: str, path: str) -> None
     ],
 )
 def test_no_header_makes_it_write(client: TestClient, headers: dict[str, str]) -> None:
-    """A header that other servers take for a method, or an empty token, changes nothing."""
+    """A header that other servers use to override the method, or an empty token, changes nothing."""
     client.get("/store?default", headers=headers)
     client.post("/sparql", data={"query": "ASK{}"}, headers=headers)
     answer = client.post("/update", data={"update": "CLEAR ALL"}, headers=headers)

@@ -1,4 +1,4 @@
-"""C5: results in each format, read back by another library, have every kind of term as it is."""
+"""C5: results in each format, parsed by another library, preserve every kind of term."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def terms(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
 
 
 def body(client: TestClient, query: str, name: str) -> bytes:
-    """Return the answer to a query in a format."""
+    """Return the response to a query in a format."""
     answer = client.get("/sparql", params={"query": query}, headers={"accept": TYPES[name]})
     assert answer.headers["content-type"].partition(";")[0] == TYPES[name]
     return answer.content
@@ -71,7 +71,7 @@ def body(client: TestClient, query: str, name: str) -> bytes:
 
 @pytest.mark.parametrize("name", ["json", "xml", "tsv"])
 def test_rows(terms: TestClient, name: str) -> None:
-    """Rows in JSON, XML and TSV have each term, and nothing where nothing is bound."""
+    """Rows in JSON, XML and TSV have each term, and unbound values are absent."""
     found = Result.parse(io.BytesIO(body(terms, ALL, name)), format=name)
     rows = {str(row[rdflib.Variable("name")]): row for row in found.bindings}
     assert isinstance(rows.pop("node")[rdflib.Variable("value")], rdflib.BNode)
@@ -80,7 +80,7 @@ def test_rows(terms: TestClient, name: str) -> None:
 
 
 def test_csv(terms: TestClient) -> None:
-    """Rows in CSV have the text of each term, whatever signs are in it (RFC 4180)."""
+    """Rows in CSV have the text of each term, whatever its characters (RFC 4180)."""
     text = body(terms, ALL, "csv").decode()
     found = {row["name"]: row for row in csv.DictReader(io.StringIO(text, newline=""))}
     assert found.pop("node")["value"].startswith("_:")
@@ -89,7 +89,7 @@ def test_csv(terms: TestClient) -> None:
 
 
 def test_direction(terms: TestClient) -> None:
-    """The direction of a text stands in JSON and XML as SPARQL 1.2 writes it."""
+    """JSON and XML have the direction of a text in the syntax of SPARQL 1.2."""
     query = 'SELECT (STRLANGDIR("abc", "ar", "rtl") AS ?text) WHERE { }'
     (row,) = json.loads(body(terms, query, "json"))["results"]["bindings"]
     assert row["text"]["xml:lang"] == "ar"
@@ -99,7 +99,7 @@ def test_direction(terms: TestClient) -> None:
 
 @pytest.mark.parametrize("name", ["json", "xml", "tsv"])
 def test_no_rows(terms: TestClient, name: str) -> None:
-    """No rows are no rows, with the names of the variables."""
+    """An empty result has no rows, and the names of the variables."""
     found = Result.parse(io.BytesIO(body(terms, "SELECT ?a ?b WHERE { FILTER(false) }", name)), format=name)
     assert [str(variable) for variable in found.vars or ()] == ["a", "b"]
     assert list(found.bindings) == []
@@ -108,7 +108,7 @@ def test_no_rows(terms: TestClient, name: str) -> None:
 @pytest.mark.parametrize("name", ["json", "xml"])
 @pytest.mark.parametrize("query", ["ASK { }", "ASK { FILTER(false) }"])
 def test_boolean(terms: TestClient, name: str, query: str) -> None:
-    """Yes and no are read as such."""
+    """Booleans are parsed as such."""
     assert Result.parse(io.BytesIO(body(terms, query, name)), format=name).askAnswer == (query == "ASK { }")
 
 

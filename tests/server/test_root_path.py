@@ -28,24 +28,24 @@ if TYPE_CHECKING:
 _ROOT: Final = "/kg"
 _ATTRIBUTES: Final = {"href", "src", "action", "data-why", "data-part"}
 _POSTED: Final = {"/kg/logout"}
-"""Addresses that answer no GET."""
+"""Addresses without GET."""
 _OTHERS: Final = {"/kg/why": 400}
-"""Addresses that are not answered by 200: forms without their fields."""
+"""Addresses whose status differs from 200: forms without their fields."""
 _LINKS: Final = "[...document.querySelectorAll('a[href]')].map((link) => link.href)"
 _WRONG: Final = ("missing", "misspelt", "wrong filter")
-"""Pages of the tests that answer with an error."""
+"""Pages of the tests that return an error."""
 _ELSEWHERE: Final = re.compile(r"""\b(?:href|src|action)=["']/""")
 
 
 @dataclass
 class Proxy:
-    """A small reverse proxy: it publishes a server at `/kg`, and strips that from requests, or does not."""
+    """A small reverse proxy: it publishes a server at `/kg`, and optionally strips that from requests."""
 
     client: TestClient
     strips: bool
 
     def get(self, path: str, accept: str = "text/html") -> Any:
-        """Ask for a public address, which has the root path."""
+        """Request a public address, which has the root path."""
         assert path == _ROOT or path.startswith(f"{_ROOT}/"), f"{path} leads past the proxy"
         forwarded = (path.removeprefix(_ROOT) or "/") if self.strips else path
         return self.client.get(forwarded, headers={"Accept": accept})
@@ -61,44 +61,44 @@ class Addresses(HTMLParser):
         super().__init__()
 
     def handle_starttag(self, _tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Note what the attributes of an element lead to."""
+        """Collect the addresses in the attributes of an element."""
         self.found.update(value for name, value in attrs if name in _ATTRIBUTES and value and value.startswith("/"))
 
 
 @pytest.fixture(scope="module")
 def published(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no server without a browser
-    """The public address of a server of its own process."""
+    """The public address of a server in a process of its own."""
     with served(store, root_path=_ROOT, log="off") as server:
         yield server.address
 
 
 @pytest.fixture(scope="module")
 def keeping(store: Path) -> Iterator[Proxy]:
-    """A server behind a proxy that passes paths on as they are."""
+    """A server behind a proxy that forwards paths unchanged."""
     with application(store, root_path=_ROOT, log="off") as client:
         yield Proxy(client, strips=False)
 
 
 @pytest.fixture(params=["kept", "stripped"])
 def proxy(request: pytest.FixtureRequest, keeping: Proxy) -> Proxy:
-    """Each kind of proxy before one server."""
+    """Each kind of proxy in front of one server."""
     return Proxy(keeping.client, strips=request.param == "stripped")
 
 
 def _seeds(proxy: Proxy) -> list[str]:
-    """Return the public address of every page that is tested."""
+    """Return the public address of every tested page."""
     things = shown(proxy.client)
     return [_ROOT + path.format(**things) for name, path in PAGES.items() if not name.endswith(_WRONG)]
 
 
 def _kind(address: str) -> tuple[str, tuple[str, ...]]:
-    """Return what addresses have in common that lead to one page about different things."""
+    """Return the common part of addresses that lead to one page about different entities."""
     parts = urlsplit(address)
     return parts.path, tuple(sorted({name for name, _ in parse_qsl(parts.query)}))
 
 
 def test_every_link_stays_below_the_root_path(keeping: Proxy) -> None:
-    """From every page on, each kind of link leads through the proxy to an answer, and no address leads past it."""
+    """Each kind of link on every page leads to a response through the proxy, and no address bypasses it."""
     waiting, seen, answers = _seeds(keeping), set[tuple[str, tuple[str, ...]]](), dict[str, int]()
     while waiting:
         address = waiting.pop()
@@ -121,13 +121,13 @@ def test_every_link_stays_below_the_root_path(keeping: Proxy) -> None:
 
 @pytest.mark.parametrize("address", ["/kg", "/kg/", "/kg/nodes?q=scan", "/kg/static/kg.css", "/kg/api/overview"])
 def test_both_kinds_of_proxies_get_the_same(keeping: Proxy, address: str) -> None:
-    """Whether a proxy strips the root path makes no difference."""
+    """A proxy may or may not strip the root path; responses are the same."""
     stripping = Proxy(keeping.client, strips=True)
     assert keeping.get(address).text == stripping.get(address).text
 
 
 def test_templates_have_no_address_without_the_root_path() -> None:
-    """Each address in a template comes from `url`, also where no page of the tests shows it."""
+    """Each address in a template comes from `url`, even if no page of the tests shows it."""
     templates = sorted((Path(rendering.__file__).parent / "templates").glob("*.html"))
     assert templates
     assert [path.name for path in templates if _ELSEWHERE.search(path.read_text("utf-8"))] == []
@@ -137,7 +137,7 @@ def test_templates_have_no_address_without_the_root_path() -> None:
     "name", ["query, rows", "rule made of blocks, of a rule", "robot, none connected", "system", "start"]
 )
 def test_scripts_stay_below_the_root_path(browser: Chromium, published: str, store: Path, name: str) -> None:
-    """What scripts of a page load and ask for is below the root path too, and is there."""
+    """Files loaded and requested by scripts of a page exist below the root path."""
     with application(store, log="off") as client:
         address = published + PAGES[name].format(**shown(client))
 
@@ -162,30 +162,30 @@ def test_errors_lead_to_their_explanation(proxy: Proxy) -> None:
 
 
 def test_the_service_description_names_the_public_address(proxy: Proxy) -> None:
-    """Clients that read the description find the endpoint where the proxy publishes it."""
+    """The description names the endpoint published by the proxy."""
     text = proxy.get("/kg/sparql", accept="application/n-triples").text
     assert f"<http://www.w3.org/ns/sparql-service-description#endpoint> <{ADDRESS}/kg/sparql>" in text
 
 
 def test_openapi_names_the_root_path(proxy: Proxy) -> None:
-    """The description of the API says where its addresses are."""
+    """The OpenAPI description names the root path as its server."""
     assert proxy.get("/kg/openapi.json").json()["servers"] == [{"url": "/kg"}]
 
 
 def test_the_rest_of_an_answer_is_below_the_root_path(proxy: Proxy) -> None:
-    """`Link` to the next rows can be followed as it is."""
+    """`Link` to the next rows can be followed unchanged."""
     answer = proxy.get("/kg/sparql?query=SELECT+*+%7B+%3Fs+%3Fp+%3Fo+%7D&limit=1", accept="text/csv")
     following = answer.headers["link"].partition("<")[2].partition(">")[0]
     assert proxy.get(following, accept="text/csv").status_code == 200
 
 
 def test_a_slash_too_many_is_redirected(proxy: Proxy) -> None:
-    """The redirect to an address without its last slash keeps the root path and the parameters."""
+    """The redirect to an address without its trailing slash keeps the root path and the parameters."""
     assert proxy.get("/kg/nodes/?q=scan").headers["location"] == "/kg/nodes?q=scan"
 
 
 def test_logging_in_leads_back(store: Path) -> None:
-    """Without the token a page leads to the form, which leads back to it, with a cookie for the root path alone."""
+    """Without the token a page redirects to the form, which leads back to it, with a cookie for the root path."""
     with application(store, root_path=_ROOT, host=EVERYWHERE, token=TOKEN, log="off") as client:
         refused = client.get("/kg/nodes?q=scan", headers={"Accept": "text/html"})
         assert refused.headers["location"] == "/kg/login?next=%2Fnodes%3Fq%3Dscan"
@@ -197,14 +197,14 @@ def test_logging_in_leads_back(store: Path) -> None:
 
 @pytest.mark.parametrize("path", ["/kg/update", "/update", "/kg/update/", "/%6bg/update"])
 def test_changes_need_the_token_below_the_root_path(store: Path, path: str) -> None:
-    """The root path opens no way around what protects an address."""
+    """The root path does not bypass the protection of an address."""
     with application(store, root_path=_ROOT, write=True, token=TOKEN, log="off") as client:
         answer = client.post(path, data={"update": "CLEAR ALL"})
         assert answer.status_code in {401, 404}
 
 
 def test_graphs_are_named_by_their_public_address(tmp_path: Path) -> None:
-    """A graph that is created below `/store` has the address as its name at which clients read it."""
+    """A graph created below `/store` is named by its public address."""
     layout = create(tmp_path / ".kg")
     put(layout)
     with application(layout.root, root_path=_ROOT, write=True, token=TOKEN, log="off") as client:
@@ -215,19 +215,19 @@ def test_graphs_are_named_by_their_public_address(tmp_path: Path) -> None:
 
 
 def test_a_root_path_like_an_own_address_is_refused(store: Path) -> None:
-    """Behind a proxy that strips it nobody could tell `/query` from the page of queries."""
+    """Behind a proxy that strips such a root path, `/query` would be ambiguous."""
     with pytest.raises(UsageError, match="/query/kg begins like an address"), application(store, root_path="/query/kg"):
         pass
 
 
 @pytest.mark.parametrize(("given", "read"), [("/", ""), ("/kg/", "/kg"), (" /a/b-c ", "/a/b-c")])
 def test_forms_of_root_paths(tmp_path: Path, given: str, read: str) -> None:
-    """The last slash does not count."""
+    """The trailing slash is ignored."""
     assert root_path(given, tmp_path) == read
 
 
 @pytest.mark.parametrize("given", ["kg", "//kg", "/k g", "/../kg", "/kg?x", "http://example.org/kg", 7])
 def test_other_forms_are_refused(tmp_path: Path, given: object) -> None:
-    """What could not be compared with paths as they are sent is no root path."""
+    """A path that cannot be compared with request paths is rejected."""
     with pytest.raises(FormError):
         root_path(given, tmp_path)

@@ -1,4 +1,4 @@
-"""Tests of stopping gracefully, C29, and of what a server survives."""
+"""Tests of graceful stopping, C29, and of failures that a server survives."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ RUNAWAY = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }
 
 
 def asked(server: Serving, text: str) -> tuple[threading.Thread, list[Any]]:
-    """Ask a query in a thread; the list gets its answer, or what went wrong."""
+    """Send a query in a thread; the list receives its response, or the error."""
     answers: list[Any] = []
 
     def ask() -> None:
@@ -38,12 +38,12 @@ def asked(server: Serving, text: str) -> tuple[threading.Thread, list[Any]]:
 
 
 def health(server: Serving) -> httpx.Response:
-    """Return how a server says that it is."""
+    """Return the health status of a server."""
     return httpx.get(server.address + "/health", timeout=patient(20))
 
 
 def refuses(server: Serving) -> bool:
-    """Tell whether a server takes no new connection: it has begun to stop."""
+    """Whether a server rejects new connections: it has begun to stop."""
     try:
         socket.create_connection(("127.0.0.1", server.port), timeout=patient(5)).close()
     except ConnectionError:
@@ -52,7 +52,7 @@ def refuses(server: Serving) -> bool:
 
 
 def until(holds: Callable[[], bool], seconds: float = 20) -> None:
-    """Wait until something holds."""
+    """Wait until a condition holds."""
     end = time.monotonic() + patient(seconds)
     while not holds():
         assert time.monotonic() < end
@@ -60,12 +60,12 @@ def until(holds: Callable[[], bool], seconds: float = 20) -> None:
 
 
 def children(server: Serving) -> list[int]:
-    """Return the processes that a server started and that live."""
+    """Return the live child processes of a server."""
     return children_of(server.process.pid)
 
 
 def children_of(process: int) -> list[int]:
-    """Return the processes that a process started and that live."""
+    """Return the live child processes of a process."""
     found = Path(f"/proc/{process}/task/{process}/children")
     if not found.exists():
         pytest.skip("there is no /proc to see processes in")
@@ -73,13 +73,13 @@ def children_of(process: int) -> list[int]:
 
 
 def works(server: Serving) -> bool:
-    """Tell whether a reader has been at work for longer than it takes to begin."""
+    """Whether a reader has used more processor time than starting takes."""
     readers = [reader for child in children(server) for reader in children_of(child)]
     return any(worked(reader) >= 0.3 for reader in readers)
 
 
 def worked(process: int) -> float:
-    """Return how many seconds a process has worked, 0 when it has ended."""
+    """Return the processor seconds of a process, 0 if it has exited."""
     try:
         fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
     except OSError:
@@ -88,7 +88,7 @@ def worked(process: int) -> float:
 
 
 def lives(identity: int) -> bool:
-    """Tell whether a process is there and not just waiting to be noticed as ended."""
+    """Whether a process exists and is not a zombie."""
     try:
         return Path(f"/proc/{identity}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -96,7 +96,7 @@ def lives(identity: int) -> bool:
 
 
 def test_what_runs_is_finished(store: Path) -> None:
-    """Told to stop, a server takes nothing new, answers what runs with a whole body, and ends with exit code 0."""
+    """A stopping server rejects new requests, completes running ones, and exits with 0."""
     text = (
         "SELECT (COUNT(*) AS ?n) { {SELECT * {?a ?b ?c} LIMIT 800} {SELECT * {?d ?e ?f} LIMIT 800} "
         "FILTER(CONTAINS(STR(?c), STR(?f))) }"
@@ -114,7 +114,7 @@ def test_what_runs_is_finished(store: Path) -> None:
 
 
 def test_what_outlives_its_grace_is_ended(store: Path) -> None:
-    """A query that does not end is ended when the grace is over: its client is told, its reader killed."""
+    """A query running past the grace period is ended: its client gets an error, its reader is killed."""
     with served(store, log="off", grace=0.5) as server:
         thread, answers = asked(server, RUNAWAY)
         readers = children(server)
@@ -129,12 +129,12 @@ def test_what_outlives_its_grace_is_ended(store: Path) -> None:
 
 @pytest.mark.parametrize("again", [signal.SIGTERM, signal.SIGINT])
 def test_told_twice_it_stops_now(store: Path, again: signal.Signals) -> None:
-    """A second signal does not wait for the grace."""
+    """A second signal skips the grace period."""
     with served(store, log="off", grace=60) as server:
         thread, _ = asked(server, RUNAWAY)
         readers = children(server)
         server.process.send_signal(signal.SIGTERM)
-        # Two signals of a kind that come before the first is seen are one.
+        # Two signals of a kind sent before the first is delivered count as one.
         until(lambda: refuses(server))
         began = time.monotonic()
         server.process.send_signal(again)
@@ -145,7 +145,7 @@ def test_told_twice_it_stops_now(store: Path, again: signal.Signals) -> None:
 
 
 def test_idle_it_stops_at_once(store: Path) -> None:
-    """Without work, Ctrl-C ends a server within moments, also with a connection open and nothing said on it."""
+    """Without work, Ctrl-C ends a server within moments, even with an idle open connection."""
     with served(store, log="off", grace=60) as server:
         idle = socket.create_connection(("127.0.0.1", server.port))
         server.process.send_signal(signal.SIGINT)
@@ -154,7 +154,7 @@ def test_idle_it_stops_at_once(store: Path) -> None:
 
 
 def test_a_closed_terminal_stops_gracefully(store: Path) -> None:
-    """SIGHUP stops a server as SIGTERM does; it comes twice, from the kernel and the shell, and that is no hurry."""
+    """SIGHUP stops a server like SIGTERM; the second one, from kernel and shell, does not skip the grace period."""
     with served(store, log="off", grace=1.5) as server:
         thread, answers = asked(server, RUNAWAY)
         began = time.monotonic()
@@ -168,7 +168,7 @@ def test_a_closed_terminal_stops_gracefully(store: Path) -> None:
 
 
 def test_a_server_outlives_its_terminal_where_it_is_to(store: Path) -> None:
-    """Started with nohup, a server goes on when its terminal is closed."""
+    """With nohup, a server continues when its terminal is closed."""
     before = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)"
     with served(store, before=before, log="off") as server:
         server.process.send_signal(signal.SIGHUP)
@@ -178,7 +178,7 @@ def test_a_server_outlives_its_terminal_where_it_is_to(store: Path) -> None:
 
 
 def test_readers_end_with_a_server_that_is_killed(store: Path) -> None:
-    """Not even SIGKILL of the server leaves a reader that waits."""
+    """Even SIGKILL of the server leaves no waiting reader."""
     with served(store, log="off") as server:
         httpx.get(server.address + "/sparql", params={"query": "ASK{}"}, timeout=patient(30))
         readers = children(server)
@@ -189,7 +189,7 @@ def test_readers_end_with_a_server_that_is_killed(store: Path) -> None:
 
 
 def test_systemd_is_told(store: Path, tmp_path: Path) -> None:
-    """Under systemd a server says when it is ready, and when it stops."""
+    """Under systemd a server reports when it is ready, and when it stops."""
     address = tmp_path / "notify"
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listening:
         listening.bind(str(address))
@@ -201,10 +201,10 @@ def test_systemd_is_told(store: Path, tmp_path: Path) -> None:
 
 
 def test_a_reader_that_is_killed_costs_one_answer(store: Path) -> None:
-    """A reader that ends under a query is an error for this query, and the next is answered."""
+    """If a reader is killed, its query gets an error, and the next is answered."""
     with served(store, before=UNASKED, log="off", readers=1) as server:
         thread, answers = asked(server, RUNAWAY)
-        # A reader that is only about to begin would be replaced, and the query begun anew.
+        # A reader that is only starting would be replaced, and the query restarted.
         until(lambda: works(server))
         for reader in children(server):
             os.kill(reader, signal.SIGKILL)

@@ -1,4 +1,4 @@
-"""C1 and C2: the protocol and the graph store protocol of SPARQL 1.1, by the cases of W3C over a port."""
+"""C1 and C2: the protocol and the graph store protocol of SPARQL 1.1, by the W3C cases over a port."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ NOT_BY_OXIGRAPH: Final = {
     "head_existing_direct": NO_TYPE,
     "head_existing_indirect": NO_TYPE,
 }
-"""The cases that Oxigraph's server fails: it takes no multipart/form-data, and HEAD tells no type."""
+"""The cases that Oxigraph's server fails: it lacks multipart/form-data, and HEAD has no type."""
 
 protocol = pytest.mark.parametrize("case", parameters("protocol/manifest.ttl", "ProtocolTest"))
 graph_store = pytest.mark.parametrize("case", parameters("graph-store-protocol/manifest.ttl", "GraphStoreProtocolTest"))
@@ -38,14 +38,14 @@ graph_store = pytest.mark.parametrize("case", parameters("graph-store-protocol/m
 
 @protocol
 def test_protocol(case: Case, standard: Standard) -> None:
-    """A query or an update is answered as the protocol says."""
+    """A query or an update is answered as the protocol specifies."""
     put(standard.layout, named=prepare(case))
     play(case, standard.endpoint)
 
 
 @graph_store
 def test_graph_store(case: Case, standard: Standard) -> None:
-    """A graph is read and written as the graph store protocol says."""
+    """A graph is read and written as the graph store protocol specifies."""
     put(standard.layout)
     play(case, standard.endpoint)
 
@@ -53,7 +53,7 @@ def test_graph_store(case: Case, standard: Standard) -> None:
 @pytest.fixture(scope="module")
 def oxigraph(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Endpoint]:
     """Oxigraph's own server, whose results with these cases are known."""
-    # pip puts it beside the interpreter, which need not be on the path.
+    # pip installs it next to the interpreter, which need not be on the path.
     program = shutil.which("oxigraph", path=sysconfig.get_path("scripts")) or shutil.which("oxigraph")
     if program is None:
         pytest.skip("oxigraph is not installed (`pip install oxigraph`)")
@@ -79,7 +79,7 @@ def _wait_for(port: int) -> None:
 
 @protocol
 def test_oxigraph_protocol(case: Case, oxigraph: Endpoint) -> None:
-    """Oxigraph's server passes all cases of the protocol, so that those who play them here can be trusted."""
+    """Oxigraph's server passes all protocol cases, which validates the test driver."""
     oxigraph.send("POST", "/update", b"DROP ALL", content_type="application/sparql-update")
     for name, file in prepare(case).items():
         content = path_of(file).read_bytes()
@@ -89,7 +89,7 @@ def test_oxigraph_protocol(case: Case, oxigraph: Endpoint) -> None:
 
 @graph_store
 def test_oxigraph_graph_store(case: Case, oxigraph: Endpoint) -> None:
-    """Oxigraph's server passes all cases of the graph store protocol but those that it is known to fail."""
+    """Oxigraph's server passes all cases of the graph store protocol except its known failures."""
     oxigraph.send("POST", "/update", b"DROP ALL", content_type="application/sparql-update")
     failure = NOT_BY_OXIGRAPH.get(case.identity.rpartition("#")[2])
     with pytest.raises(AssertionError, match=failure) if failure else nullcontext():

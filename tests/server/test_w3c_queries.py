@@ -1,4 +1,4 @@
-"""C4: the query, syntax and results suites of SPARQL 1.1 through HTTP, the failures of the engine left out."""
+"""C4: the query, syntax and results suites of SPARQL 1.1 through HTTP, except the failures of the engine."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ FORMATS = ("application/sparql-results+json", "application/sparql-results+xml", 
 
 
 def ask(standard: Standard, case: Case, accept: str = "*/*") -> Answer:
-    """Return the answer to the query of a case."""
+    """Return the response to the query of a case."""
     return standard.endpoint.send("POST", "/sparql", case.query.encode(), content_type=QUERY, accept=accept)
 
 
 def is_right(case: Case, answer: Answer) -> bool:
-    """Tell whether an answer is the one that a case expects."""
+    """Whether a response is the one expected by a case."""
     assert answer.status == 200, answer
     results_format = QueryResultsFormat.from_media_type(answer.media_type)
     if results_format is not None:
@@ -46,12 +46,12 @@ def is_right(case: Case, answer: Answer) -> bool:
 
 
 def accepted(number: int) -> str:
-    """Return the formats of results in turn, each beside Turtle."""
+    """Yield the result formats in turn, each with Turtle."""
     return f"{FORMATS[number % len(FORMATS)]}, text/turtle"
 
 
 def evaluations() -> list[Any]:
-    """Return the cases of evaluation, those that the engine fails marked."""
+    """Return the evaluation cases, with those that the engine fails marked."""
     found = []
     for case in parameters("manifest-sparql11-query.ttl", "QueryEvaluationTest"):
         identity = case.values[0].identity if case.values[0] else ""
@@ -62,7 +62,7 @@ def evaluations() -> list[Any]:
 
 @pytest.mark.parametrize("case", evaluations())
 def test_evaluation(case: Case, standard: Standard) -> None:
-    """A query answers what the suite expects, in each format of results in turn."""
+    """A query returns the result expected by the suite, in each result format in turn."""
     put(standard.layout, case.default, case.named)
     accept = accepted(sum(case.identity.encode()))
     assert is_right(case, ask(standard, case, accept))
@@ -70,7 +70,7 @@ def test_evaluation(case: Case, standard: Standard) -> None:
 
 @pytest.mark.parametrize("case", parameters("manifest-sparql11-results.ttl", "QueryEvaluationTest"))
 def test_results(case: Case, standard: Standard) -> None:
-    """Results in JSON and TSV say what the suite expects."""
+    """Results in JSON and TSV are those expected by the suite."""
     put(standard.layout, case.default, case.named)
     extension = case.result.value.rpartition(".")[2]
     results_format = QueryResultsFormat.from_extension(extension)
@@ -82,7 +82,7 @@ def test_results(case: Case, standard: Standard) -> None:
 
 @pytest.mark.parametrize("case", parameters("manifest-sparql11-results.ttl", "CSVResultFormatTest"))
 def test_csv(case: Case, standard: Standard) -> None:
-    """Results in CSV are those of the suite, whatever the order of rows and columns and the names of blank nodes."""
+    """Results in CSV are those of the suite, apart from the order of rows and columns and blank node labels."""
     put(standard.layout, case.default, case.named)
     answer = ask(standard, case, "text/csv")
     assert answer.media_type == "text/csv"
@@ -91,7 +91,7 @@ def test_csv(case: Case, standard: Standard) -> None:
 
 
 def _cells(text: str) -> list[list[tuple[str, object]]]:
-    """Return the cells of CSV in an order of their own, numbers as such: the engine keeps their values."""
+    """Return the cells of CSV in a canonical order, with numbers parsed: the engine stores their values."""
     rows = csv.DictReader(io.StringIO(text))
     return sorted([sorted((name, _cell(value)) for name, value in row.items()) for row in rows], key=repr)
 
@@ -105,14 +105,14 @@ def _cell(text: str) -> object:
 
 @pytest.mark.parametrize("case", parameters("manifest-sparql11-query.ttl", "PositiveSyntaxTest11"))
 def test_positive_syntax(case: Case, standard: Standard) -> None:
-    """What is SPARQL is answered, or refused for a function that there is not, but not for how it is written."""
+    """Valid SPARQL is never a syntax error; unknown functions may be rejected."""
     answer = ask(standard, case)
     assert answer.status == 200 or b"custom function" in answer.body
 
 
 @pytest.mark.parametrize("case", parameters("manifest-sparql11-query.ttl", "NegativeSyntaxTest11"))
 def test_negative_syntax(case: Case, standard: Standard) -> None:
-    """What is not SPARQL is told to be none."""
+    """Invalid SPARQL is a syntax error."""
     answer = ask(standard, case)
     assert answer.status == 400
     assert b"KG501" in answer.body
@@ -120,7 +120,7 @@ def test_negative_syntax(case: Case, standard: Standard) -> None:
 
 @pytest.mark.parametrize("case", parameters("syntax-fed/manifest.ttl", "PositiveSyntaxTest11"))
 def test_federation_is_refused(case: Case, standard: Standard) -> None:
-    """A query with SERVICE is refused, and not as one that does not parse."""
+    """A query with SERVICE is rejected, and not as a syntax error."""
     answer = ask(standard, case)
     assert answer.status == 403
     assert b"KG502" in answer.body

@@ -1,4 +1,4 @@
-"""C4: the update suite of SPARQL 1.1 through HTTP; only LOAD is not done, as no other server is called."""
+"""C4: the update suite of SPARQL 1.1 through HTTP, except LOAD, because no other server is called."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ SUITE = "manifest-sparql11-update.ttl"
 
 
 def send(standard: Standard, case: Case) -> Answer:
-    """Return the answer to the update of a case."""
+    """Return the response to the update of a case."""
     return standard.endpoint.send("POST", "/update", case.query.encode(), content_type=UPDATE)
 
 
 def is_load(case: Case) -> bool:
-    """Tell whether a case asks the store to call another server."""
+    """Whether a case makes the store call another server."""
     return "load " in case.query.partition("\n")[2].lower()
 
 
@@ -42,7 +42,7 @@ def quads(default: list[Any], named: dict[str, Any]) -> list[Any]:
 
 @pytest.mark.parametrize("case", parameters(SUITE, "UpdateEvaluationTest"))
 def test_evaluation(case: Case, standard: Standard) -> None:
-    """The store holds what the suite expects; LOAD SILENT is refused, which leaves the data that it expects as well."""
+    """The store has the data expected by the suite; LOAD SILENT is rejected, which leaves the expected data, too."""
     put(standard.layout, case.default, case.named)
     answer = send(standard, case)
     assert (answer.status, b"KG502" in answer.body) == ((403, True) if is_load(case) else (200, False)), answer
@@ -52,7 +52,7 @@ def test_evaluation(case: Case, standard: Standard) -> None:
 
 @pytest.mark.parametrize("case", parameters(SUITE, "PositiveUpdateSyntaxTest11"))
 def test_positive_syntax(case: Case, standard: Standard) -> None:
-    """What is an update is done, or cannot be for a graph that is not there, or is refused as LOAD."""
+    """A valid update succeeds, fails for a missing graph, or is rejected as LOAD."""
     put(standard.layout)
     answer = send(standard, case)
     refused = is_load(case) and b"KG502" in answer.body
@@ -61,7 +61,7 @@ def test_positive_syntax(case: Case, standard: Standard) -> None:
 
 @pytest.mark.parametrize("case", parameters(SUITE, "NegativeUpdateSyntaxTest11", "NegativeSyntaxTest11"))
 def test_negative_syntax(case: Case, standard: Standard) -> None:
-    """What is no update is told to be none, and LOAD is refused however it is written."""
+    """An invalid update is a syntax error, and LOAD is rejected in any spelling."""
     put(standard.layout)
     answer = send(standard, case)
     expected = (403, b"KG502") if is_load(case) else (400, b"KG501")

@@ -1,4 +1,4 @@
-"""The store that the tests of the shell look at."""
+"""The store of the shell's tests."""
 
 from __future__ import annotations
 
@@ -13,5 +13,5 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The example workspace as a store: its folder, which is only read."""
+    """The example workspace as a store: its folder, which is read-only."""
     return example(tmp_path_factory) / ".kg"

@@ -1,4 +1,4 @@
-"""The shell without a terminal: started on a store, and pressed keys at."""
+"""The shell without a terminal: started on a store, and driven by key presses."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _NAMES: Final = {
 
 
 def make(store: Path, folder: Path, **flags: Any) -> Shell:
-    """Return a shell that keeps its state in `folder`."""
+    """Return a shell that stores its state in `folder`."""
     named = {"store": str(store), "timeout": str(patient(60)), **flags}
     settings = load(named, environment={}, folder=store.parent)
     return Shell(settings, Layout(store), State(folder, str(store)))
@@ -52,7 +52,7 @@ def make(store: Path, folder: Path, **flags: Any) -> Shell:
 async def running(
     store: Path, folder: Path, size: tuple[int, int] = (100, 30), **flags: Any
 ) -> AsyncIterator[tuple[Shell, Pilot[None]]]:
-    """Yield a shell that runs, and what presses its keys."""
+    """Yield a running shell, and the pilot that presses its keys."""
     app = make(store, folder, **flags)
     async with app.run_test(size=size, notifications=True) as pilot:
         await until(pilot, lambda: current(app).editor.has_focus)
@@ -62,9 +62,9 @@ async def running(
 
 
 async def until(pilot: Pilot[Any], condition: Callable[[], object]) -> None:
-    """Wait until something holds, with much patience; of what is not on the screen yet nothing holds.
+    """Wait until a condition holds, with a long time limit; a condition on a missing widget does not hold.
 
-    Keys have been sent when `press` returns, and on a busy machine not always come to their end.
+    Keys have been sent when `press` returns, but on a busy machine not always processed.
     """
     end = time.monotonic() + patient(_SECONDS)
     while not _holds(condition):
@@ -80,7 +80,7 @@ def _holds(condition: Callable[[], object]) -> object:
 
 
 def current(app: Shell) -> Buffer:
-    """Return the buffer on the screen; NoMatches while tabs come and go."""
+    """Return the buffer on the screen; NoMatches while tabs change."""
     buffer = app.main.buffers.current
     if buffer is None:
         raise NoMatches("no buffer is on the screen")
@@ -88,7 +88,7 @@ def current(app: Shell) -> Buffer:
 
 
 async def opened(app: Shell, pilot: Pilot[Any], kind: type[Screen[Any]]) -> None:
-    """Wait until a screen of a kind is on top and takes keys: what is pressed before goes elsewhere."""
+    """Wait until a screen of a kind is on top and accepts keys: earlier keys would go elsewhere."""
     await until(
         pilot,
         lambda: isinstance(app.screen, kind) and app.screen.is_mounted and (app.focused or not app.screen.focus_chain),
@@ -103,7 +103,7 @@ async def ended(app: Shell, pilot: Pilot[Any], *keys: str) -> None:
 
 
 async def run_query(app: Shell, pilot: Pilot[Any], text: str) -> Buffer:
-    """Put a query into the buffer, run it, and wait for its end; a table with rows then takes the keys."""
+    """Put a query into the buffer, run it, and wait for its end; a table with rows then has the focus."""
     buffer = current(app)
     buffer.editor.text = text
     await ended(app, pilot, "f5")

@@ -27,7 +27,7 @@ _SCREENS: Final[dict[str, list[Any]]] = {
 
 
 def resolved(kind: Any) -> Any:
-    """Return a class of the screens by its name."""
+    """Return a screen class by its name."""
     if not isinstance(kind, str):
         return kind
     module, name = kind.split(".")
@@ -36,7 +36,7 @@ def resolved(kind: Any) -> Any:
 
 @pytest.mark.parametrize("action", ACTIONS, ids=lambda action: f"{action.context}-{action.name}")
 def test_every_action_is_explained_and_there(action: Action) -> None:
-    """Every action has a title, a sentence and a key, and a method where it holds."""
+    """Every action has a title, a sentence, a key, and a method in its context."""
     assert action.title
     assert action.help.endswith(".")
     assert action.keys
@@ -46,7 +46,7 @@ def test_every_action_is_explained_and_there(action: Action) -> None:
 
 @pytest.mark.parametrize("contexts", TOGETHER, ids="-".join)
 def test_no_key_means_two_things(contexts: tuple[str, ...]) -> None:
-    """No key has two actions among those that hold at one time."""
+    """No key has two actions valid at the same time."""
     keys = [key for context in contexts for action in actions_of(context) for key in action.keys]
     assert len(keys) == len(set(keys))
 
@@ -66,5 +66,5 @@ def test_keys_are_told_as_people_write_them(key: str, words: str) -> None:
 
 
 def test_the_documentation_has_the_keys_of_the_registry() -> None:
-    """docs/shell.md ends in the table that the registry makes; `python docs/generate.py` mends this."""
+    """docs/shell.md ends in the generated table; `python docs/generate.py` updates it."""
     assert (ROOT / "docs" / "shell.md").read_text("utf-8").endswith(key_table())

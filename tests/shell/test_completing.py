@@ -23,11 +23,11 @@ def anyio_backend() -> str:
 
 
 async def test_what_fits_is_offered_while_typing(store: Path, tmp_path: Path) -> None:
-    """Properties of this store are offered after a pause; Tab takes one, Esc closes the list and nothing else."""
+    """Properties of this store are offered after a pause; Tab accepts one, Esc closes the list and nothing else."""
     async with running(store, tmp_path) as (app, pilot):
         offered = app.main.completions
         await typed(pilot, "SELECT * { ?node rnkg:pub")
-        # A list of what was typed before the last letter may be there before the one that is awaited.
+        # The list of the text before the last letter may be there before the awaited one.
         await until(pilot, lambda: offered.display and offered._text == current(app).text)
         assert "rnkg:publishes" in str(offered.get_option_at_index(0).prompt)
         await pilot.press("escape")
@@ -42,7 +42,7 @@ async def test_what_fits_is_offered_while_typing(store: Path, tmp_path: Path) ->
 
 
 async def test_the_second_query_of_a_buffer_is_completed(store: Path, tmp_path: Path) -> None:
-    """Positions are those of the query that is written, whatever stands before it."""
+    """Positions are those of the edited query, whatever precedes it."""
     async with running(store, tmp_path) as (app, pilot):
         editor = current(app).editor
         editor.text = "ASK { ?x ?y 'é' }\n\nSELECT * { ?node rnkg:pub }"
@@ -55,7 +55,7 @@ async def test_the_second_query_of_a_buffer_is_completed(store: Path, tmp_path: 
 
 
 async def test_problems_are_marked_while_typing(store: Path, tmp_path: Path) -> None:
-    """A misspelt prefix is marked and told; Ctrl+G goes there, Ctrl+F mends it, and comments come and go."""
+    """A misspelt prefix is marked and explained; Ctrl+G goes there, Ctrl+F fixes it, and comments are toggled."""
     async with running(store, tmp_path) as (app, pilot):
         buffer = current(app)
         editor = buffer.editor
@@ -77,7 +77,7 @@ async def test_problems_are_marked_while_typing(store: Path, tmp_path: Path) -> 
 
 @pytest.mark.parametrize(("name", "sent"), [("next_problem", "\x07"), ("fix", "\x06")])
 def test_keys_of_problems_are_those_that_terminals_send(name: str, sent: str) -> None:
-    """What every terminal sends for these keys is read as them, and types nothing."""
+    """The codes sent by every terminal for these keys are recognised, and insert nothing."""
     (action,) = (one for one in ACTIONS if one.name == name)
     (event,) = XTermParser().feed(sent)
     assert isinstance(event, Key)
@@ -86,7 +86,7 @@ def test_keys_of_problems_are_those_that_terminals_send(name: str, sent: str) ->
 
 
 async def test_a_buffer_closes_while_it_is_checked(store: Path, tmp_path: Path) -> None:
-    """Closing a buffer just after a change to it leaves the shell as it was, with the other buffers."""
+    """Closing a buffer just after a change to it leaves the shell and the other buffers unaffected."""
     async with running(store, tmp_path) as (app, pilot):
         await typed(pilot, "ASK {}")
         for pause in (0.0, 0.3):
@@ -102,7 +102,7 @@ async def test_a_buffer_closes_while_it_is_checked(store: Path, tmp_path: Path) 
 
 
 async def test_a_buffer_that_is_being_closed_is_left_alone(store: Path, tmp_path: Path) -> None:
-    """The parts of a buffer go first; who keeps and checks all buffers meanwhile does not stumble over it."""
+    """Saving and checking all buffers tolerates one whose parts are already removed."""
     async with running(store, tmp_path) as (app, pilot):
         closing = current(app)
         closing.editor.text = "ASK {}"
@@ -115,7 +115,7 @@ async def test_a_buffer_that_is_being_closed_is_left_alone(store: Path, tmp_path
 
 
 async def test_what_is_typed_is_kept_soon(store: Path, tmp_path: Path) -> None:
-    """After a pause the text is on disk, so a terminal that is closed takes nothing with it."""
+    """After a pause the text is on disk, so closing the terminal loses nothing."""
     async with running(store, tmp_path) as (_, pilot):
         await typed(pilot, "ASK {}")
         await until(pilot, lambda: State(tmp_path, str(store)).buffers() == ["ASK {}"])

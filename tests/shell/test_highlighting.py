@@ -14,7 +14,7 @@ _TEXTS = st.lists(
 
 
 def test_every_kind_of_token_has_its_class() -> None:
-    """Keywords, variables, names, strings, numbers and comments are told apart; signs stay plain."""
+    """Keywords, variables, names, strings, numbers and comments are distinguished; punctuation is plain."""
     text = 'SELECT ?x { ?x a:b <urn:c>, "d", 5 } # e'
     found = [(text[span.start : span.end], span.kind) for span in spans(text)]
     assert found == [
@@ -38,7 +38,7 @@ def test_a_string_of_several_lines_has_a_part_in_each() -> None:
 
 @given(_TEXTS | st.text())
 def test_spans_stand_in_their_lines(text: str) -> None:
-    """Whatever is typed, spans follow each other and none reaches beyond its line."""
+    """For any text, spans are ordered and none extends beyond its line."""
     text = normalise(text)
     lines = text.split("\n")
     for number, found in line_spans(text).items():

@@ -1,4 +1,4 @@
-"""Keys that a person has chosen."""
+"""User-defined keys."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
 
 @given(st.sampled_from([key for action in ACTIONS for key in action.keys]))
 def test_keys_are_read_as_they_are_shown(key: str) -> None:
-    """What the help shows of a key is how a file may name it."""
+    """A file may name a key as shown by the help."""
     assert key_named(key_words(key)) == key
     assert key_named(key) == key
 
 
 def test_without_a_file_the_keys_are_those_of_the_registry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The file stands in the folder of settings, and need not."""
+    """The file is in the settings folder, and is optional."""
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     assert keys_file() == tmp_path / "kg" / "keys.toml"
     assert chosen_actions(keys_file()) == ACTIONS
@@ -50,7 +50,7 @@ def test_without_a_file_the_keys_are_those_of_the_registry(tmp_path: Path, monke
     ],
 )
 def test_wrong_keys_are_told(tmp_path: Path, text: str, message: str) -> None:
-    """What a file of keys says wrongly is told before the screen is taken."""
+    """An error in the file of keys is reported before the terminal is used."""
     path = tmp_path / "keys.toml"
     path.write_text(text)
     with pytest.raises(UsageError, match=message) as raised:
@@ -59,7 +59,7 @@ def test_wrong_keys_are_told(tmp_path: Path, text: str, message: str) -> None:
 
 
 def test_chosen_keys_hold(store: Path, tmp_path: Path) -> None:
-    """A chosen key does what it is chosen for, the old one nothing, and help, palette and footer show it."""
+    """A user-defined key replaces the default, and help, palette and footer show it."""
     path = tmp_path / "keys.toml"
     path.write_text('[everywhere]\nhelp = "F6"\n[main]\nrun_buffer = "Ctrl+B"\n')
 

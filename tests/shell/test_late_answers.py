@@ -1,4 +1,4 @@
-"""Answers that come when the person has gone on: they end no other screen, and the shell goes on too."""
+"""Late responses close no other screen, and the shell continues."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ async def filled_form(app: Shell, pilot: Pilot[Any]) -> None:
 
 
 class Held:
-    """Calls of the store that wait until they are let go; `asked` counts them."""
+    """Calls of the store that wait until they are released; `asked` counts them."""
 
     def __init__(self, app: Shell, monkeypatch: pytest.MonkeyPatch) -> None:
         self.asked = 0
@@ -58,7 +58,7 @@ class Held:
 
 
 async def test_a_form_is_sent_twice(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Enter once more, while the store is asked, gives one query as Enter does."""
+    """A second Enter during the request gives one query, like a single one."""
     async with running(store, tmp_path) as (app, pilot):
         await filled_form(app, pilot)
         held = Held(app, monkeypatch)
@@ -70,7 +70,7 @@ async def test_a_form_is_sent_twice(store: Path, tmp_path: Path, monkeypatch: py
 
 
 async def test_a_form_is_left_while_it_is_sent(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Esc goes back to the list at once, and what the store then says ends nothing."""
+    """Esc returns to the list at once, and the late response closes nothing."""
     async with running(store, tmp_path) as (app, pilot):
         await filled_form(app, pilot)
         held = Held(app, monkeypatch)
@@ -87,7 +87,7 @@ async def test_a_form_is_left_while_it_is_sent(store: Path, tmp_path: Path, monk
 async def test_an_export_is_left_while_it_is_written(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Esc in the moment in which the file is written leads to the main screen, and the shell goes on."""
+    """Esc while the file is being written returns to the main screen, and the shell continues."""
     app: Shell
 
     def written(*_: object) -> int:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def test_editors_are_told_the_line_in_their_manner(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, editor: str, words: list[str]
 ) -> None:
-    """The line is an option before the file, or stands behind it, as the editor takes it."""
+    """The line is an option before the file, or follows it, as the editor expects."""
     file = tmp_path / "a b.cpp"
     file.write_text("")
     monkeypatch.delenv("VISUAL", raising=False)
@@ -35,7 +35,7 @@ def test_editors_are_told_the_line_in_their_manner(
 
 
 def test_visual_wins_over_editor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """VISUAL is asked first, as other programs do."""
+    """VISUAL takes precedence, as in other programs."""
     monkeypatch.setenv("VISUAL", "emacs")
     monkeypatch.setenv("EDITOR", "vi")
     (tmp_path / "a").write_text("")
@@ -43,7 +43,7 @@ def test_visual_wins_over_editor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_without_any_editor_there_is_a_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """KG551 says how to name an editor."""
+    """KG551 explains how to set an editor."""
     for name in ("VISUAL", "EDITOR"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))

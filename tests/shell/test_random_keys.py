@@ -1,4 +1,4 @@
-"""Random keys, with answers that arrive at random times: nothing of it ends the shell."""
+"""Random keys, with responses at random times, never crash the shell."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.anyio
 
 KEYS: Final = int(os.environ.get("KG_TEST_KEYS", examples(600, 2000)))
 SEED: Final = int(os.environ.get("KG_TEST_SEED", "14"))
-"""Another seed presses other keys; with the one that a failure names it presses the same again."""
+"""Another seed presses other keys; the one named by a failure repeats it."""
 
 _ACTION_KEYS: Final = sorted({key for action in ACTIONS for key in action.keys if len(key) > 1})
 _OFTEN: Final = ("enter", "escape", "enter", "escape", "up", "down", "left", "right", "tab", "shift+tab", "backspace")
@@ -39,7 +39,7 @@ _QUERIES: Final = ("ASK {}", "SELECT * { ?s rnkg:name ?o } LIMIT 9", "SELECT ?s 
 
 
 def keys(chance: random.Random) -> list[str]:
-    """Return what a person presses next: one key, or the keys of a query that is then run."""
+    """Return the next action of a user: one key, or the keys of a query that is then run."""
     kind = chance.random()
     if kind < 0.02:
         return [*chance.choice(_QUERIES), "f5"]
@@ -51,7 +51,7 @@ def keys(chance: random.Random) -> list[str]:
 
 
 class Late:
-    """Answers of the store that are held back, and let go one by one, in any order."""
+    """Responses of the store that are held, and released one by one, in any order."""
 
     def __init__(self, chance: random.Random) -> None:
         self.held: list[asyncio.Event] = []
@@ -60,7 +60,7 @@ class Late:
         self._chance = chance
 
     def delayed(self, ask: Callable[..., Awaitable[Any]]) -> Callable[..., Awaitable[Any]]:
-        """Return a way to ask whose answers, and errors, arrive when they are let go."""
+        """Return a function for requests whose responses, and errors, arrive when they are released."""
 
         async def asked(*values: Any, **named: Any) -> Any:
             self.waiting += 1
@@ -79,19 +79,19 @@ class Late:
         return asked
 
     def let_go(self) -> None:
-        """Let one answer arrive."""
+        """Release one response."""
         if self.held:
             self.held.pop(self._chance.randrange(len(self.held))).set()
 
     def open(self) -> None:
-        """Let all arrive, and those to come at once."""
+        """Release all responses, and future ones at once."""
         self.is_open = True
         while self.held:
             self.let_go()
 
 
 async def press(app: Shell, pilot: Pilot[None], late: Late, chance: random.Random, pressed: list[str]) -> None:
-    """Press keys, with answers before, between and behind them, until something goes wrong."""
+    """Press keys, with responses before, between and after them, until an error."""
     while len(pressed) < KEYS and not app.failures and app.is_running:
         for key in keys(chance):
             pressed.append(key)
@@ -108,9 +108,9 @@ async def press(app: Shell, pilot: Pilot[None], late: Late, chance: random.Rando
 
 
 async def leave_screens(app: Shell, pilot: Pilot[None], late: Late) -> None:
-    """Press Escape until no screen is above the first one and no answer is owed that might open another.
+    """Press Escape until only the first screen is left and no pending response might open another.
 
-    The keys that still wait are taken first: on a busy machine the pauses of a pilot end before them.
+    Pending keys are processed first: on a busy machine the pauses of a pilot end before them.
     """
     taken = asyncio.Event()
     app.call_later(taken.set)
@@ -125,11 +125,11 @@ async def leave_screens(app: Shell, pilot: Pilot[None], late: Late) -> None:
 async def test_no_key_and_no_late_answer_ends_the_shell(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """After 600 random keys, or 2,000 in a deep run, a query is answered, and nothing had to be caught."""
+    """After 600 random keys, or 2,000 in a deep run, a query is answered, and no error was caught."""
     monkeypatch.chdir(tmp_path)
     for name, value in (("HOME", str(tmp_path)), ("EDITOR", "true"), ("VISUAL", "true")):
         monkeypatch.setenv(name, value)
-    monkeypatch.setattr(screen, "UPDATE_PERIOD", 0.5)  # what is drawn is not looked at
+    monkeypatch.setattr(screen, "UPDATE_PERIOD", 0.5)  # the drawing is not checked
     chance = random.Random(SEED)  # noqa: S311 - to be pressed again
     pressed: list[str] = []
     app, late = make(store, tmp_path / "state"), Late(chance)

@@ -1,4 +1,4 @@
-"""How answers are put on a screen of few columns."""
+"""Layout of results on a screen of few columns."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TEXTS = st.text(st.characters(exclude_categories=("C", "M")), max_size=60)
 
 @given(st.lists(st.lists(TEXTS, min_size=3, max_size=3), max_size=5), st.integers(1, 200))
 def test_columns_fit_where_they_can(cells: list[list[str]], room: int) -> None:
-    """Columns have room together, or as little as they may; none is wider than its texts."""
+    """Columns fit together, or have their minimum width; none is wider than its texts."""
     widths = _fitted(("a", "b", "c"), cells, room)
     fits = sum(widths) + _PADDING * len(widths) <= room
     assert fits or all(wide <= _LEAST for wide in widths)
@@ -27,7 +27,7 @@ def test_columns_fit_where_they_can(cells: list[list[str]], room: int) -> None:
 
 @given(TEXTS, st.integers(2, 50))
 def test_what_is_cut_says_so(text: str, room: int) -> None:
-    """Of an IRI the end stays, of other texts the beginning."""
+    """An IRI keeps its end, another text its beginning."""
     for term in (NamedNode("urn:x"), Literal("x")):
         cut = _cut(text, room, term).plain
         assert width(cut) <= room
@@ -35,13 +35,13 @@ def test_what_is_cut_says_so(text: str, room: int) -> None:
 
 
 def test_texts_of_any_length_are_cut_at_once() -> None:
-    """A cell costs what it shows, however long the text is that it is cut from."""
+    """The cost of a cell depends on its width, not on the length of its text."""
     for term in (NamedNode("urn:x"), Literal("x")):
         assert width(_cut("é漢" * 10_000_000, 48, term).plain) in {47, 48}
 
 
 def test_iris_are_shortened_by_what_is_known() -> None:
-    """Prefixes of the query and of the store come first, then the base of the store; other IRIs stay whole."""
+    """Prefixes of the query and of the store come first, then the base of the store; other IRIs are unchanged."""
     view = ResultView()
     view._base, view._prefixes = "https://kg.example/", {"ex": "https://kg.example/node/", "o": "urn:o:"}
     named = [
@@ -51,7 +51,7 @@ def test_iris_are_shortened_by_what_is_known() -> None:
 
 
 def test_rows_that_are_drawn_at_once_have_room_for_their_numbers() -> None:
-    """A table measures its rows when it has nothing else to do, which may be after it drew them."""
+    """A table measures its rows when idle, which may be after it drew them."""
 
     async def numbers() -> int:
         table = AnswerTable()

@@ -35,17 +35,17 @@ def anyio_backend() -> str:
 
 
 def words(app: object, selector: str) -> str:
-    """Return what a line of the screen says."""
+    """Return the text of a line of the screen."""
     return str(app.screen.query_one(selector).render())  # type: ignore[attr-defined]  # any application
 
 
 def kind_of(buffer: Buffer) -> type[object]:
-    """Return which kind of answer a buffer shows."""
+    """Return the kind of result shown by a buffer."""
     return type(buffer.results.result)
 
 
 async def test_each_kind_of_answer_is_shown(store: Path, tmp_path: Path) -> None:
-    """Rows and triples fill the table, yes or no a line; the query at the cursor runs, or what is selected."""
+    """Rows and triples fill the table, a Boolean a line; the query at the cursor runs, or the selection."""
     async with running(store, tmp_path) as (app, pilot):
         buffer = await run_query(app, pilot, NODES)
         assert isinstance(buffer.results.result, Solutions)
@@ -64,14 +64,14 @@ async def test_each_kind_of_answer_is_shown(store: Path, tmp_path: Path) -> None
 
 
 async def test_iris_of_the_store_are_short(store: Path, tmp_path: Path) -> None:
-    """What the base of the store begins is shown by what stands behind it, so that columns fit on small terminals."""
+    """IRIs below the base of the store are shown without it, to fit columns on small terminals."""
     async with running(store, tmp_path) as (app, pilot):
         buffer = await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType } LIMIT 1")
         assert str(buffer.results.table.get_cell_at(Coordinate(0, 0))).startswith("node/local/")
 
 
 async def test_columns_leave_room_for_the_bar(store: Path, tmp_path: Path) -> None:
-    """Where rows scroll, columns that were fitted do not: the numbers of rows stay, at any width."""
+    """When rows scroll, fitted columns do not: the row numbers remain visible, at any width."""
     async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
         buffer = await run_query(app, pilot, "SELECT ?node ?topic { ?node rnkg:publishes ?topic }")
         table = buffer.results.table
@@ -83,12 +83,12 @@ async def test_columns_leave_room_for_the_bar(store: Path, tmp_path: Path) -> No
 
 
 def _fitted(buffer: Buffer) -> bool:
-    """Tell whether the columns are those of the width that the table has now."""
+    """Whether the columns have been fitted to the current width of the table."""
     return buffer.results._room == buffer.results.table.size.width > 0
 
 
 async def test_a_prefix_means_what_the_query_says(store: Path, tmp_path: Path) -> None:
-    """A prefix that the query declares anew shortens nothing else, as known as it may be."""
+    """A prefix redeclared by the query shortens only IRIs of its own namespace, even if it is a common one."""
     async with running(store, tmp_path) as (app, pilot):
         query = "SELECT (<http://data.mksmart.org/onto-ros/class#Topic> AS ?known) (ros:Topic AS ?own) {}"
         buffer = await run_query(app, pilot, f"PREFIX ros: <urn:x#> {query}")
@@ -98,7 +98,7 @@ async def test_a_prefix_means_what_the_query_says(store: Path, tmp_path: Path) -
 
 
 async def test_an_error_is_marked_where_it_is(store: Path, tmp_path: Path) -> None:
-    """The characters that do not fit are marked in the buffer, the cursor goes there, a sentence says what is meant."""
+    """The characters of the error are marked, the cursor moves there, and a sentence suggests a fix."""
     async with running(store, tmp_path) as (app, pilot):
         buffer = await run_query(app, pilot, "# first\nASK {}\n\nSELECT * {\n  ?s rnkgg:name ?o }")
         buffer.editor.move_cursor((4, 0))
@@ -109,12 +109,12 @@ async def test_an_error_is_marked_where_it_is(store: Path, tmp_path: Path) -> No
         assert "line 5, column 6" in words(app, ".remark")
         assert "Did you mean" in words(app, ".problem")
         await until(pilot, lambda: buffer.editor.has_focus)
-        # Where lines begin is counted when they are painted.
+        # Positions of lines are computed when they are painted.
         await until(pilot, lambda: any("underline" in str(span.style) for span in buffer.editor.get_line(4).spans))
 
 
 async def test_an_empty_answer_keeps_what_was_probably_meant(store: Path, tmp_path: Path) -> None:
-    """With no rows the mark of a misspelt name stays, its keys work from the table too, and typing goes on."""
+    """With no rows the mark of a misspelt name remains, its keys work from the table, and typing continues."""
     async with running(store, tmp_path) as (app, pilot):
         buffer = await run_query(app, pilot, "SELECT ?s { ?s rnkg:publishs ?o }")
         assert buffer.results.table.row_count == 0
@@ -130,7 +130,7 @@ async def test_an_empty_answer_keeps_what_was_probably_meant(store: Path, tmp_pa
 
 
 async def test_esc_in_the_editor_leaves_the_keys_there(store: Path, tmp_path: Path) -> None:
-    """However often Esc is pressed where one writes, what is typed next is written."""
+    """However often Esc is pressed in the editor, the next letters are typed into it."""
     async with running(store, tmp_path) as (app, pilot):
         await run_query(app, pilot, "ASK {}")
         await pilot.press("escape", "escape", "escape", "e", "y")
@@ -141,7 +141,7 @@ async def test_esc_in_the_editor_leaves_the_keys_there(store: Path, tmp_path: Pa
 async def test_an_answer_does_not_take_keys_from_who_types(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Who goes on typing while a query runs is not moved to its answer."""
+    """A user who types while a query runs keeps the focus."""
     async with running(store, tmp_path) as (app, pilot):
         held, ask = asyncio.Event(), app.link.ask
 
@@ -160,7 +160,7 @@ async def test_an_answer_does_not_take_keys_from_who_types(
 
 
 async def test_undo_shortens_a_text_above_its_cursor(store: Path, tmp_path: Path) -> None:
-    """Undoing lines that needed a scroll bar puts the cursor back into the text that is left."""
+    """Undoing lines that needed a scroll bar puts the cursor back into the remaining text."""
     async with running(store, tmp_path / "state") as (app, pilot):
         editor = current(app).editor
         editor.insert("ASK {}" + "\n" * 60)
@@ -171,7 +171,7 @@ async def test_undo_shortens_a_text_above_its_cursor(store: Path, tmp_path: Path
 
 
 async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: Path) -> None:
-    """The shell ends with 0, and its buffers are kept, however early in the opening of another it is left."""
+    """Leaving the shell at any time while a buffer opens exits with 0, and its buffers are saved."""
     for turns in (0, 1, 2, 4, 7, 11):
         async with running(store, tmp_path / str(turns)) as (app, pilot):
             current(app).editor.text = "ASK {}"
@@ -188,7 +188,7 @@ async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: P
 async def test_an_unexpected_error_is_shown_and_the_shell_goes_on(
     store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """An error of a key, of a message and of a worker has its code, its traceback is kept, and keys work after it."""
+    """An error of a key, a message or a worker has its code, its traceback is saved, and keys still work."""
 
     def fail(*_: object) -> None:
         raise ValueError("a defect")
@@ -213,7 +213,7 @@ def _span(problem: object) -> tuple[int, int]:
 
 
 async def test_a_query_is_stopped(store: Path, tmp_path: Path) -> None:
-    """Esc ends a query that would not end; the status line tells how long it has run, and the next query runs."""
+    """Esc cancels an endless query; the status line shows its duration, and the next query runs."""
     async with running(store, tmp_path) as (app, pilot):
         buffer = current(app)
         buffer.editor.text = ENDLESS
@@ -234,7 +234,7 @@ async def test_a_query_is_stopped(store: Path, tmp_path: Path) -> None:
 
 
 async def test_long_answers_come_in_pages(store: Path, tmp_path: Path) -> None:
-    """The limit cuts and says so; `a` fetches all; a page is what the table holds, `n` and the last row lead on."""
+    """The limit truncates with a notice; `a` fetches all; a page fills the table, `n` and the last row load more."""
     async with running(store, tmp_path, limit="250") as (app, pilot):
         buffer = await run_query(app, pilot, "SELECT * { ?s ?p ?o }")
         table = buffer.results.table
@@ -256,7 +256,7 @@ async def test_long_answers_come_in_pages(store: Path, tmp_path: Path) -> None:
 
 
 async def test_the_shell_follows_the_store(store: Path, tmp_path: Path) -> None:
-    """Another generation in force is noticed, a store that is gone is said, and nothing breaks."""
+    """A new generation is detected, a missing store is reported, and nothing breaks."""
     layout = Layout(tmp_path / "copy" / ".kg")
     shutil.copytree(store, layout.root)
     number = layout.current() or 0
@@ -271,7 +271,7 @@ async def test_the_shell_follows_the_store(store: Path, tmp_path: Path) -> None:
         layout.root.rename(tmp_path / "gone")
         app.main.follow()
         assert "store is gone" in words(app, "Status")
-        # A reader that was still at work may have begun a cache in its place.
+        # A reader still at work may have created a cache in its place.
         shutil.rmtree(layout.root, ignore_errors=True)
         (tmp_path / "gone").rename(layout.root)
         app.main.follow()
@@ -279,7 +279,7 @@ async def test_the_shell_follows_the_store(store: Path, tmp_path: Path) -> None:
 
 
 async def test_buffers_come_and_go_and_are_kept(store: Path, tmp_path: Path) -> None:
-    """Tabs open, close and turn; what stood in them is there when the shell starts again."""
+    """Tabs open, close and switch; their texts are restored when the shell starts again."""
     async with running(store, tmp_path) as (app, pilot):
         current(app).editor.text = "ASK { <urn:a> a <urn:b> }"
         await pilot.press("ctrl+n")
@@ -306,14 +306,14 @@ async def test_buffers_come_and_go_and_are_kept(store: Path, tmp_path: Path) -> 
 
 
 def test_without_a_store_there_are_plain_words(tmp_path: Path) -> None:
-    """KG301 is said before the screen is taken."""
+    """KG301 is reported before the terminal is used."""
     run = Program(tmp_path)("shell")
     assert run.code == 4
     assert "KG301" in run.err
 
 
 def test_without_a_terminal_there_is_a_way_out(store: Path, tmp_path: Path) -> None:
-    """KG550 says how scripts ask."""
+    """KG550 explains how scripts run queries."""
     run = Program(tmp_path)("--store", str(store), "shell")
     assert run.code == 2
     assert "KG550" in run.err

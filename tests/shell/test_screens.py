@@ -42,7 +42,7 @@ def anyio_backend() -> str:
 
 
 def labels(node: TreeNode[Any]) -> list[str]:
-    """Return what stands below an entry, all levels."""
+    """Return the labels below an entry, on all levels."""
     return [text for child in node.children for text in (str(child.label), *labels(child))]
 
 
@@ -60,7 +60,7 @@ async def shown(app: Shell, pilot: Pilot[Any], kind: type[Any], words: str) -> l
 
 
 async def go_to(pilot: Pilot[Any], tree: Tree[Any], words: str) -> None:
-    """Move the cursor of a tree to the first line with these words, once the tree has counted its lines."""
+    """Move the cursor of a tree to the first line with these words, once the tree has loaded its lines."""
 
     def moved() -> bool:
         found = next((node for node in _all(tree.root) if words in str(node.label)), None)
@@ -84,19 +84,19 @@ def _has_focus(widget: Widget) -> bool:
 
 
 def found_by_palette(app: Shell) -> list[str]:
-    """Return the titles of the commands that the palette offers, in small letters."""
+    """Return the titles of the palette's commands, in lower case."""
     options = app.screen.query_one(OptionList).options
     return [str(option.prompt).split("\n")[0].lower() for option in options]
 
 
 async def taking_keys(pilot: Pilot[Any], tree: Tree[Any]) -> None:
-    """Let a tree have the keys that are pressed next."""
+    """Focus a tree for the next keys."""
     tree.focus()
     await until(pilot, lambda: tree.has_focus)
 
 
 async def test_a_row_leads_to_the_line_of_code(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Enter on a row shows what it rests on, with rules and lines of code; these open in the editor."""
+    """Enter on a row shows its evidence, with rules and lines of code; these open in the editor."""
     started: list[list[str]] = []
     monkeypatch.setattr("kg.shell.app.Shell._start", lambda _app, command: started.append(command))
     monkeypatch.setenv("VISUAL", "vi")
@@ -123,7 +123,7 @@ async def test_a_row_leads_to_the_line_of_code(store: Path, tmp_path: Path, monk
 
 
 async def test_a_node_is_a_page_with_proofs(store: Path, tmp_path: Path) -> None:
-    """The page of a node has interfaces with their lines; `w` proves what is inferred, Backspace goes back."""
+    """The page of a node has interfaces with their lines; `w` proves inferred facts, Backspace goes back."""
     async with running(store, tmp_path) as (app, pilot):
         await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType ; rnkg:name 'scan_filter' }")
         await pilot.press("r")
@@ -141,7 +141,7 @@ async def test_a_node_is_a_page_with_proofs(store: Path, tmp_path: Path) -> None
 
 
 async def test_the_tree_opens_level_by_level(store: Path, tmp_path: Path) -> None:
-    """Packages hold nodes, nodes their interfaces; names go into the query, and an entry opens its page."""
+    """Packages contain nodes, nodes their interfaces; names go into the query, and an entry opens its page."""
     async with running(store, tmp_path) as (app, pilot):
         tree = app.main.query_one(KnowledgeTree)
         await until(pilot, lambda: "packages 5" in labels(tree.root))
@@ -162,7 +162,7 @@ async def test_the_tree_opens_level_by_level(store: Path, tmp_path: Path) -> Non
 
 
 async def test_the_tree_is_read_again_while_it_is_being_read(store: Path, tmp_path: Path) -> None:
-    """What was being read for a tree that has been cleared since does not reach the new one."""
+    """Entries loaded for a tree that was cleared in between do not reach the new one."""
     async with running(store, tmp_path) as (app, pilot):
         tree = app.main.query_one(KnowledgeTree)
         await until(pilot, lambda: "packages 5" in labels(tree.root))
@@ -175,7 +175,7 @@ async def test_the_tree_is_read_again_while_it_is_being_read(store: Path, tmp_pa
 
 
 async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> None:
-    """F2 finds nodes by words with reasons, F4 shows the documentation of rules; help and palette come above both."""
+    """F2 finds nodes by words with reasons, F4 shows the documentation of rules; help and palette overlay both."""
     async with running(store, tmp_path) as (app, pilot):
         await pilot.press("f2")
         await opened(app, pilot, FindScreen)
@@ -208,7 +208,7 @@ async def test_search_and_rules_have_screens(store: Path, tmp_path: Path) -> Non
 
 
 async def test_stored_queries_ask_for_their_parameters(store: Path, tmp_path: Path) -> None:
-    """F3 finds a stored query by letters of its title; the form says what a value is for and refuses a bad one."""
+    """F3 finds a stored query by letters of its title; the form explains its values and rejects invalid ones."""
     async with running(store, tmp_path) as (app, pilot):
         await pilot.press("f3")
         await opened(app, pilot, StoredScreen)
@@ -234,7 +234,7 @@ async def test_stored_queries_ask_for_their_parameters(store: Path, tmp_path: Pa
 
 
 async def test_answers_are_copied_and_written(store: Path, tmp_path: Path) -> None:
-    """`y` copies cell or rows in a format; `e` writes all rows, not those of the limit, and replaces only when told."""
+    """`y` copies cell or rows in a format; `e` writes all rows, despite the limit, and overwrites only on request."""
     async with running(store, tmp_path / "state", limit="2") as (app, pilot):
         await run_query(app, pilot, "SELECT ?name { ?n a rnkg:NodeType ; rnkg:name ?name } ORDER BY ?name")
         await pilot.press("y")
@@ -263,7 +263,7 @@ async def test_answers_are_copied_and_written(store: Path, tmp_path: Path) -> No
 
 
 async def exported(app: Shell, pilot: Pilot[Any], file: Path) -> None:
-    """Ask for the answer in a file."""
+    """Request an export to a file."""
     await pilot.press("e")
     await opened(app, pilot, ExportScreen)
     app.screen.query_one(Input).value = str(file)
@@ -271,7 +271,7 @@ async def exported(app: Shell, pilot: Pilot[Any], file: Path) -> None:
 
 
 async def test_small_terminals_and_keys_alone_are_enough(store: Path, tmp_path: Path) -> None:
-    """At 80 columns the tree hides until F9; letters lead to panels; the theme that was chosen is there again."""
+    """At 80 columns the tree is hidden until F9; letters lead to panels; the selected theme is restored."""
     async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
         tree = app.main.query_one(KnowledgeTree)
         await until(pilot, lambda: not tree.display)
@@ -297,7 +297,7 @@ async def test_small_terminals_and_keys_alone_are_enough(store: Path, tmp_path: 
 
 
 async def test_a_row_of_many_solutions_says_so() -> None:
-    """Below the facts of one solution stands of how many it is one."""
+    """Below the facts of one solution is the number of solutions."""
     told = lines_of_row({"proofs": [], "conditions": ["FILTER(1)"], "remark": "this is one of 2"})
     (section,) = told
     assert [line.text for line in section.children] == ["where FILTER(1)", "this is one of 2"]

@@ -1,4 +1,4 @@
-"""Pictures of the shell, as SVG: fixed sizes, no times, no paths; `pytest --snapshot-update` writes them anew."""
+"""Pictures of the shell, as SVG: fixed sizes, no times, no paths; `pytest --snapshot-update` updates them."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ORDER BY ?name ?topic"""
 
 
 async def ready(app: Shell, pilot: Pilot[Any]) -> None:
-    """Wait until the first level of the tree is there, and hold the cursor still."""
+    """Wait until the first level of the tree is loaded, and stop the cursor from blinking."""
     await until(pilot, lambda: current(app).editor.has_focus)
     await until(pilot, lambda: len(app.main.query_one(KnowledgeTree).root.children) > 1)
     current(app).editor.cursor_blink = False
@@ -39,19 +39,19 @@ async def ready(app: Shell, pilot: Pilot[Any]) -> None:
 
 @pytest.fixture(autouse=True)
 def _still(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Take out what differs between runs where it is drawn: a clock or a late resize may draw it at any time."""
+    """Remove varying parts where they are drawn: a clock or a late resize may draw them at any time."""
     monkeypatch.setattr(Status, "_draw", lambda self: self.update("snapshot 1  ·  ~/robot"))
     monkeypatch.setattr(ResultView, "_remark", lambda self, _: f"{len(self._rows)} rows")
 
 
 def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
-    """A query, its answer and the tree, on a large terminal."""
+    """A query, its result and the tree, on a large terminal."""
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
         await ready(app, pilot)
         await run_query(app, pilot, QUERY)
-        # The table makes room for the numbers of rows when it has nothing else to do.
+        # The table makes room for the row numbers when idle.
         table = current(app).results.table
         await until(pilot, lambda: not current(app).editor.has_focus)
         await until(pilot, lambda: table._label_column.content_width > 0)
@@ -61,7 +61,7 @@ def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[...
 
 
 def test_an_error_on_a_small_terminal(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
-    """An error under the right characters, at 80 columns and 24 lines."""
+    """An error below the right characters, at 80 columns and 24 lines."""
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
@@ -75,7 +75,7 @@ def test_an_error_on_a_small_terminal(store: Path, tmp_path: Path, snap_compare:
 
 
 def test_the_page_of_a_node(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]) -> None:
-    """Interfaces with their lines of code, and what rules inferred."""
+    """Interfaces with their lines of code, and inferred facts."""
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
@@ -92,7 +92,7 @@ def test_the_page_of_a_node(store: Path, tmp_path: Path, snap_compare: Callable[
 
 
 def _told(app: Shell) -> str:
-    """Return what is said of the line under the cursor."""
+    """Return the description of the line under the cursor."""
     return str(app.screen.query_one(".detail", Static).render())
 
 

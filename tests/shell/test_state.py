@@ -12,26 +12,26 @@ if TYPE_CHECKING:
 
 
 def entry(text: str, when: float = 1.0) -> Entry:
-    """Return a query that was run."""
+    """Return a history entry of a query."""
     return Entry(text, when, "/store", 3, 0.5, "ok")
 
 
 def test_buffers_belong_to_a_store(tmp_path: Path) -> None:
-    """Each store has buffers of its own; the order is kept."""
+    """Each store has its own buffers, in order."""
     State(tmp_path, "one").keep_buffers(["ASK {}", "SELECT *"])
     assert State(tmp_path, "one").buffers() == ["ASK {}", "SELECT *"]
     assert State(tmp_path, "two").buffers() == []
 
 
 def test_the_history_has_each_query_once_the_newest_first(tmp_path: Path) -> None:
-    """A query that was run again moves to the front; other shells add to the same history."""
+    """A repeated query moves to the front; other shells append to the same history."""
     for text in ("a", "b", "a"):
         State(tmp_path, "one").remember(entry(text))
     assert [one.text for one in State(tmp_path, "two").history()] == ["a", "b"]
 
 
 def test_files_are_for_their_owner_alone(tmp_path: Path) -> None:
-    """Nobody else may read what was asked."""
+    """Other users cannot read the queries."""
     folder = tmp_path / "state" / "shell"
     state = State(folder, "one")
     state.keep_buffers(["a"])
@@ -44,7 +44,7 @@ def test_files_are_for_their_owner_alone(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("content", ["", "{", "[1, null]", '{"theme": 3}', "\x00"])
 def test_damaged_files_count_as_nothing(tmp_path: Path, content: str) -> None:
-    """A file that another program damaged keeps nobody from working."""
+    """A damaged file does not prevent the shell from working."""
     state = State(tmp_path, "one")
     state.keep_buffers(["a"])
     for path in [*tmp_path.iterdir(), tmp_path / "history.jsonl", tmp_path / "choices.json"]:
@@ -55,7 +55,7 @@ def test_damaged_files_count_as_nothing(tmp_path: Path, content: str) -> None:
 
 
 def test_what_cannot_be_kept_is_told(tmp_path: Path) -> None:
-    """Where the folder cannot be written the reason is known, and nothing is raised."""
+    """If the folder is not writable the reason is available, and nothing is raised."""
     (tmp_path / "file").write_text("")
     state = State(tmp_path / "file" / "shell", "one")
     state.keep_buffers(["a"])
@@ -65,7 +65,7 @@ def test_what_cannot_be_kept_is_told(tmp_path: Path) -> None:
 
 
 def test_the_history_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a long history the newest entries stay."""
+    """Of a long history the newest entries remain."""
     monkeypatch.setattr("kg.shell.state._KEPT", 5)
     state = State(tmp_path, "one")
     for number in range(30):
@@ -76,7 +76,7 @@ def test_the_history_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_the_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """XDG_STATE_HOME says where it stands; a relative one does not count."""
+    """XDG_STATE_HOME gives the folder; a relative one is ignored."""
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
     assert state_folder() == tmp_path / "kg" / "shell"
     monkeypatch.setenv("XDG_STATE_HOME", "relative")

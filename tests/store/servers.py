@@ -84,14 +84,14 @@ def virtuoso_server(folder: Path) -> Iterator[str]:
 
 
 def load_server(store: Path, remote: RemoteStore) -> None:
-    """Send all quads of a store's folder to a server, in requests that any server takes."""
+    """Send all quads of a store's folder to a server, in small requests."""
     with EmbeddedStore.create(store).read() as snapshot:
         for graph in snapshot.graphs():
             lines = snapshot.content(graph).decode().splitlines()
             plain = [line for line in lines if "_:" not in line]
             for start in range(0, len(plain), BATCH):
                 remote.update(f"INSERT DATA {{ GRAPH {graph} {{\n" + "\n".join(plain[start : start + BATCH]) + "\n} }")
-            # Together, so that a label stands for one node; Virtuoso takes blank nodes in a template only.
+            # Together, so that a label is one node; Virtuoso allows blank nodes in a template only.
             if blank := [line for line in lines if "_:" in line]:
                 remote.update(f"INSERT {{ GRAPH {graph} {{\n" + "\n".join(blank) + "\n} } WHERE { }")
 

@@ -1,4 +1,4 @@
-"""A change of a server's data is noticed, and nothing else."""
+"""Only real changes of a server's data are detected."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def test_a_change_has_another_number(tmp_path: Path) -> None:
-    """Only when the sizes of graphs, or the end of the last run of rules, are others."""
+    """The number changes only with the sizes of graphs, or the end of the last run of rules."""
     with oxigraph_server() as address:
         remote = RemoteStore(f"{address}/query", f"{address}/update")
         layout = Layout(tmp_path, f"{address}/query")
@@ -39,7 +39,7 @@ def test_a_change_has_another_number(tmp_path: Path) -> None:
 
 
 def test_a_server_that_does_not_answer_keeps_its_number(tmp_path: Path) -> None:
-    """The failure is noted, and raised where an answer is needed."""
+    """The failure is recorded, and raised when a response is needed."""
     with own_port() as port:
         layout = Layout(tmp_path, f"http://127.0.0.1:{port}/query", silence=1)
         following = Following(layout)

@@ -1,4 +1,4 @@
-"""A server gets the graphs of a store, and afterwards only those that differ."""
+"""A server receives the graphs of a store, and afterwards only the changed ones."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def store(tmp_path: Path) -> EmbeddedStore:
 
 
 def _there(remote: RemoteStore, tmp_path: Path) -> list[bytes]:
-    """Return the graphs of this file as the server has them."""
+    """Return the graphs of this file on the server."""
     with RemoteReading(Layout(tmp_path, remote.address)) as snapshot:
         return canonical(quad for quad in snapshot.quads() if str(quad.graph_name).startswith("<https://example.org/"))
 
@@ -72,7 +72,7 @@ def _here(store: EmbeddedStore) -> list[bytes]:
 def test_the_server_has_the_graphs_of_the_store(
     store: EmbeddedStore, remote: RemoteStore, tmp_path: Path, most: int, requests: int
 ) -> None:
-    """Blank nodes that graphs share are shared there too."""
+    """Blank nodes shared by graphs are shared on the server, too."""
     assert replace_on(store.layout, remote, request_bytes=most) == Replaced(3, 1205, 0, requests)
     assert _there(remote, tmp_path) == _here(store)
 
@@ -84,7 +84,7 @@ def test_nothing_is_written_twice(store: EmbeddedStore, remote: RemoteStore) -> 
 
 
 def test_only_changed_graphs_are_written(store: EmbeddedStore, remote: RemoteStore, tmp_path: Path) -> None:
-    """A change that keeps the number of triples counts too."""
+    """A change that preserves the number of triples counts, too."""
     replace_on(store.layout, remote)
     with store.write("test") as transaction:
         transaction.replace_graphs({B: [_lines("c", 3)]})
@@ -95,7 +95,7 @@ def test_only_changed_graphs_are_written(store: EmbeddedStore, remote: RemoteSto
 def test_a_graph_with_blank_nodes_is_written_with_those_that_may_share_them(
     store: EmbeddedStore, remote: RemoteStore, tmp_path: Path
 ) -> None:
-    """Else the shared node would become two."""
+    """Otherwise the shared node would become two."""
     replace_on(store.layout, remote)
     with store.write("test") as transaction:
         transaction.replace_graphs({BLANK: [b"<urn:t> <urn:p> _:x .\n"]})
@@ -104,7 +104,7 @@ def test_a_graph_with_blank_nodes_is_written_with_those_that_may_share_them(
 
 
 def test_a_graph_that_is_gone_is_removed(store: EmbeddedStore, remote: RemoteStore, tmp_path: Path) -> None:
-    """Graphs that the store never had stay."""
+    """Graphs that the store never had remain."""
     remote.update(f"INSERT DATA {{ GRAPH {OTHER} {{ <urn:a> <urn:b> <urn:c> }} }}")
     replace_on(store.layout, remote)
     with store.write("test") as transaction:
@@ -115,7 +115,7 @@ def test_a_graph_that_is_gone_is_removed(store: EmbeddedStore, remote: RemoteSto
 
 
 def test_what_others_removed_is_written_again(store: EmbeddedStore, remote: RemoteStore, tmp_path: Path) -> None:
-    """Noticed by the number of triples."""
+    """Detected by the number of triples."""
     replace_on(store.layout, remote)
     remote.update(f"DELETE WHERE {{ GRAPH {B} {{ <urn:b:1> ?p ?o }} }}")
     assert replace_on(store.layout, remote) == Replaced(1, 3, 0, 1)

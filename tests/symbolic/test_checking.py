@@ -1,4 +1,4 @@
-"""Tests of the errors in descriptions of framework calls, and that the shipped ones and the manual have none."""
+"""Tests of the errors in descriptions of framework calls; the shipped ones and the manual have none."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def errors_of(*texts: str) -> list[SourceError]:
 
 
 def test_shipped_descriptions_have_no_errors() -> None:
-    """The rows of ontology/calls are as users' rows must be."""
+    """The rows of ontology/calls satisfy the rules for users' rows."""
     files = sorted((ROOT / "ontology" / "calls").glob("*.toml"))
     assert check({str(file): file.read_text(encoding="utf-8") for file in files}) == []
 
@@ -78,7 +78,7 @@ def test_shipped_descriptions_have_no_errors() -> None:
     ],
 )
 def test_an_error_has_its_place_and_a_way_out(text: str, line: int, column: int, message: str, hint: str) -> None:
-    """Each kind of error is found, at the line and column of what is wrong, with what to write instead."""
+    """Each kind of error is found, at its line and column, with a correction."""
     error = errors_of(text)[0]
     assert (error.code, message in error.message) == ("KG123", True), error
     assert error.place is not None
@@ -88,7 +88,7 @@ def test_an_error_has_its_place_and_a_way_out(text: str, line: int, column: int,
 
 
 def test_all_errors_are_found_in_the_order_of_the_files() -> None:
-    """One error does not hide those after it, in the same row, in another row, or in another file."""
+    """One error does not hide later ones, in the same row, another row, or another file."""
     first = CLASS + 'is = "nod"\n' + CALL + "arguments = 1\nnodes = 0\n"
     places = [error.place for error in errors_of(first, "[[call]]\n")]
     assert [(place.path, place.line) for place in places if place] == [
@@ -116,7 +116,7 @@ def test_all_errors_are_found_in_the_order_of_the_files() -> None:
     ],
 )
 def test_a_row_that_never_matches_is_an_error(earlier: str, later: str) -> None:
-    """A row behind one that matches the same calls, or the same class, has no effect and is reported."""
+    """A row after one that matches the same calls, or the same class, has no effect and is reported."""
     assert errors_of(earlier) == []
     for texts in ((earlier + later,), (earlier, later)):
         (error,) = errors_of(*texts)
@@ -135,7 +135,7 @@ def test_a_row_that_never_matches_is_an_error(earlier: str, later: str) -> None:
     ],
 )
 def test_a_row_that_matches_something_else_is_right(earlier: str, later: str) -> None:
-    """A wider row behind a narrower one has its effect."""
+    """A wider row after a narrower one has its effect."""
     assert errors_of(earlier + later) == []
 
 
@@ -152,7 +152,7 @@ def test_a_row_that_matches_something_else_is_right(earlier: str, later: str) ->
     ],
 )
 def test_the_manual_lists_every_column_and_word(heading: str, known: dict[str, object]) -> None:
-    """Each table of docs/calls.md has the columns and words that are read, and no others."""
+    """Each table of docs/calls.md has exactly the supported columns and words."""
     page = (ROOT / "docs" / "calls.md").read_text(encoding="utf-8")
     table = re.search(r"(?:^\|.*\n)+", page[page.index(heading) :], re.MULTILINE)
     assert table is not None
@@ -188,7 +188,7 @@ ROWS = st.lists(st.tuples(st.sampled_from(["call", "class"]), st.dictionaries(WO
 
 
 def written(value: object) -> str:
-    """Return a value as TOML writes it."""
+    """Return a value in TOML."""
     if isinstance(value, dict):
         return "{" + ", ".join(f'"{key}" = {written(one)}' for key, one in value.items()) + "}"
     if isinstance(value, list):
@@ -198,7 +198,7 @@ def written(value: object) -> str:
 
 @given(ROWS)
 def test_what_is_checked_can_be_read(rows: list[tuple[str, dict[str, object]]]) -> None:
-    """Whatever a file holds is either reported with its place or read."""
+    """Any content of a file is either reported with its place or read."""
     text = "".join(
         f"[[{kind}]]\n" + "".join(f'"{key}" = {written(value)}\n' for key, value in row.items()) for kind, row in rows
     )

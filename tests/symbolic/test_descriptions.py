@@ -47,7 +47,7 @@ def test_effects_say_which_argument_is_what() -> None:
 
 
 def test_a_row_may_have_several_effects() -> None:
-    """A list of effects of one kind, and effects of several kinds, are all kept; a row may be of either ROS."""
+    """A list of effects of one kind, and effects of several kinds, are all read; a row may be of either ROS."""
     row = (
         'ros = 2\n[[call]]\nname = "f"\nros = 0\nreads = { name = 0, output = 1 }\n'
         'services = [{ fixed = "~/a", type = ["x/A"] }, { fixed = "~/b", type = ["x/B"] }]\n'
@@ -81,7 +81,7 @@ def test_no_name_is_no_class() -> None:
 
 
 def test_descriptions_of_users_come_first() -> None:
-    """A class or call that a user describes is meant as the user says, and all others stay as they are shipped."""
+    """A class or call described by a user has that meaning, and all others remain as shipped."""
     own_class = '[[class]]\nname = "ros::NodeHandle"\nis = "qos"\n'
     own_call = '[[call]]\non = ["ros::NodeHandle"]\nname = "advertise"\nmark = "own"\n'
     both = merged((own_class + own_call,))
@@ -94,14 +94,14 @@ def test_descriptions_of_users_come_first() -> None:
 
 
 def test_merging_leaves_the_shipped_ones_alone() -> None:
-    """What one user describes is not in force for others."""
+    """A description by one user does not affect others."""
     before = {name: list(listed) for name, listed in shipped().calls.items()}
     merged((MAKER,))
     assert dict(shipped().calls) == before
 
 
 def test_every_shipped_row_has_a_meaning() -> None:
-    """Each call that is shipped has a place where it counts, and arguments within the number that it allows."""
+    """Each shipped call has a context, and arguments within the allowed number."""
     for listed in shipped().calls.values():
         for call in listed:
             assert call.on or call.scopes, call.names

@@ -1,4 +1,4 @@
-"""Which functions can lead to an effect, by the words of their code."""
+"""Functions that may lead to an effect, by the words of their code."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def test_a_call_on_a_class_counts_where_the_program_names_the_class() -> None:
 
 
 def test_an_answer_changes_with_the_program() -> None:
-    """A function that reached nothing is looked at again when the program has more code."""
+    """A function without effects is analysed again when the program has more code."""
     program = Toy(run="setup")
     analysis = reach(program)
     assert not analysis.reaches(program.made["run"])
@@ -113,12 +113,12 @@ def test_an_answer_changes_with_the_program() -> None:
 
 
 def test_changes_are_those_of_all_functions_that_can_run() -> None:
-    """What a function can change includes what the functions change that it names."""
+    """The changes of a function include those of the functions it names."""
     program = Toy(run="helper =ready", helper="=count deep", deep="=last run", other="=unseen")
     assert reach(program).changes(program.made["run"]) == {"ready", "count", "last"}
 
 
 def test_uses_are_the_words_of_all_functions_that_can_run() -> None:
-    """What a function can use includes the words of the functions that it names."""
+    """The uses of a function include the words of the functions it names."""
     program = Toy(run="helper one", helper="two")
     assert reach(program).uses([program.made["run"]]) == {"helper", "one", "two"}

@@ -53,14 +53,14 @@ def test_join_of_a_value_with_itself_is_the_value(value: Value) -> None:
 
 @given(st.lists(VALUES, min_size=1, max_size=5))
 def test_join_is_idempotent(values: list[Value]) -> None:
-    """What was joined stays as it is when it is joined with itself."""
+    """Joining a joined value with itself does not change it."""
     joined = join(*values)
     assert options(join(joined, joined)) == options(joined)
 
 
 @given(st.lists(PLAIN, min_size=1, max_size=5), st.randoms())
 def test_the_order_of_joined_values_does_not_matter(values: list[Value], random: Random) -> None:
-    """The alternatives are the same in whatever order known values are joined, one by one or at once."""
+    """Known values can be joined in any order, one by one or at once."""
     mixed = list(values)
     random.shuffle(mixed)
     step = mixed[0]
@@ -71,12 +71,12 @@ def test_the_order_of_joined_values_does_not_matter(values: list[Value], random:
 
 @given(st.lists(TEXTS, min_size=1, max_size=3), UNKNOWN)
 def test_known_values_stay_beside_unknown_ones(values: list[Value], unknown: Value) -> None:
-    """A value that is known on one side of a branch is kept where the other side is not known."""
+    """A value known in one branch remains if it is unknown in the other."""
     assert options(join(*values, unknown)) == set(values)
 
 
 def test_alternatives_of_one_side_are_not_combined_with_the_other_side() -> None:
-    """Where the other side of a branch does not know a value, the alternatives of this side stay on this side."""
+    """If the other branch does not know a value, the alternatives of this one are not combined with it."""
     name = abstract.options([join(Text.of("a"), Text.of("b")), Unknown("it is read")], "branch")
     topic = abstract.options([Text.of("here"), Text.of("there")], "branch")
     found = {(one, other) for one, other in combinations([name, topic])}
@@ -91,7 +91,7 @@ def test_what_a_parameter_falls_back_to_is_its_default(word: str) -> None:
 
 
 def test_too_many_alternatives_are_not_known() -> None:
-    """More alternatives than the bound make a value that is not known, with that reason."""
+    """More alternatives than the limit make an unknown value, with that reason."""
     texts = [Text.of(f"a{i}") for i in range(MOST_ALTERNATIVES + 1)]
     assert isinstance(join(*texts[:-1]), Either)
     found = join(*texts)
@@ -112,7 +112,7 @@ def test_concatenation_of_known_values_is_known(values: list[Value]) -> None:
 
 @given(st.lists(st.one_of(TEXTS, UNKNOWN, PARAMETERS), min_size=1, max_size=5))
 def test_concatenation_keeps_known_parts(values: list[Value]) -> None:
-    """What is not known is a hole between the parts that are, and the text is never stated as complete."""
+    """An unknown part is a hole between the known ones, and the text is never complete."""
     joined = concatenate(*values)
     assert isinstance(joined, Text)
     holes = [value for value in values if not isinstance(value, Text) or value.known is None]
@@ -131,7 +131,7 @@ def test_concatenation_of_alternatives_has_all_of_them(left: list[Value], right:
 
 
 def test_neighbouring_holes_are_one() -> None:
-    """Two unknown parts in a row are one hole of the name."""
+    """Two adjacent unknown parts are one hole of the name."""
     joined = concatenate(Text.of("a/"), Unknown("x"), Unknown("y"), Text.of("/b"))
     assert isinstance(joined, Text)
     assert (joined.shown, joined.parts) == ("a/{}/b", ("a/", Hole(), "/b"))
@@ -139,7 +139,7 @@ def test_neighbouring_holes_are_one() -> None:
 
 @given(PLAIN)
 def test_a_value_read_back_is_no_literal(value: Value) -> None:
-    """A text that is read from a variable is a constant; nothing else of it changes."""
+    """A text read from a variable is a constant; nothing else changes."""
     found = read_back(value)
     assert read_back(found) == found
     if isinstance(value, Text) and isinstance(found, Text):
@@ -158,7 +158,7 @@ def test_reading_back_reaches_into_lists_and_alternatives(values: list[Value]) -
 
 
 def test_only_a_parameter_alone_is_a_whole_one() -> None:
-    """A text with more in it than a parameter is not the value of the parameter."""
+    """A text that is more than a parameter is not the value of the parameter."""
     parameter = Text.hole("it is a parameter", parameter="~/topic")
     assert whole_parameter(parameter)
     assert not whole_parameter(concatenate(Text.of("a/"), parameter))
@@ -166,13 +166,13 @@ def test_only_a_parameter_alone_is_a_whole_one() -> None:
 
 
 def test_a_number_that_may_be_unknown_is_unknown() -> None:
-    """Both sides of a branch on it can run; of other values the known ones are left."""
+    """Both sides of a branch on it may run; of other values the known ones remain."""
     assert join(number(1), Unknown("it is read")) == Unknown("it is read")
     assert join(Text.of("a"), Unknown("it is read")) == Text.of("a")
 
 
 def test_lists_that_grew_under_conditions_are_one_list() -> None:
-    """More than a few lists of different lengths become one with the elements of all, each of them possible."""
+    """More than a few lists of different lengths become one with all elements, each of them optional."""
     a, b, c = (Text.of(name) for name in "abc")
     lists = [Sequence(items) for items in ((), (a,), (b,), (a, b), (a, b, c))]
     assert join(*lists) == Sequence((a, b, c), repeated=True)
@@ -180,6 +180,6 @@ def test_lists_that_grew_under_conditions_are_one_list() -> None:
 
 
 def test_rows_stay_apart() -> None:
-    """Lists of one length are alternatives, such as pairs, however many they are."""
+    """Lists of one length, such as pairs, are alternatives, however many there are."""
     pairs = [Sequence((number(index), number(index + 1))) for index in range(MOST_ALTERNATIVES)]
     assert join(*pairs) == Either(tuple(pairs))

@@ -1,4 +1,4 @@
-"""Syntax trees as text, and trees without what depends on their text, so that the two can be compared."""
+"""Syntax trees as text, and trees without their text-dependent parts, for comparing both."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NOWHERE = Span(0, 0)
 
 
 def plain(node: T) -> T:
-    """Return a tree in which every span is the same and groups have no text."""
+    """Return a tree with equal spans everywhere and no text in groups."""
     if isinstance(node, tuple):
         return type(node)(map(plain, node))
     if isinstance(node, Span):
@@ -37,7 +37,7 @@ def plain(node: T) -> T:
 
 
 def term_text(term: Pattern) -> str:
-    """Return a term as SPARQL writes it; a variable that begins with `.` is the label of a blank node."""
+    """Return a term in SPARQL; a variable that begins with `.` is the label of a blank node."""
     if isinstance(term, Variable):
         return f"_:{term.name[1:]}" if term.name.startswith(".") else f"?{term.name}"
     if isinstance(term, TripleTerm | Triple):

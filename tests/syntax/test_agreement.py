@@ -19,7 +19,7 @@ ENGINE = Store()
 
 
 def as_rule(query: str) -> str | None:
-    """Return a query of any kind as a CONSTRUCT with the same pattern; None where that cannot be."""
+    """Return a query of any kind as a CONSTRUCT with the same pattern, or None if impossible."""
     found = PROLOGUE.match(query)
     prologue, rest = (found.group(), query[found.end() :]) if found else ("", query)
     kind = (re.match(r"\w*", rest) or [""])[0].upper()
@@ -32,7 +32,7 @@ def as_rule(query: str) -> str | None:
 
 
 def engine_accepts(query: str) -> bool:
-    """Tell whether the engine can parse a query."""
+    """Whether the engine can parse a query."""
     try:
         ENGINE.query(query, prefixes=dict(PREFIXES))
     except SyntaxError:
@@ -43,7 +43,7 @@ def engine_accepts(query: str) -> bool:
 
 
 def test_rules_and_engine_accept_the_same_queries() -> None:
-    """What the engine parses is accepted or refused as not for rules (KG209), and what it does not parse is KG201."""
+    """Queries that the engine parses are accepted or KG209 (not for rules), and all others are KG201."""
     if not FOLDER.is_dir():
         pytest.skip(f"{FOLDER} is not there: the W3C's tests are not part of this repository")
     queries = [(path, as_rule(path.read_text())) for path in sorted(FOLDER.rglob("*.rq"))]
@@ -53,7 +53,7 @@ def test_rules_and_engine_accept_the_same_queries() -> None:
 
 
 def differs(query: str) -> bool:
-    """Tell whether rules and engine differ on a query, or its pattern spelt anew is another pattern."""
+    """Whether rules and engine differ on a query, or its pattern changes when printed."""
     try:
         (rule,) = parse_rq(query, "x.rq").rules
     except RuleError as error:

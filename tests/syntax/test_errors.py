@@ -1,4 +1,4 @@
-"""Cases: `NAME.rq` is refused as the first line of `NAME.error` says, with the hint of its second line."""
+"""Cases: `NAME.rq` is rejected with the first line of `NAME.error`, and the hint in its second line."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CASES = sorted((Path(__file__).parent / "cases").glob("*.rq"))
 
 @pytest.mark.parametrize("rule", CASES, ids=lambda path: path.stem)
 def test_a_bad_rule_is_refused_at_its_place(rule: Path) -> None:
-    """An error says what was expected, where, and what may have been meant."""
+    """An error has the expected syntax, the place, and a suggestion."""
     said, _, hint = rule.with_suffix(".error").read_text().strip().partition("\n")
     code, place, words = said.split(" ", 2)
     with pytest.raises(RuleError) as caught:
@@ -27,7 +27,7 @@ def test_a_bad_rule_is_refused_at_its_place(rule: Path) -> None:
 
 
 def test_an_error_shows_the_line() -> None:
-    """The place of an error carries the text of its line, whatever ends the lines."""
+    """The place of an error has the text of its line, for any line ends."""
     with pytest.raises(RuleError) as caught:
         parse_rq("CONSTRUCT { }\r\nWHERE { ?s ?p }", "x.rq")
     assert caught.value.place is not None

@@ -35,17 +35,17 @@ BASE = "http://a/b/c/d;p?q"
     ],
 )
 def test_references_are_resolved_as_the_standard_says(reference: str, expected: str) -> None:
-    """The examples of RFC 3986, section 5.4, give what they state."""
+    """The examples of RFC 3986, section 5.4, give the stated results."""
     assert resolve(BASE, reference) == expected
 
 
 def test_a_base_without_a_path_is_a_root() -> None:
-    """A name beside a bare host stands below its root."""
+    """A name relative to a bare host is below its root."""
     assert resolve("http://a", "g") == "http://a/g"
 
 
 def test_an_absolute_iri_stays_as_it_is_written() -> None:
-    """What has a scheme is not touched, dots in its path neither."""
+    """A reference with a scheme is unchanged, including dots in its path."""
     assert resolve(BASE, "http://x/a/../b") == "http://x/a/../b"
     assert is_absolute("urn:x")
     assert not is_absolute("1a:b")

@@ -20,7 +20,7 @@ def kinds(text: str) -> list[tuple[str, str]]:
 
 @given(PIECES.map("".join))
 def test_nothing_is_lost(text: str) -> None:
-    """Tokens stand in order, are what the text has there, and only blanks and comments lie between them."""
+    """Tokens are in order, equal their part of the text, and are separated only by whitespace and comments."""
     end = 0
     for token in tokens(text):
         assert token.start >= end
@@ -32,7 +32,7 @@ def test_nothing_is_lost(text: str) -> None:
 
 @given(st.text())
 def test_any_text_is_split(text: str) -> None:
-    """No text at all makes the lexer fail, and ends of lines become line feeds."""
+    """Any text can be split, and line ends become line feeds."""
     list(tokens(normalise(text)))
     assert "\r" not in normalise(text)
 
@@ -58,13 +58,13 @@ def test_any_text_is_split(text: str) -> None:
     ],
 )
 def test_tokens(text: str, expected: list[tuple[str, str]]) -> None:
-    """Tokens are those of SPARQL's grammar; `<` is an operator exactly behind an operand of an expression."""
+    """Tokens are those of SPARQL's grammar; `<` is an operator only after an operand of an expression."""
     found = kinds(text)
     assert any(found[index : index + len(expected)] == expected for index in range(len(found)))
 
 
 def test_long_texts_take_linear_time() -> None:
-    """Long texts of pieces that could make it look ahead far are split within seconds each."""
+    """Long texts of pieces that could cause long lookahead are split within seconds each."""
     began = time.process_time()
     for piece in ("<", "'", "(", "a.", "a:b..", "<a", "'''\"", "\\", "1<", "a-"):
         for text in (piece * 8_000, f"a:b{piece * 8_000}c", f"'''{piece * 8_000}"):

@@ -18,13 +18,13 @@ from kg.syntax.prologue import declaration
     ],
 )
 def test_where_declarations_go(text: str, result: str) -> None:
-    """A declaration goes behind those that are there, else before the query and behind its comment."""
+    """A declaration is inserted after existing ones, else before the query and after its comment."""
     at, line = declaration(text, {"a": "urn:a"})
     assert text[:at] + line + text[at:] == result
 
 
 def test_declarations_of_turtle() -> None:
-    """In Turtle a declaration has the form of Turtle, and goes behind those of either form."""
+    """In Turtle a declaration has the form of Turtle, and follows those of either form."""
     text = "# Shapes\n\n@prefix b: <urn:b> .\nb:one b:two b:three .\n"
     at, lines = declaration(text, {"a": "urn:a", "c": "urn:c"}, turtle=True)
     assert (at, lines) == (text.index("b:one"), "@prefix a: <urn:a> .\n@prefix c: <urn:c> .\n")

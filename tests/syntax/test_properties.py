@@ -30,7 +30,7 @@ OPENINGS = ["{", "[ :p ", "(", "FILTER((", "FILTER(!", "<<( ", "<< ", "OPTIONAL 
 
 
 def refusal(parse: Callable[[str, str], RuleUnit], text: str) -> RuleError | None:
-    """Return the error that a text gives; None when it parses."""
+    """Return the error of a text, or None if it parses."""
     try:
         parse(text, "x")
     except RuleError as error:
@@ -40,7 +40,7 @@ def refusal(parse: Callable[[str, str], RuleUnit], text: str) -> RuleError | Non
 
 @given(templates, groups())
 def test_the_print_of_a_tree_parses_to_that_tree(template: tuple[TriplePattern, ...], group: Group) -> None:
-    """What the parser gives for the text of a tree is the tree."""
+    """Parsing the text of a tree gives the tree."""
     text = f"CONSTRUCT {{ {template_text(template)} }} WHERE {group_text(group)}"
     (rule,) = parse_rq(text, "x.rq").rules
     assert plain(rule.template) == plain(template)
@@ -49,7 +49,7 @@ def test_the_print_of_a_tree_parses_to_that_tree(template: tuple[TriplePattern, 
 
 @given(groups())
 def test_a_group_spelt_anew_means_the_same(group: Group) -> None:
-    """The text that a group carries parses to the group without any prefix."""
+    """The text stored in a group parses to the group without any prefix."""
     (rule,) = parse_rq(f"CONSTRUCT {{ }} WHERE {group_text(group)}", "x.rq").rules
     (again,) = parse_rq(f"CONSTRUCT {{ }} WHERE {rule.group.text}", "x.rq").rules
     assert plain(again.group) == plain(rule.group)
@@ -58,7 +58,7 @@ def test_a_group_spelt_anew_means_the_same(group: Group) -> None:
 @pytest.mark.parametrize("parse", [parse_rq, parse_srl])
 @given(TEXTS)
 def test_any_text_gives_a_tree_or_an_error_with_a_place(parse: Callable[[str, str], RuleUnit], text: str) -> None:
-    """No text makes a parser fail otherwise than by saying where."""
+    """Any text is parsed, or rejected with a place."""
     error = refusal(parse, text)
     assert error is None or (error.code in {"KG201", "KG209"} and error.place is not None and error.place.line)
 
@@ -66,7 +66,7 @@ def test_any_text_gives_a_tree_or_an_error_with_a_place(parse: Callable[[str, st
 @settings(max_examples=200)
 @given(st.sampled_from(SETS), st.integers(0, 10_000), st.integers(0, 3), TEXTS)
 def test_a_damaged_rule_set_gives_a_tree_or_an_error(text: str, at: int, gone: int, other: str) -> None:
-    """A rule set with a part cut out or put in parses or is refused."""
+    """A rule set with a part removed or inserted is parsed or rejected."""
     at %= len(text) + 1
     error = refusal(parse_srl, text[:at] + other[:3] + text[at + gone :])
     assert error is None or error.code == "KG201"
@@ -77,7 +77,7 @@ def test_a_damaged_rule_set_gives_a_tree_or_an_error(text: str, at: int, gone: i
 )
 @pytest.mark.parametrize("parse", [parse_rq, parse_srl])
 def test_deep_nesting_is_refused(parse: Callable[[str, str], RuleUnit], opening: str) -> None:
-    """Brackets beyond the limit are an error, not the end of the process."""
+    """Brackets beyond the limit are an error, without a crash."""
     head = "CONSTRUCT {} WHERE {" if parse is parse_rq else "RULE {} WHERE {"
     with pytest.raises(RuleError) as caught:
         parse(f"PREFIX : <http://e/> {head} {opening * 100_000}", "x")

@@ -16,12 +16,12 @@ E = "http://e/"
 
 
 def rule(text: str) -> RuleText:
-    """Parse a rule in which the empty prefix is declared."""
+    """Parse a rule with the empty prefix declared."""
     return parse_rq(f"PREFIX : <{E}>\n{text}", "x.rq").rules[0]
 
 
 def body(text: str) -> tuple[tree.Node, ...]:
-    """Parse what stands between the braces of WHERE."""
+    """Parse the content of WHERE."""
     return rule(f"CONSTRUCT {{ }} WHERE {{ {text} }}").group.nodes
 
 
@@ -33,7 +33,7 @@ def expression(text: str) -> Expression:
 
 
 def test_blank_nodes_are_new_in_templates_and_variables_in_patterns() -> None:
-    """A label is a blank node in a template and a variable that nothing else can name in a pattern."""
+    """A label is a blank node in a template and an otherwise unnameable variable in a pattern."""
     parsed = rule("CONSTRUCT { _:b :p [ :q _:b ] } WHERE { _:b :p [] }")
     assert parsed.template[0].subject == BlankNode("b") == parsed.template[1].object
     (pattern,) = parsed.group.nodes
@@ -44,13 +44,13 @@ def test_blank_nodes_are_new_in_templates_and_variables_in_patterns() -> None:
 
 
 def test_made_labels_are_not_those_of_the_text() -> None:
-    """A blank node without a label never gets a label that the text has."""
+    """A generated label never equals one in the text."""
     parsed = rule("CONSTRUCT { _:g1 :p [ :q _:gg1 ] } WHERE { }")
     assert len({parsed.template[0].subject, parsed.template[0].object, parsed.template[1].object}) == 3
 
 
 def test_the_short_form_is_template_and_pattern() -> None:
-    """CONSTRUCT WHERE derives what it matches."""
+    """CONSTRUCT WHERE derives its matches."""
     parsed = rule("CONSTRUCT WHERE { ?s :p _:b , 1 }")
     assert [triple.object for triple in parsed.template] == [BlankNode("b"), Literal(1)]
     assert [node.object for node in parsed.group.nodes if isinstance(node, tree.TriplePattern)] == [
@@ -60,7 +60,7 @@ def test_the_short_form_is_template_and_pattern() -> None:
 
 
 def test_triples_know_their_place() -> None:
-    """The span of a triple begins at what is new in it: subject, predicate or object."""
+    """The span of a triple begins at its first new part: subject, predicate or object."""
     text = "CONSTRUCT { } WHERE { ?s :p 1 , 2 ; :q 3 }"
     whole = f"PREFIX : <{E}>\n{text}"
     spans = [node.span for node in body("?s :p 1 , 2 ; :q 3")]
@@ -68,7 +68,7 @@ def test_triples_know_their_place() -> None:
 
 
 def test_triple_terms_without_variables_are_terms() -> None:
-    """A triple term of known terms is a constant; one with a variable or a blank node is filled in."""
+    """A triple term of known terms is a constant; one with a variable or a blank node is instantiated."""
     known, open_ = body("?s :p <<( :a :b 1 )>> , <<( :a :b ?x )>>")
     assert isinstance(known, tree.TriplePattern)
     assert known.object == Triple(NamedNode(f"{E}a"), NamedNode(f"{E}b"), Literal(1))
@@ -87,14 +87,14 @@ def test_triple_terms_without_variables_are_terms() -> None:
     ],
 )
 def test_a_filter_of_exists_alone_is_exists(written: str, negated: bool) -> None:  # noqa: FBT001 - a column of a table
-    """A filter that is nothing but EXISTS, whatever brackets and signs are around it, is EXISTS."""
+    """A filter that consists of EXISTS, with any brackets and signs around it, is EXISTS."""
     (node,) = body(f"FILTER {written}")
     assert isinstance(node, tree.Exists)
     assert node.negated is negated
 
 
 def test_a_filter_with_more_than_exists_stays_a_filter() -> None:
-    """EXISTS inside an expression stays there, and the expression knows it."""
+    """EXISTS inside an expression remains there, and is recorded by the expression."""
     (node,) = body("FILTER (EXISTS { ?s :p ?o } || ?x)")
     assert isinstance(node, tree.Filter)
     assert node.expression.variables == ("s", "o", "x")
@@ -102,7 +102,7 @@ def test_a_filter_with_more_than_exists_stays_a_filter() -> None:
 
 
 def test_an_expression_is_spelt_without_prefixes() -> None:
-    """Names become IRIs, comments go, signs of numbers stay with them, keywords are as the engine knows them."""
+    """Names become IRIs, comments are removed, signs of numbers are preserved, keywords have the engine's spelling."""
     found = expression('xsd:integer( ?a )<-1&&?b IN(:c,"x"^^:t, TRUE) # c\n || ! :f(2)')
     xsd = "http://www.w3.org/2001/XMLSchema#"
     assert found.text == f'<{xsd}integer>(?a) < -1 && ?b IN (<{E}c>, "x"^^<{E}t>, true) || !<{E}f>(2)'
@@ -111,12 +111,12 @@ def test_an_expression_is_spelt_without_prefixes() -> None:
 
 
 def test_an_expression_tells_arithmetic_and_functions() -> None:
-    """Functions are in upper case, arithmetic by its sign."""
+    """Functions are in upper case, arithmetic operators are listed by their sign."""
     assert expression("strlen(?a) * 2 - abs(?b)").functions == {"STRLEN", "ABS", "*", "-"}
 
 
 def test_aggregates_are_found_and_can_be_replaced() -> None:
-    """An expression has its aggregates with the text that stands for them; their variables are not free in it."""
+    """An expression has its aggregates with their placeholder text; their variables are not free in it."""
     (node,) = body(
         '{ SELECT ?k (1 + group_concat(DISTINCT STR(?o) ; separator = ",") AS ?n) { ?k :p ?o } GROUP BY ?k }'
     )
@@ -132,7 +132,7 @@ def test_aggregates_are_found_and_can_be_replaced() -> None:
 
 
 def test_values_behind_a_selection_stand_in_its_group() -> None:
-    """VALUES behind a sub-SELECT joins with its group."""
+    """VALUES after a sub-SELECT joins with its group."""
     (node,) = body("{ SELECT ?s { ?s :p ?o } VALUES ?s { :a } }")
     assert isinstance(node, tree.SubSelect)
     assert isinstance(node.group.nodes[-1], tree.ValuesBlock)
@@ -149,13 +149,13 @@ def test_values_behind_a_selection_stand_in_its_group() -> None:
     ],
 )
 def test_the_engine_takes_a_group_spelt_anew(text: str) -> None:
-    """What a group carries as its text is SPARQL that the engine parses without prefixes."""
+    """The text stored in a group is SPARQL that the engine parses without prefixes."""
     spelt = rule(f"CONSTRUCT {{ }} WHERE {{ {text} }}").group.text
     assert not list(Store().query(f"SELECT * WHERE {spelt}"))  # type: ignore[arg-type]  # a SELECT has solutions
 
 
 def test_a_group_of_a_selection_and_more_keeps_all_of_it() -> None:
-    """Braces around a sub-SELECT alone are its own; with something beside it they are a group."""
+    """Braces around only a sub-SELECT are its own; with other elements they are a group."""
     (alone,) = body("{ { SELECT ?s { ?s :p ?o } } }")
     (beside,) = body("{ { SELECT ?s { ?s :p ?o } } ?s :q ?x }")
     assert isinstance(alone, tree.SubSelect)

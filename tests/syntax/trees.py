@@ -89,7 +89,7 @@ EXPRESSIONS = st.builds(
 
 @st.composite
 def groups(draw: st.DrawFn, depth: int = 0) -> tree.Group:
-    """Draw a group whose assignments name new variables."""
+    """Draw a group whose assignments bind new variables."""
     nodes: list[tree.Node] = []
     for _ in range(draw(st.integers(0, 3))):
         nodes.append(draw(_node(tuple(nodes), depth)))

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session")
 def settings(tmp_path_factory: pytest.TempPathFactory) -> Settings:
-    """The settings of a store with the example workspace, which is only read."""
+    """The settings of a store with the example workspace, which is read-only."""
     return load({"store": str(example(tmp_path_factory) / ".kg")}, environment={})
 
 
 @pytest.fixture(scope="session")
 def snapshot(settings: Settings) -> Iterator[EmbeddedSnapshot]:
-    """What that store holds."""
+    """A snapshot of that store."""
     with reading(settings) as found:
         yield found

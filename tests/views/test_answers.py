@@ -26,7 +26,7 @@ VERSION: Final = 7
 
 @pytest.fixture
 def folder(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Where the figures of the store are kept; empty at the beginning and at the end of a test."""
+    """The folder of cached counts, empty before and after a test."""
     monkeypatch.setattr(answers, "_version", lambda: VERSION)
     found = layout_of(settings).cache / "answers" / "stats"
     for path in found.glob("*"):
@@ -37,7 +37,7 @@ def folder(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path
 
 
 def test_kept_answers_are_those_of_the_store(snapshot: EmbeddedSnapshot, folder: Path) -> None:
-    """What is computed at first, and what is read back after that, is what the store gives."""
+    """Computed and cached answers equal those of the store."""
     for _ in range(2):
         found = answers.figures(snapshot)
         assert (found.graph, found.rnkg) == (statistics(snapshot), counted(snapshot))
@@ -57,7 +57,7 @@ def test_kept_answers_are_those_of_the_store(snapshot: EmbeddedSnapshot, folder:
 def test_answers_that_cannot_be_used_are_computed_again(
     snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch, change: str
 ) -> None:
-    """A damaged file, one that other code wrote, or one of other data, counts as missing."""
+    """A damaged file, one from other code, or one of other data, counts as missing."""
     expected = answers.figures(snapshot)
     file = folder / snapshot.identity
     if change == "damaged":
@@ -82,7 +82,7 @@ def test_answers_that_cannot_be_used_are_computed_again(
 def test_answers_are_computed_while_code_changes(
     snapshot: EmbeddedSnapshot, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nothing is kept as long as the next change of a file of the code could go unnoticed."""
+    """Nothing is cached while another change of a code file could remain undetected."""
     monkeypatch.setattr(answers, "_version", lambda: None)
     assert answers.figures(snapshot).graph == statistics(snapshot)
     assert not list(folder.glob("*"))

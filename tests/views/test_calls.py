@@ -13,7 +13,7 @@ from kg.views.calls import _NAMES, CALLS
 
 @pytest.mark.parametrize("name", CALLS)
 def test_every_view_says_what_it_takes(name: str) -> None:
-    """The annotations of each view can be read where it runs, and it has a documentation."""
+    """The annotations of each view can be evaluated at run time, and it has documentation."""
     function = CALLS[name].function
     assert get_type_hints(function, localns=_NAMES)
     assert function.__doc__
@@ -36,7 +36,7 @@ def test_every_view_says_what_it_takes(name: str) -> None:
     ],
 )
 def test_arguments_that_do_not_fit(name: str, arguments: dict[str, Any]) -> None:
-    """An argument that a view does not have, lacks, or of another type, is the fault of who asks."""
+    """An unknown or missing argument, or one of another type, is the caller's error."""
     nothing: Any = None
     with pytest.raises(QueryError) as caught:
         CALLS[name](nothing, load({}, environment={}), **arguments)

@@ -38,11 +38,11 @@ _LIDAR: Final = {
     "launch/both.launch.xml": "<launch>\n  <node pkg='lidar' exec='driver.py' name='driver'/>\n"
     "  <node pkg='lidar' exec='filter.py' name='filter'/>\n</launch>\n",
 }
-"""A package whose filter asks for reliable scans, while its driver offers best effort."""
+"""A package whose filter requests reliable scans, while its driver offers best effort."""
 
 
 def test_a_name_that_only_systems_have(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A name after remapping has the start of the node, the launch line, the line of code, and what made the name."""
+    """A resolved name has the start of the node, the launch line, the line of code, and the origin of the name."""
     found = channel(snapshot, settings, kind="topic", name="/rover1/mux/cmd_vel")
     assert found["name"] == "/rover1/mux/cmd_vel"
     assert found["systems"] == ["rover_robot/launch/rover.launch"]
@@ -55,7 +55,7 @@ def test_a_name_that_only_systems_have(snapshot: EmbeddedSnapshot, settings: Set
 
 
 def test_each_thing_has_one_row(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A start that several launch files include, and code of several types, are one row each."""
+    """A start included by several launch files, and code of several types, are one row each."""
     for kind in CLASSES:
         for name in names(snapshot, kind):
             rows = channel(snapshot, settings, kind=kind, name=name)["endpoints"]
@@ -82,7 +82,7 @@ def _lines(row: dict[str, object]) -> list[str]:
 
 
 def test_code_that_no_launch_file_starts_under_the_name(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Nodes started alone come without a launch file, and not again where a launch file gives them the name."""
+    """Nodes started alone have no launch file, and are omitted if a launch file gives them the same name."""
     (end,) = channel(snapshot, settings, kind="topic", name="cmd_vel")["endpoints"]
     assert (end["instance"], end["launched"], end["systems"]) == (None, None, [])
     ends = channel(snapshot, settings, kind="topic", name="/emergency_stop")["endpoints"]
@@ -90,7 +90,7 @@ def test_code_that_no_launch_file_starts_under_the_name(snapshot: EmbeddedSnapsh
 
 
 def test_names_are_meant_as_they_are_written(snapshot: EmbeddedSnapshot) -> None:
-    """A name may be absolute, that in the code, private, or a part that one or several names have."""
+    """A name may be absolute, that in the code, private, or part of one or several names."""
     assert channels_meant(snapshot, "topic", "/odom") == ("/odom", [])
     assert channels_meant(snapshot, "topic", "cmd_vel") == ("/cmd_vel", ["/rover1/mux/cmd_vel"])
     private = channels_meant(snapshot, "topic", "~/angles")
@@ -103,7 +103,7 @@ def test_names_are_meant_as_they_are_written(snapshot: EmbeddedSnapshot) -> None
 
 
 def test_what_several_names_are(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Where several names are meant, each is there with its types, its nodes, and how many launch files have it."""
+    """Each of several matching names has its types, its nodes, and its number of launch files."""
     found = channel(snapshot, settings, kind="topic", name="angles")
     assert found["name"] is None
     (launched, alone) = found["meant"]
@@ -116,7 +116,7 @@ def test_what_several_names_are(snapshot: EmbeddedSnapshot, settings: Settings) 
 
 
 def test_launch_files_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """With a launch file only what it starts is there, and no code alone; an unknown one is KG422."""
+    """With a launch file, only its nodes are listed, without unstarted code; an unknown file is KG422."""
     found = channel(snapshot, settings, kind="topic", name="/drone1/gimbal/angles", system="drone.launch.py")
     assert found["systems"] == ["drone_control/launch/drone.launch.py"]
     assert found["endpoints"][0]["systems"] == found["systems"]
@@ -128,7 +128,7 @@ def test_launch_files_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> 
 
 
 def test_ends_that_do_not_fit_are_marked(tmp_path: Path) -> None:
-    """Findings about types and QoS are at the name, and at the ends of the nodes that they are about."""
+    """Findings about types and QoS are shown at the name, and at the affected ends."""
     folder = tmp_path / "lidar"
     for path, text in _LIDAR.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
@@ -148,7 +148,7 @@ def test_ends_that_do_not_fit_are_marked(tmp_path: Path) -> None:
 
 
 def test_names_that_nothing_has(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """An unknown name is KG001 with those of systems that were probably meant; another kind is KG003."""
+    """An unknown name is KG001 with suggestions from systems; another kind is KG003."""
     with pytest.raises(UnknownNameError) as caught:
         channel(snapshot, settings, kind="topic", name="/rover1/mux/cmd_vell")
     assert caught.value.code == "KG001"
@@ -161,7 +161,7 @@ def test_names_that_nothing_has(snapshot: EmbeddedSnapshot, settings: Settings) 
 
 
 def test_a_parameter_with_its_values(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A parameter has who declares it, and for each start what sets it, or its default."""
+    """A parameter has its declaring nodes, and for each start the source of its value, or its default."""
     found = parameter(snapshot, settings, name="rate")
     assert [(one["node"], one["default"]) for one in found["declared"]] == [
         ("flight_controller", "50.0"),
@@ -177,7 +177,7 @@ def test_a_parameter_with_its_values(snapshot: EmbeddedSnapshot, settings: Setti
 
 
 def test_parameters_by_other_names(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The name may have that of the node in front, or be a part of one; an unknown one is KG001."""
+    """The name may have the node's name as prefix, or be part of one; an unknown one is KG001."""
     logged = parameter(snapshot, settings, name="/trace_logger/rate")
     assert [one["instance"] for one in logged["values"]] == ["/trace_logger"]
     assert [one["node"] for one in logged["declared"]] == ["topic_logger"]

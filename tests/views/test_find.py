@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def test_hits_have_reasons_and_evidence(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A hit says where it is declared, why it was found, and on which lines."""
+    """A hit has its declaration, its reasons, and their lines."""
     first = find(snapshot, settings, text="turn a laser scan into a point cloud")["hits"][0]
     assert first["node"] == "scan_filter"
     assert first["iri"].endswith("/rover_robot/scan_filter")
@@ -26,7 +26,7 @@ def test_hits_have_reasons_and_evidence(snapshot: EmbeddedSnapshot, settings: Se
 
 
 def test_filters_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """All filters must hold; several values stand apart by commas; blanks are no filter."""
+    """All filters must hold; several values are separated by commas; whitespace is no filter."""
     found = find(snapshot, settings, text="", publishes="PointCloud2, LaserScan", hardware=" ")
     assert [hit["node"] for hit in found["hits"]] == ["scan_filter"]
     assert found["filters"] == {"publishes": ["PointCloud2", "LaserScan"]}
@@ -34,13 +34,13 @@ def test_filters_narrow(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
 
 
 def test_what_words_were_taken_for(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Words that name a type or a version of ROS are told as what they were taken for."""
+    """Words that name a type or a version of ROS are reported with their interpretation."""
     found = find(snapshot, settings, text="subscribes LaserScan for ROS 1")
     assert any("LaserScan" in one for one in (*found["only"], *found["rather"]))
 
 
 def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The hits are the nearest only, and the word that no node mentions is named."""
+    """The hits are the nearest ones, and the word without a match is named."""
     found = find(snapshot, settings, "RPLIDAR driver of a scanner")
     assert found["hits"]
     assert not found["fits"]
@@ -49,7 +49,7 @@ def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: 
 
 
 def test_a_misspelt_name_is_asked_about(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Where nothing is found, the nearest name is suggested."""
+    """An empty result suggests the nearest name."""
     assert "scan_filter" in str(find(snapshot, settings, text="scn_fliter")["near"])
 
 
@@ -68,7 +68,7 @@ def test_a_misspelt_name_is_asked_about(snapshot: EmbeddedSnapshot, settings: Se
 def test_what_cannot_be_asked(
     snapshot: EmbeddedSnapshot, settings: Settings, arguments: dict[str, str], code: str
 ) -> None:
-    """A filter, a value or a limit that there is none of is an error with a way out."""
+    """An unknown filter or value, or an invalid limit, is an error with instructions."""
     with pytest.raises(UsageError) as caught:
         find(snapshot, settings, **arguments)
     assert caught.value.code == code
@@ -76,7 +76,7 @@ def test_what_cannot_be_asked(
 
 
 def test_every_filter_has_its_choices(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The values that nodes have are listed for each filter, sorted; each of them can be asked for."""
+    """The existing values are listed for each filter, sorted; each of them can be used."""
     known = choices(snapshot, settings)
     assert known.keys() == FILTERS.keys()
     assert known["package"] == sorted(known["package"]) != []

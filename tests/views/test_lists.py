@@ -23,7 +23,7 @@ _EVERY = pytest.mark.parametrize("of", LISTS)
 def test_each_value_of_a_facet_has_as_many_rows_as_it_says(
     snapshot: EmbeddedSnapshot, settings: Settings, of: str
 ) -> None:
-    """Choosing a value leaves the number of rows that is offered beside it."""
+    """Choosing a value gives as many rows as its count."""
     whole = listing(snapshot, settings, of=of)
     assert whole["total"] == whole["all"] == len(whole["rows"]) > 0
     for name, values in whole["facets"].items():
@@ -33,7 +33,7 @@ def test_each_value_of_a_facet_has_as_many_rows_as_it_says(
 
 @_EVERY
 def test_pages_make_up_the_whole(snapshot: EmbeddedSnapshot, settings: Settings, of: str) -> None:
-    """Pages follow each other without gaps, in the order that was asked for, and back to front in the other one."""
+    """Pages have no gaps, are in the requested order, and are reversed in the other one."""
     key = next(key for key, value in listing(snapshot, settings, of=of)["rows"][0].items() if isinstance(value, str))
     ordered = [one[key] for one in listing(snapshot, settings, of=of, sort=key)["rows"]]
     assert [value.lower() for value in ordered] == sorted(value.lower() for value in ordered)
@@ -47,7 +47,7 @@ def test_pages_make_up_the_whole(snapshot: EmbeddedSnapshot, settings: Settings,
 
 
 def test_facets_narrow_each_other(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What a facet offers are the values that rows have which fit the words and the other facets."""
+    """A facet offers the values of rows that match the words and the other facets."""
     found = listing(snapshot, settings, of="nodes", package="rover_robot", kind="script")
     assert {one["package"] for one in found["rows"]} == {"rover_robot"}
     kinds = {one["value"]: one["count"] for one in found["facets"]["kind"]}
@@ -56,20 +56,20 @@ def test_facets_narrow_each_other(snapshot: EmbeddedSnapshot, settings: Settings
 
 
 def test_whole_nodes_are_those_of_the_command(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """As other programs read them, nodes are what `kg nodes --json` writes, with the IRI."""
+    """Complete nodes are those of `kg nodes --json`, with the IRI."""
     found = listing(snapshot, settings, of="nodes", whole="yes")["rows"]
     lines = answers.node_lines(snapshot)
     assert found == [{**json.loads(one.text), "iri": one.iri} for one in lines]
 
 
 def test_findings_are_those_of_lint(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The list has what `kg lint` reports."""
+    """The list has the findings of `kg lint`."""
     found = listing(snapshot, settings, of="findings", whole="yes")["rows"]
     assert {one["fingerprint"] for one in found} == {one["fingerprint"] for one in lint(snapshot, settings)["findings"]}
 
 
 def test_types_tell_where_they_are_defined(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A type that a package of the store defines is told apart from one that is only used."""
+    """A type defined by a package of the store is distinguished from one only used."""
     found = {one["name"]: one["defined"] for one in listing(snapshot, settings, of="types")["rows"]}
     assert (found["drone_interfaces/FlightState"], found["nav_msgs/Odometry"]) == ("in this store", "elsewhere")
 
@@ -85,7 +85,7 @@ def test_types_tell_where_they_are_defined(snapshot: EmbeddedSnapshot, settings:
 def test_what_is_not_there_is_refused(
     snapshot: EmbeddedSnapshot, settings: Settings, arguments: dict[str, str], named: str
 ) -> None:
-    """An unknown list, filter or key is an error that names those that are there."""
+    """An unknown list, filter or key is an error that names the valid ones."""
     with pytest.raises(UsageError) as caught:
         listing(snapshot, settings, **arguments)
     assert caught.value.code == "KG003"

@@ -32,20 +32,20 @@ def rover(tmp_path: Path) -> EmbeddedSnapshot:
     ["planner", "nav/planner", "local/ws:nav/planner", "rover_sim/driver", "github.com/acme/rover:rover_sim/driver"],
 )
 def test_a_node_is_found_by_as_much_of_its_name_as_tells_it(rover: EmbeddedSnapshot, name: str) -> None:
-    """The name alone will do where it is unique; package and source may stand in front."""
+    """The name alone suffices if it is unique; package and source may precede it."""
     (found,) = one_node(rover, name)
     assert found.full_name.endswith(name)
 
 
 @pytest.mark.parametrize("name", ["Planner", "nav/Planner"])
 def test_a_node_is_found_by_the_class_that_is_loaded(rover: EmbeddedSnapshot, name: str) -> None:
-    """`kg search` calls a component by its class; so may who looks at it."""
+    """A component is found by its class, as in `kg search`."""
     (found,) = one_node(rover, name)
     assert found.node.plugin == "nav/Planner"
 
 
 def test_of_several_nodes_the_ways_to_name_each_are_said(rover: EmbeddedSnapshot) -> None:
-    """The error lists what can be typed instead."""
+    """The error lists the unambiguous names."""
     with pytest.raises(UsageError) as caught:
         one_node(rover, "driver")
     assert "`kg node rover_base/driver`" in (caught.value.hint or "")
@@ -56,14 +56,14 @@ def test_of_several_nodes_the_ways_to_name_each_are_said(rover: EmbeddedSnapshot
     ("name", "meant"), [("plannr", "`planner`"), ("nav/plannr", "`nav/planner`"), ("driv", "`driver`")]
 )
 def test_an_unknown_node_gets_the_nearest(rover: EmbeddedSnapshot, name: str, meant: str) -> None:
-    """Typing errors are answered in the form in which they were typed."""
+    """Suggestions have the same form as the misspelt name."""
     with pytest.raises(UnknownNameError) as caught:
         one_node(rover, name)
     assert meant in (caught.value.hint or "")
 
 
 def test_an_unknown_package_gets_the_nearest(rover: EmbeddedSnapshot) -> None:
-    """Known ones pass, with or without their source."""
+    """Known packages pass, with or without their source; a misspelt one gets a suggestion."""
     known_package(rover, "nav")
     known_package(rover, "local/ws:nav")
     with pytest.raises(UnknownNameError, match="unknown package `navi`"):
@@ -71,7 +71,7 @@ def test_an_unknown_package_gets_the_nearest(rover: EmbeddedSnapshot) -> None:
 
 
 def test_a_node_that_its_package_declares_twice_is_shown_twice() -> None:
-    """Nothing that could be typed tells them apart, so both are given."""
+    """No name distinguishes them, so both are returned."""
     twice = package("nav", "local/ws", PLANNER, replace(PLANNER, location=Location("src/other.cpp", 3)), DRIVER)
     store = Store()
     store.load(source_triples(Repository("local/ws", "/ws"), [twice], Iris()), format=RdfFormat.N_TRIPLES)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def test_a_node_has_all_that_its_page_shows(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """It is found by name, its IRI finds it again, and each interface has its line and the fact that rules infer."""
+    """A node is found by name and by IRI, and each interface has its line and its inferred fact."""
     found = node(snapshot, settings, name="scan_filter")
     assert node(snapshot, settings, iri=found["iri"]) == found
     assert (found["kind"], found["language"], found["ros"]) == ("nodelet", "C++", 1)
@@ -32,7 +32,7 @@ def test_a_node_has_all_that_its_page_shows(snapshot: EmbeddedSnapshot, settings
 
 
 def test_what_is_inferred_is_marked(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Functions, hardware and capabilities come with the fact that `why` proves."""
+    """Functions, hardware and capabilities have the fact proven by `why`."""
     found = node(snapshot, settings, name="base_controller")["capabilities"]
     speed = next(one for one in found if one["iri"].endswith("#sensingVelocity"))
     assert speed["inferred"]
@@ -40,14 +40,14 @@ def test_what_is_inferred_is_marked(snapshot: EmbeddedSnapshot, settings: Settin
 
 
 def test_the_package_is_described_by_its_manifest(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Of all texts about the package, that of its manifest says what it is."""
+    """The description of a package is that of its manifest."""
     found = node(snapshot, settings, name="scan_filter")["package_description"]
     assert found["text"].startswith("Drives a wheeled robot")
     assert found["evidence"]["path"].endswith("rover_robot/package.xml")
 
 
 def test_a_parameter_is_one_row(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Each has a name of its own, and all lines that mention it."""
+    """Each parameter has a unique name, and all lines that mention it."""
     found = node(snapshot, settings, name="patrol")["parameters"]
     names = [one["name"] for one in found if one["name"]]
     assert names
@@ -56,7 +56,7 @@ def test_a_parameter_is_one_row(snapshot: EmbeddedSnapshot, settings: Settings) 
 
 
 def test_a_plugin_says_what_registers_it(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The line of its plugin description is evidence; other nodes have none."""
+    """The line of a plugin's description is its evidence; other nodes have none."""
     found = node(snapshot, settings, name="scan_filter")
     assert found["exported"]["path"].endswith("nodelet_plugins.xml")
     assert found["exported"]["line"] == 2
@@ -64,7 +64,7 @@ def test_a_plugin_says_what_registers_it(snapshot: EmbeddedSnapshot, settings: S
 
 
 def test_a_slot_leads_to_its_default_plugins(snapshot: EmbeddedSnapshot) -> None:
-    """A default has the IRI of its record, or none; the row has words for what gives the class, and its line."""
+    """A default has the IRI of its record, or none; the row has the origin of the class, and its line."""
     defaults = (PluginDefault("nav::Fast", "fast"), PluginDefault("nav::Slow", "slow"))
     slot = PluginSlot("nav::Planner", Location("src/server.cpp", 12), "planners", "{id}.plugin", defaults)
     server = NodeType("server", NodeKind.EXECUTABLE, "cpp", 2, Location("src/main.cpp", 3), slots=(slot,))
@@ -75,7 +75,7 @@ def test_a_slot_leads_to_its_default_plugins(snapshot: EmbeddedSnapshot) -> None
 
 
 def test_launch_lines_and_neighbours(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A node says who starts it, and who is at the other side of its channels."""
+    """A node has its launch lines, and the nodes at the other end of its channels."""
     found = node(snapshot, settings, name="base_controller")
     assert found["used_in"]["count"] == 1
     (used,) = found["used_in"]["instances"]
@@ -86,7 +86,7 @@ def test_launch_lines_and_neighbours(snapshot: EmbeddedSnapshot, settings: Setti
 
 
 def test_names_that_mean_nothing(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Misspelt names get suggestions, other IRIs and what is no IRI are told apart."""
+    """A misspelt name gets suggestions; unknown and invalid IRIs have different errors."""
     with pytest.raises(UnknownNameError) as caught:
         node(snapshot, settings, name="scan_fliter")
     assert "`scan_filter`" in (caught.value.hint or "")
@@ -97,7 +97,7 @@ def test_names_that_mean_nothing(snapshot: EmbeddedSnapshot, settings: Settings)
 
 
 def test_the_tree_opens_down_to_interfaces(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Packages hold nodes, nodes the groups of their interfaces, groups the interfaces, and counts agree."""
+    """Packages contain nodes, nodes the groups of their interfaces, groups the interfaces, and counts agree."""
     roots = {one["label"]: one for one in tree(snapshot, settings)["children"]}
     assert list(roots) == ["packages", "systems", "topics", "services", "actions"]
     packages = tree(snapshot, settings, **roots["packages"]["open"])["children"]
@@ -118,7 +118,7 @@ def test_the_tree_opens_down_to_interfaces(snapshot: EmbeddedSnapshot, settings:
 
 
 def test_systems_and_topics_in_the_tree(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Systems hold their instances, topics the nodes at them; a level may be asked for in parts."""
+    """Systems contain their instances, topics their nodes; a level may be requested in parts."""
     systems = tree(snapshot, settings, parent="systems")["children"]
     rover = next(one for one in systems if one["label"].endswith("rover.launch"))
     instances = tree(snapshot, settings, **rover["open"])["children"]
@@ -131,7 +131,7 @@ def test_systems_and_topics_in_the_tree(snapshot: EmbeddedSnapshot, settings: Se
 
 
 def test_a_node_counts_the_same_wherever_it_stands(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The entry of a node below a topic tells as many interfaces as the one below its package."""
+    """A node has the same number of interfaces below a topic as below its package."""
     topics = tree(snapshot, settings, parent="topics")["children"]
     scans = next(one for one in topics if one["label"] == "/scan_filtered")
     at_topic = tree(snapshot, settings, **scans["open"])["children"]
@@ -145,13 +145,13 @@ def test_a_node_counts_the_same_wherever_it_stands(snapshot: EmbeddedSnapshot, s
 
 
 def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What the tree does not have is an error with the way out."""
+    """An unknown branch is an error with instructions."""
     with pytest.raises(UnknownNameError, match="no branch"):
         tree(snapshot, settings, parent="https://example.org/x")
 
 
 def test_lines_and_general_capabilities(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """An interface has the text of its statement; capabilities that an end reaches are not general."""
+    """An interface has the text of its statement; capabilities with a channel are not general."""
     found = node(snapshot, settings, name="flight_controller")
     (state,) = (one for one in found["interfaces"] if one["name"] == "state")
     assert "names::kState" in state["line_text"]

@@ -1,4 +1,4 @@
-"""Tests of the entities that a node is related to."""
+"""Tests of the entities related to a node."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from kg.views.node_graph import node_relations
 
 
 def interface(role: str, name: str, *, implicit: bool = False) -> dict[str, Any]:
-    """Return an interface as the view `node` has it."""
+    """Return an interface in the form of the view `node`."""
     return {"role": role, "kind": "topic", "resolved": name, "written": "x", "type": "a/B", "implicit": implicit}
 
 
@@ -31,7 +31,7 @@ FOUND = {
 
 
 def test_relations_have_the_names_of_rnkg() -> None:
-    """What code declares is read, what rules say inferred; a node is no function of the same name."""
+    """Declared relations are marked as read, those from rules as inferred; a node and a function may share a name."""
     found = node_relations(FOUND)
     assert Relation("navigation", "has function", "function navigation", inferred=True) in found
     assert Relation("navigation", "publishes", "topic /a") in found
@@ -39,6 +39,6 @@ def test_relations_have_the_names_of_rnkg() -> None:
 
 
 def test_what_frameworks_create_is_left_out_unless_asked_for() -> None:
-    """So are capabilities that follow from others."""
+    """Implicit interfaces and implied capabilities are omitted by default."""
     more = set(node_relations(FOUND, every=True)) - set(node_relations(FOUND))
     assert {one.object for one in more} == {"capability move", "topic /rosout"} | {"a/B"}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def test_sources_have_their_state(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Each source has its name, when it was read, and how much was found and is not known."""
+    """Each source has its name, the time of reading, and the numbers of found and unresolved entities."""
     (source,) = overview(snapshot, settings)["sources"]
     assert source["name"] == "local/examples"
     assert source["read"].startswith("20")
@@ -27,7 +27,7 @@ def test_sources_have_their_state(snapshot: EmbeddedSnapshot, settings: Settings
 
 
 def test_counts_and_snapshot(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What there is is counted as the lists have it, and the sources and launch configurations are as many."""
+    """Counts equal those of the lists, and include the sources and launch configurations."""
     found = overview(snapshot, settings)
     assert found["snapshot"] == snapshot.identity
     assert (found["counts"]["nodes"], found["counts"]["packages"], found["systems"]) == (11, 5, 4)
@@ -43,7 +43,7 @@ def test_counts_and_snapshot(snapshot: EmbeddedSnapshot, settings: Settings) -> 
 def test_a_large_store_is_not_counted_while_somebody_waits(
     snapshot: EmbeddedSnapshot, settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Counts of a large store are those that were made before; without them there are none."""
+    """A large store has the counts computed before; without them there are none."""
     monkeypatch.setattr("kg.views.overview._SOON", 0)
     kept: dict[str, int] = {}
     monkeypatch.setattr("kg.views.answers._kept", lambda *_: kept)
@@ -53,7 +53,7 @@ def test_a_large_store_is_not_counted_while_somebody_waits(
 
 
 def test_each_question_has_an_answer_here(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """There are eight questions; with the examples that are filled in each finds something."""
+    """Each of the eight questions, with its example values, has a result."""
     found = overview(snapshot, settings)["questions"]
     assert [one["query"] for one in found] == list(QUESTIONS)
     for one in found:

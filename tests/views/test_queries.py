@@ -26,7 +26,7 @@ NAME = "<https://w3id.org/rnkg/ns#name>"
 
 
 def test_stored_queries_are_listed(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Without a name all stored queries are told, with what a form needs to know of their parameters."""
+    """Without a name all stored queries are returned, with the parameters for a form."""
     found = {each["query"]: each for each in stored(snapshot, settings)["queries"]}
     (parameter,) = found["explore/who-publishes"]["parameters"]
     assert (parameter["name"], parameter["type"], parameter["example"]) == ("topic", "name", "/emergency_stop")
@@ -37,13 +37,13 @@ def test_stored_queries_are_listed(snapshot: EmbeddedSnapshot, settings: Setting
 def test_a_stored_query_takes_values(
     snapshot: EmbeddedSnapshot, settings: Settings, values: str | dict[str, str]
 ) -> None:
-    """By name a query is told with its values in place; those that are empty are left out."""
+    """A named query is returned with its values inserted; empty ones are omitted."""
     assert 'VALUES ?topic { "/cmd_vel" }' in stored(snapshot, settings, "who-publishes", values)["bound"]
     assert "VALUES ?topic { UNDEF }" in stored(snapshot, settings, "who-publishes", {"topic": ""})["bound"]
 
 
 def test_values_that_do_not_fit(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What is no JSON object of texts, or a value for no parameter, is refused with its reason."""
+    """Values other than a JSON object of texts, or for an unknown parameter, are rejected with the reason."""
     for values in ("{", "[]", '{"topic": 1}'):
         with pytest.raises(UsageError, match="JSON"):
             stored(snapshot, settings, "who-publishes", values)
@@ -52,7 +52,7 @@ def test_values_that_do_not_fit(snapshot: EmbeddedSnapshot, settings: Settings) 
 
 
 def test_prefixes_are_those_of_queries_and_of_the_store(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Faces shorten IRIs by what every query knows, which nothing in the store changes."""
+    """IRIs are shortened by the prefixes known to every query, whatever the store declares."""
     found = prefixes(snapshot, settings)
     assert found.items() >= PREFIXES.items()
     assert all(iri.startswith(("http", "urn")) for iri in found.values())
@@ -60,7 +60,7 @@ def test_prefixes_are_those_of_queries_and_of_the_store(snapshot: EmbeddedSnapsh
 
 @pytest.mark.parametrize("as_text", [True, False])
 def test_a_row_rests_on_facts(snapshot: EmbeddedSnapshot, settings: Settings, *, as_text: bool) -> None:
-    """A row, also one in JSON, is told with the facts that the query matched for it."""
+    """A row, also in JSON, has the facts matched by its query."""
     row = {"t": TOPIC}
     query = f"SELECT ?t {{ <{NODE}> rnkg:publishes ?t FILTER(isIRI(?t)) }}"
     found = why_row(snapshot, settings, query=query, row=json.dumps(row) if as_text else row)
@@ -73,7 +73,7 @@ def test_a_row_rests_on_facts(snapshot: EmbeddedSnapshot, settings: Settings, *,
 
 
 def test_a_row_of_an_inner_query_is_not_traced_back(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Of what an inner SELECT counts, no facts are told, and the words are about the row, not about a rule."""
+    """A row of an inner SELECT has no facts, and the message is about the row, not a rule."""
     query = "SELECT ?n { { SELECT ?n (COUNT(?t) AS ?many) { ?n rnkg:publishes ?t } GROUP BY ?n } ?n a rnkg:NodeType }"
     with pytest.raises(RuleError, match="cannot be traced back"):
         why_row(snapshot, settings, query=query, row={"n": f"<{NODE}>"})
@@ -88,7 +88,7 @@ def test_a_row_of_an_inner_query_is_not_traced_back(snapshot: EmbeddedSnapshot, 
     ],
 )
 def test_a_row_of_many_solutions_says_so(snapshot: EmbeddedSnapshot, settings: Settings, query: str) -> None:
-    """Of a group, and of rows made one, the facts of one solution are told, and of how many it is one."""
+    """A grouped or distinct row has the facts of one solution, and the number of solutions."""
     found = why_row(snapshot, settings, query=query, row={"n": f"<{NODE}>", "many": '"7"'})
     assert len(found["proofs"]) == 1
     topics: Any = snapshot.query(f"SELECT ?t {{ <{NODE}> rnkg:publishes|rnkg:subscribes ?t }}", prefixes=PREFIXES)
@@ -98,7 +98,7 @@ def test_a_row_of_many_solutions_says_so(snapshot: EmbeddedSnapshot, settings: S
 
 
 def test_more_solutions_than_anybody_reads_are_not_counted(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Counting ends, so that a row of the whole store is explained as soon as any other."""
+    """Counting stops at a limit, so a row of the whole store is explained as fast as any other."""
     found = why_row(snapshot, settings, query="SELECT (COUNT(*) AS ?n) { ?s ?p ?o }", row={"n": '"9"'})
     assert found["remark"] == "this is one of 1,000 or more solutions that make the row"
 
@@ -114,14 +114,14 @@ def test_more_solutions_than_anybody_reads_are_not_counted(snapshot: EmbeddedSna
     ],
 )
 def test_queries_that_no_row_is_of(snapshot: EmbeddedSnapshot, settings: Settings, query: str, code: str) -> None:
-    """What is no whole SELECT query, or what the engine would not survive, is refused before anything runs."""
+    """An incomplete SELECT query, or one that would crash the engine, is rejected before execution."""
     with pytest.raises(KgError) as refused:
         why_row(snapshot, settings, query=query, row={})
     assert refused.value.code == code
 
 
 def test_completion_counts_once_and_keeps_it(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Positions come as numbers or as texts; what was counted stands in the cache of the store."""
+    """Positions are numbers or texts; the counts are stored in the cache of the store."""
     text = "ASK { ?x a rnkg:NodeTyp"
     found = complete(snapshot, settings, text, str(len(text)), fresh="yes")
     assert found["items"][0]["insert"] == "rnkg:NodeType"
@@ -135,7 +135,7 @@ def test_completion_counts_once_and_keeps_it(snapshot: EmbeddedSnapshot, setting
 
 
 def test_diagnosis_knows_terms_that_are_only_used(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What was meant is found among the terms that the store uses too, not only among those that it defines."""
+    """Suggestions include terms that the store only uses, not just those that it defines."""
     complete(snapshot, settings, "", fresh="yes")
     (problem,) = diagnose(snapshot, settings, "ASK { ?x rdfs:labell ?y }")["problems"]
     assert problem["hint"] == "Did you mean `rdfs:label`?"
@@ -144,7 +144,7 @@ def test_diagnosis_knows_terms_that_are_only_used(snapshot: EmbeddedSnapshot, se
 def test_cells_tell_what_is_inferred_where_lines_are_and_which_are_nodes(
     snapshot: EmbeddedSnapshot, settings: Settings
 ) -> None:
-    """Derived triples, places of sources and nodes are told apart, in the order that they were asked in."""
+    """Derived triples, source places and nodes are distinguished, in the order of the request."""
     triples = [[f"<{NODE}>", PUBLISHES, TOPIC], [f"<{NODE}>", NAME, '"scan_filter"'], ["_:x", PUBLISHES, TOPIC]]
     files = [["rover_robot/src/scan_filter.cpp", "12"], ["no/such/file.cpp", "1"]]
     paths = [row[0].value for row in snapshot.query(f"SELECT ?p {{ <{NODE}> <https://w3id.org/rnkg/ns#path> ?p }}")]  # type: ignore[union-attr] # rows of a SELECT
@@ -157,7 +157,7 @@ def test_cells_tell_what_is_inferred_where_lines_are_and_which_are_nodes(
 
 
 def test_cells_tell_what_things_are_called_and_are(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A thing has its label and its classes; what the store does not know has neither."""
+    """An entity has its label and its classes; one unknown to the store has neither."""
     node, topic, unknown = cells(snapshot, settings, things=[NODE, TOPIC[1:-1], "urn:x"])["things"]
     assert (node["label"], topic["label"]) == ("scan_filter", "/scan_filtered")
     assert PREFIXES["rnkg"] + "NodeType" in node["types"]
@@ -168,6 +168,6 @@ def test_cells_tell_what_things_are_called_and_are(snapshot: EmbeddedSnapshot, s
 
 @pytest.mark.parametrize("triples", ["{", '"a"', [["a"]], [["<a:b>", "c", "<d:e>"]]])
 def test_cells_that_are_none(snapshot: EmbeddedSnapshot, settings: Settings, triples: str | list[list[str]]) -> None:
-    """What is no list of terms is refused."""
+    """A request other than a list of terms is rejected."""
     with pytest.raises(UsageError):
         cells(snapshot, settings, triples=triples)

@@ -1,4 +1,4 @@
-"""Tests of the views of anything by its IRI, and of proofs."""
+"""Tests of the views of any resource by its IRI, and of proofs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _group(groups: list[dict[str, Any]], label: str) -> dict[str, Any]:
 
 
 def test_facts_stand_in_groups_with_their_origin(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What a node has is there by property; what rules derived is marked, what stands on a line has it."""
+    """Facts are grouped by property; inferred ones are marked, and those from a line have it."""
     iri = node(snapshot, settings, name="base_controller")["iri"]
     found = resource(snapshot, settings, iri=iri, limit="100")
     assert (found["kind"], found["label"]) == ("node", "base_controller")
@@ -37,7 +37,7 @@ def test_facts_stand_in_groups_with_their_origin(snapshot: EmbeddedSnapshot, set
 
 
 def test_pages_of_a_property_are_all_of_it(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Page after page gives each fact once."""
+    """The pages together contain each fact once."""
     whole = _group(resource(snapshot, settings, iri="ros:Publisher", limit="500")["in"], "rdf:type")
     assert whole["count"] == len(whole["facts"]) > 20
     found: list[str] = []
@@ -52,7 +52,7 @@ def test_pages_of_a_property_are_all_of_it(snapshot: EmbeddedSnapshot, settings:
 
 
 def test_properties_and_unknown_things(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Of a property it is told how often it is used; what is not mentioned gets the nearest name."""
+    """A property has its number of uses; an unknown resource gets a suggestion."""
     assert resource(snapshot, settings, iri="rnkg:publishes")["uses"] > 0
     with pytest.raises(UnknownNameError) as caught:
         resource(snapshot, settings, iri="https://w3id.org/rnkg/package/local/x/rover_robt")
@@ -67,7 +67,7 @@ def _leaves(proof: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def test_a_proof_leads_to_lines_of_code(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """An inferred fact has its rule with its text; at the bottom stand facts that were read, with their lines."""
+    """An inferred fact has its rule with its text; the leaves are asserted facts with their lines."""
     found = why(snapshot, settings, subject="scan_filter", predicate="rnkg:publishes", object="/scan_filtered")
     (proof,) = found["proofs"]
     assert proof["inferred"]
@@ -82,7 +82,7 @@ def test_a_proof_leads_to_lines_of_code(snapshot: EmbeddedSnapshot, settings: Se
 
 
 def test_every_inferred_fact_of_a_node_can_be_proven(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What a page offers to explain, `why` explains."""
+    """`why` explains every inferred fact offered by a page."""
     found = node(snapshot, settings, name="patrol")
     facts = [one["fact"] for kind in ("functions", "hardware", "capabilities") for one in found[kind]]
     facts += [one["fact"] for one in found["interfaces"] if one["fact"]]
@@ -94,7 +94,7 @@ def test_every_inferred_fact_of_a_node_can_be_proven(snapshot: EmbeddedSnapshot,
 
 
 def test_why_not_says_what_is_lacking(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Each rule that could derive the fact says where it stops; of a fact that holds there is nothing to say."""
+    """Each rule that could derive the fact shows where it fails; a fact that holds has no explanation."""
     asked = {"subject": "scan_filter", "predicate": "rnkg:publishes", "object": "/odom"}
     found = why_not(snapshot, settings, **asked)
     assert not found["held"]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def test_a_system_tells_what_it_can_do(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Capabilities come with their ways; general ones are counted, and told when asked for."""
+    """Capabilities have their ways; general ones are counted, and listed on request."""
     found = capabilities(snapshot, settings, system="rover.launch")
     names = {one["name"] for one in found["capabilities"]}
     assert found["of"] == "rover_robot/launch/rover.launch"
@@ -24,7 +24,7 @@ def test_a_system_tells_what_it_can_do(snapshot: EmbeddedSnapshot, settings: Set
 
 
 def test_a_package_tells_what_it_would_add(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Beside a system only what this lacks is told."""
+    """Relative to a system, only capabilities missing there are listed."""
     alone = {one["name"] for one in capabilities(snapshot, settings, package="drone_control")["capabilities"]}
     beside = capabilities(snapshot, settings, package="drone_control", system="rover.launch")["capabilities"]
     rover = {
@@ -34,7 +34,7 @@ def test_a_package_tells_what_it_would_add(snapshot: EmbeddedSnapshot, settings:
 
 
 def test_what_is_not_there_is_said(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A name that the store does not have, and none at all, are errors of who asks."""
+    """An unknown or missing name is the caller's error."""
     with pytest.raises(UnknownNameError) as unknown:
         capabilities(snapshot, settings, package="rover_robt")
     assert unknown.value.code == "KG001"

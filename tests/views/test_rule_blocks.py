@@ -1,4 +1,4 @@
-"""The views of the page on which rules are made of blocks."""
+"""The views of the block editor of rules."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _with(**changes: Any) -> dict[str, Any]:
 
 
 def test_the_vocabulary_knows_what_goes_together(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Properties have their domain, range and how many things of a class have them; classes what they are a kind of."""
+    """Properties have domain, range and their uses for a class; classes have their superclasses."""
     found = blocks(snapshot, settings, fresh="1")
     assert found["ready"]
     publishes = next(one for one in found["properties"] if one["name"] == "rnkg:publishes")
@@ -67,7 +67,7 @@ def test_the_vocabulary_knows_what_goes_together(snapshot: EmbeddedSnapshot, set
 
 
 def test_rules_and_examples_are_offered(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Rules in SPARQL can be opened, and the examples have blocks that can be checked without a warning."""
+    """Rules in SPARQL can be opened, and the examples have blocks that pass the check without a warning."""
     found = blocks(snapshot, settings)
     names = {one["name"] for one in found["rules"]}
     assert "communication/feeds" in names
@@ -83,7 +83,7 @@ def test_rules_and_examples_are_offered(snapshot: EmbeddedSnapshot, settings: Se
 
 
 def test_blocks_become_text_and_findings(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The answer has the text of the rule, and what the check says, at the block that it is about."""
+    """The response has the text of the rule, and the findings of the check at their blocks."""
     found = blocks_check(snapshot, settings, rule=LISTENS)
     assert "CONSTRUCT { ?listener my:listensTo ?speaker }" in found["text"]
     assert [(one["code"], one["id"]) for one in found["findings"]] == [("KG215", "head")]
@@ -93,7 +93,7 @@ def test_blocks_become_text_and_findings(snapshot: EmbeddedSnapshot, settings: S
 
 
 def test_a_head_without_a_pattern_is_found(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A thing that only the conclusion has is an error at the conclusion; `brief` asks for none of it."""
+    """A variable only in the conclusion is an error there; with `brief` such errors are omitted."""
     rule = _with(when=LISTENS["when"][:1])
     (found,) = blocks_check(snapshot, settings, rule=rule)["findings"]
     assert (found["code"], found["severity"], found["id"]) == ("KG203", "error", "head")
@@ -101,13 +101,13 @@ def test_a_head_without_a_pattern_is_found(snapshot: EmbeddedSnapshot, settings:
 
 
 def test_what_the_documentation_lacks(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What is not said of a rule is named as the members of its blocks are; other findings lack nothing."""
+    """Missing documentation is named by the fields of the blocks; other findings name none."""
     found = blocks_check(snapshot, settings, rule=_with(title="", why=""))["findings"]
     assert {one["code"]: one["lacks"] for one in found} == {"KG215": (), "KG218": ("title", "why")}
 
 
 def test_text_becomes_blocks(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A text is shown as blocks, and one that cannot be read has its error and no blocks."""
+    """A text is converted to blocks; a text with a syntax error gets its error and no blocks."""
     text = blocks_check(snapshot, settings, rule=LISTENS, brief="1")["text"]
     found = blocks_check(snapshot, settings, text=text, name="wiring/listens-to")
     assert found["rule"].title == "Who listens to whom"
@@ -118,7 +118,7 @@ def test_text_becomes_blocks(snapshot: EmbeddedSnapshot, settings: Settings) -> 
 
 
 def test_what_is_no_rule_is_refused(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Blocks that are none are an error of whoever asks; a name that no rule may have is told as a finding."""
+    """Invalid blocks are the caller's error; an invalid rule name is a finding."""
     with pytest.raises(UsageError, match="invalid blocks"):
         blocks_check(snapshot, settings, rule={"when": [{"block": "dance"}]})
     found = blocks_check(snapshot, settings, text="CONSTRUCT {} WHERE {}", name="No Name")
@@ -126,7 +126,7 @@ def test_what_is_no_rule_is_refused(snapshot: EmbeddedSnapshot, settings: Settin
 
 
 def test_rules_at_hand_are_opened(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A rule is opened by its last name; one of another notation says how to have it as SPARQL."""
+    """A rule is opened by its last name; one in another notation comes with the way to convert it."""
     found = blocks_open(snapshot, settings, name="feeds")
     assert found["rule"].name == "communication/feeds"
     assert len(found["rule"].when) == 10
@@ -138,7 +138,7 @@ def test_rules_at_hand_are_opened(snapshot: EmbeddedSnapshot, settings: Settings
 
 
 def test_a_trial_tells_facts_with_their_evidence(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Facts that the store has not come first, each with what it follows from, and nothing is written."""
+    """Facts missing from the store come first, each with its premises, and nothing is written."""
     before = snapshot.count()
     found = blocks_try(snapshot, settings, rule=LISTENS, limit=5)
     assert len(found["facts"]) == 5
@@ -152,7 +152,7 @@ def test_a_trial_tells_facts_with_their_evidence(snapshot: EmbeddedSnapshot, set
 
 
 def test_a_trial_tells_what_is_known(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """What the store has already is no news."""
+    """Facts already in the store are marked as known."""
     text = blocks_open(snapshot, settings, name="feeds")["text"]
     found = blocks_try(snapshot, settings, text=text, name="communication/feeds")
     assert found["facts"]
@@ -161,7 +161,7 @@ def test_a_trial_tells_what_is_known(snapshot: EmbeddedSnapshot, settings: Setti
 
 
 def test_a_trial_makes_examples(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The examples have the premises of a fact, and the fact; a rule that counts has none."""
+    """The examples have the premises of a fact, and the fact; an aggregating rule has none."""
     page = blocks_try(snapshot, settings, rule=LISTENS)["examples"]
     assert page.startswith("# Who listens to whom\n")
     assert "```turtle given" in page
@@ -174,13 +174,13 @@ def test_a_trial_makes_examples(snapshot: EmbeddedSnapshot, settings: Settings) 
 
 
 def test_a_rule_that_cannot_run_is_not_tried(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The error is that of the check."""
+    """The error of an invalid rule is that of the check."""
     with pytest.raises(RuleError) as error:
         blocks_try(snapshot, settings, rule=_with(when=LISTENS["when"][:1]))
     assert error.value.code == "KG203"
 
 
 def test_a_rule_that_reads_what_it_infers_says_so(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """One application is told, and that running it gives more."""
+    """Only one application is shown, with a note that repetition gives more."""
     text = """CONSTRUCT { ?a rnkg:feeds ?c } WHERE { ?a rnkg:feeds ?b . ?b rnkg:feeds ?c }"""
     assert blocks_try(snapshot, settings, text=text, name="mine/far")["recursive"]

@@ -1,4 +1,4 @@
-"""What a trial of a rule tells is what the engine of rules infers in one step."""
+"""A trial of a rule gives the inferences of one step of the rule engine."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _file(text: str, name: str) -> RuleFile:
 
 
 def _by_the_engine(snapshot: EmbeddedSnapshot, settings: Settings, file: RuleFile) -> tuple[set[Triple], set[Triple]]:
-    """Return what the engine of rules infers, and what of it the store has."""
+    """Return the inferences of the rule engine, and the known ones among them."""
     names, dictionary = Names.of(settings.base, RNKG), Dictionary()
     graphs = [None, *(graph for graph in snapshot.graphs() if graph != names.builds)]
     _, known = read_columns(snapshot, wanted(file.rules), graphs, dictionary)
@@ -65,7 +65,7 @@ def _by_the_engine(snapshot: EmbeddedSnapshot, settings: Settings, file: RuleFil
 def test_a_trial_tells_what_the_engine_of_rules_infers(
     snapshot: EmbeddedSnapshot, settings: Settings, name: str
 ) -> None:
-    """Fact for fact, blank nodes too, and which of them the store has; whatever stands in a body."""
+    """Facts are the same, including blank nodes and known ones, for any body."""
     file = _file(RULES[name], name)
     expected, known = _by_the_engine(snapshot, settings, file)
     found = trial(View(snapshot, explained_vocabulary(settings), file.rules), file, 10_000)
@@ -77,7 +77,7 @@ def test_a_trial_tells_what_the_engine_of_rules_infers(
 
 
 def test_paths_are_followed(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A path of any length is one premise after the other."""
+    """A path of any length is a chain of premises."""
     file = _file("CONSTRUCT { ?c my:under ?d } WHERE { ?c rnkg:feeds+ ?d }", "under")
     found = trial(View(snapshot, explained_vocabulary(settings), file.rules), file, 10_000)
     far = [one for one in found.facts if len(one.derivation.facts) > 1]
@@ -91,12 +91,12 @@ def test_paths_are_followed(snapshot: EmbeddedSnapshot, settings: Settings) -> N
 def test_a_trial_that_takes_long_tells_what_it_has_found(
     snapshot: EmbeddedSnapshot, settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Each of the rules that a file became gets its part of the time; the numbers are then the least that there is."""
+    """Each rule of a file gets its share of the time; the numbers are then lower bounds."""
     file = _file(RULES["either"], "either")
     view = View(snapshot, explained_vocabulary(settings), file.rules)
     every = trial(view, file, 10).looked
     ticks = iter(range(10_000_000))
-    # A clock of its own: servers of other tests in this process have threads that ask for the time too.
+    # A clock of its own: servers of other tests in this process have threads that read the time, too.
     monkeypatch.setattr(rule_trial, "time", SimpleNamespace(monotonic=lambda: float(next(ticks))))
     monkeypatch.setattr(rule_trial, "_SECONDS", 40.0)
     found = trial(view, file, 100)

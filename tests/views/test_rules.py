@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def test_rules_stand_in_families(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Every rule is in its family with its documentation, and with what it cost in the last full run."""
+    """Every rule is in its family with its documentation, and with its cost in the last full run."""
     found = rules(snapshot, settings)
     families = {one["family"]: one for one in found["families"]}
     assert families["communication"]["in_force"]
@@ -31,7 +31,7 @@ def test_rules_stand_in_families(snapshot: EmbeddedSnapshot, settings: Settings)
 
 
 def test_the_last_run_is_told(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """How much was inferred, and how many of the rules in force derived something."""
+    """The number of inferred triples, and of productive rules."""
     run = rules(snapshot, settings)["run"]
     assert run["inferred"] > 1000
     assert 0 < run["fired"] < run["ran"]
@@ -39,7 +39,7 @@ def test_the_last_run_is_told(snapshot: EmbeddedSnapshot, settings: Settings) ->
 
 
 def test_edges_lead_from_writers_to_readers(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A rule is fed by those that derive what it reads, through terms that are named."""
+    """A rule has edges from the rules that derive its input, labelled with the terms."""
     edges = rules(snapshot, settings)["graph"]["edges"]
     edge = next(one for one in edges if one["to"] == "communication/feeds" and one["from"].endswith("agrees-on-topic"))
     assert edge["terms"] == ["rnkg:agreesWith"]
@@ -47,7 +47,7 @@ def test_edges_lead_from_writers_to_readers(snapshot: EmbeddedSnapshot, settings
 
 
 def test_a_rule_has_its_text_and_triples(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A rule is found by its last name; inferred triples of its kinds come with the terms that `why` takes."""
+    """A rule is found by its last name; its inferred triples have the terms accepted by `why`."""
     found = rule(snapshot, settings, name="feeds")
     assert found["rule"] == "communication/feeds"
     assert "CONSTRUCT" in found["text"]
@@ -59,21 +59,21 @@ def test_a_rule_has_its_text_and_triples(snapshot: EmbeddedSnapshot, settings: S
 
 
 def test_classes_are_kinds_of_triples(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A rule that says what something is derives triples of that class, and these are counted."""
+    """A rule that assigns a class derives triples of that class, and these are counted."""
     found = rule(snapshot, settings, name="communication/topic-communication")
     kinds = {one["kind"]: one["triples"] for one in found["found"]}
     assert any(kind.startswith("a ") and number for kind, number in kinds.items())
 
 
 def test_an_unknown_rule(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """The rule that was probably meant is named."""
+    """An unknown rule gets a suggestion."""
     with pytest.raises(UnknownNameError) as caught:
         rule(snapshot, settings, name="communication/fed")
     assert "communication/feeds" in str(caught.value.hint)
 
 
 def test_a_broken_rule_hides_no_other(snapshot: EmbeddedSnapshot, settings: Settings, tmp_path: Path) -> None:
-    """What is wrong with a rule of one's own is told beside it, and the others are listed."""
+    """The problem of a user rule is reported next to it, and the others are listed."""
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "broken.rq").write_text("# Broken\nCONSTRUCT { ?a ?b } WHERE", "utf-8")
     found = rules(snapshot, replace(settings, rules=(tmp_path,)))

@@ -1,4 +1,4 @@
-"""Tests of the views of launch configurations and of what is wrong in them."""
+"""Tests of the views of launch configurations and their findings."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def test_the_list_agrees_with_each_system(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Every configuration is listed with as many nodes, topics, services and actions as it has."""
+    """Every configuration is listed with its numbers of nodes, topics, services and actions."""
     found = systems(snapshot, settings)
     assert found["total"] == len(found["systems"]) == 4
     for one in found["systems"]:
@@ -32,21 +32,21 @@ def test_the_list_agrees_with_each_system(snapshot: EmbeddedSnapshot, settings: 
 
 
 def test_systems_of_columns_are_those_of_the_store(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """`kg instances` reads all of them from the columns of the last run of rules."""
+    """`kg instances` reads all systems from the columns of the last run of rules."""
     columns, names = columns_of(snapshot), system_names(snapshot)
     assert isinstance(columns, Columns)
     assert read_systems(columns, names, settings.base) == read_systems(snapshot, names, settings.base)
 
 
 def test_the_list_is_searched_and_paged(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """All words have to be in the name or the source; numbers that are none count as not given."""
+    """All words must occur in the name or the source; invalid numbers count as missing."""
     assert [one["package"] for one in systems(snapshot, settings, text="ROVER arm")["systems"]] == ["rover_robot"]
     assert len(systems(snapshot, settings, offset="1", limit="2")["systems"]) == 2
     assert len(systems(snapshot, settings, offset="x", limit="-1")["systems"]) == 4
 
 
 def test_a_system_as_a_table(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Ends know who is at the other side, and the line that gave them their name."""
+    """Ends have the nodes at the other end, and the line that gave them their name."""
     found = system(snapshot, settings, name="rover.launch")
     instances = {one["key"]: one for one in found["instances"]}
     arm = instances["/rover1/arm_server"]
@@ -65,7 +65,7 @@ def test_a_system_as_a_table(snapshot: EmbeddedSnapshot, settings: Settings) -> 
 
 
 def test_a_system_as_a_graph(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Instances lie in the groups of their namespaces, and so do channels that only these use; edges lead to nodes."""
+    """Instances are grouped by namespace, and so are channels used only within one; edges lead to nodes."""
     found = system(snapshot, settings, name="rover.launch")["picture"]
     assert [one["id"] for one in found["groups"]] == ["/rover1"]
     nodes = {one["id"]: one for one in found["nodes"]}
@@ -81,7 +81,7 @@ def test_a_system_as_a_graph(snapshot: EmbeddedSnapshot, settings: Settings) -> 
 def test_names_that_are_not_known_are_one_node_for_each_instance(
     snapshot: EmbeddedSnapshot, settings: Settings
 ) -> None:
-    """All ends of an instance whose names are not known are drawn once, with what is known of the names."""
+    """All ends of an instance with unknown names are drawn once, with the known parts of the names."""
     for name in ("arm.launch", "mission.launch.xml", "rover.launch"):
         found = system(snapshot, settings, name=name)
         nodes = {one["id"]: one for one in found["picture"]["nodes"] if one["kind"] == "unknown"}
@@ -94,7 +94,7 @@ def test_names_that_are_not_known_are_one_node_for_each_instance(
 def test_findings_are_in_the_system_and_mark_what_they_are_about(
     snapshot: EmbeddedSnapshot, settings: Settings
 ) -> None:
-    """The finding has its line with the text, what leads to it, and marks things of the graph."""
+    """The finding has its line with the text and its causes, and marks elements of the graph."""
     found = system(snapshot, settings, name="mission.launch.xml")
     (finding,) = found["findings"]
     assert (finding["code"], finding["severity"]) == ("KG401", "note")
@@ -105,7 +105,7 @@ def test_findings_are_in_the_system_and_mark_what_they_are_about(
 
 
 def test_findings_of_all_and_of_a_package(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """Without a system all are looked at; a level and a package choose."""
+    """Without a system all are checked; a level and a package filter the findings."""
     assert [one["code"] for one in lint(snapshot, settings)["findings"]] == ["KG401"]
     assert lint(snapshot, settings, level="error") == {"findings": [], "allowed": 0, "systems": 4}
     assert lint(snapshot, settings, package="rover_robot")["systems"] == 2
@@ -116,7 +116,7 @@ def test_findings_of_all_and_of_a_package(snapshot: EmbeddedSnapshot, settings: 
 def test_a_system_is_read_once_for_all_its_parts(
     snapshot: EmbeddedSnapshot, settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whoever asks for one again gets the same, without it being read; of several the last is kept."""
+    """A repeated request uses the same system without reading it; of several the last is cached."""
     read: list[str] = []
 
     def reading(graph: EmbeddedSnapshot, names: list[SystemName], base: str) -> list[System]:
@@ -135,7 +135,7 @@ def test_a_system_is_read_once_for_all_its_parts(
 
 
 def test_a_system_that_is_not_there(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
-    """A misspelt name gets suggestions; an empty one means nothing."""
+    """A misspelt name gets suggestions; an empty one is an error."""
     with pytest.raises(UnknownNameError) as caught:
         system(snapshot, settings, name="rovr.launch")
     assert "rover.launch" in (caught.value.hint or "")

@@ -20,7 +20,7 @@ QUERIES: Final = {
 
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Use columns of a store of any size."""
+    """Use columns for stores of any size."""
     monkeypatch.setattr(whole, "_BYTES", 0)
     monkeypatch.setattr(selecting, "_MANY", 1)
 
@@ -28,7 +28,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("name", sorted(QUERIES))
 def test_columns_answer_as_the_store_does(snapshot: EmbeddedSnapshot, name: str) -> None:
-    """Variables, rows and their order are those that the store gives."""
+    """Variables, rows and their order equal those of the store."""
     found, expected = whole.answer(snapshot, QUERIES[name]), run(snapshot, QUERIES[name])
     assert found is not None
     assert isinstance(expected, Solutions)
@@ -38,7 +38,7 @@ def test_columns_answer_as_the_store_does(snapshot: EmbeddedSnapshot, name: str)
 
 @pytest.mark.usefixtures("small")
 def test_rows_are_capped(snapshot: EmbeddedSnapshot) -> None:
-    """A cap of rows is reported if it cut the answer."""
+    """The row limit is reported if it truncated the result."""
     text = QUERIES["a typed one"]
     cut, every = whole.answer(snapshot, text, limit=2), whole.answer(snapshot, text, limit=1000)
     assert cut is not None
@@ -48,7 +48,7 @@ def test_rows_are_capped(snapshot: EmbeddedSnapshot) -> None:
 
 
 def test_small_stores_are_asked_themselves(snapshot: EmbeddedSnapshot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where columns are small, loading them would take longer than the answer."""
+    """For a small store, loading columns would take longer than the query."""
     monkeypatch.setattr(whole, "_BYTES", 1 << 40)
     monkeypatch.setattr(selecting, "_MANY", 1)
     assert whole.answer(snapshot, QUERIES["degree"]) is None
@@ -57,5 +57,5 @@ def test_small_stores_are_asked_themselves(snapshot: EmbeddedSnapshot, monkeypat
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("text", ["ASK { ?s ?p ?o }", "SELECT ?s { ?s ?p ?o }", "SELECT DISTINCT nonsense"])
 def test_what_columns_cannot_answer_is_left_to_the_store(snapshot: EmbeddedSnapshot, text: str) -> None:
-    """Errors are reported by the store too."""
+    """Errors are left to the store."""
     assert whole.answer(snapshot, text) is None

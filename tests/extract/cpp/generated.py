@@ -1,8 +1,8 @@
 """A generator of C++ programs whose interfaces are known by construction, for ROS 1 and ROS 2.
 
-A program is a row of features. Each feature has classes and functions of its own, statements for the body that sets
-the node up, and the names of the interfaces that running these statements creates. What a feature only names is not
-expected.
+A program is a sequence of features. Each feature has classes and functions of its own, statements for the body that
+sets the node up, and the names of the interfaces created by these statements. Interfaces that a feature only mentions
+are not expected.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Feature:
 
 @dataclass(frozen=True)
 class Use:
-    """A feature in a program, by its name: below which namespace, in which role and with which message type."""
+    """A feature in a program, by its name: with its namespace, role and message type."""
 
     feature: str
     namespace: str = ""
@@ -83,7 +83,7 @@ class Use:
 
 @dataclass(frozen=True)
 class Program:
-    """The text of a program, and role, name and type of the interfaces that it creates."""
+    """The text of a program, and role, name and type of its interfaces."""
 
     source: str
     ends: frozenset[tuple[str, str, str]]

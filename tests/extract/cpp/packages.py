@@ -1,4 +1,4 @@
-"""Packages written for one test: C++ given as text, and the facts that are extracted from it."""
+"""Packages for one test: C++ given as text, and the facts extracted from it."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def node_of(source: str, more: Mapping[str, str] | None = None) -> NodeType:
 
 
 def interfaces_of(source: str, more: Mapping[str, str] | None = None) -> list[Interface]:
-    """Return the interfaces that the code of the only node creates, without those of frameworks."""
+    """Return the interfaces created by the code of the only node, without implicit ones."""
     return [item for item in node_of(source, more).interfaces if not item.implicit]
 
 
 def names_of(source: str, more: Mapping[str, str] | None = None) -> set[str | None]:
-    """Return the names of the interfaces that the code of the only node creates."""
+    """Return the names of the interfaces created by the code of the only node."""
     return {item.name for item in interfaces_of(source, more)}
 
 
@@ -59,7 +59,7 @@ def publisher_of(expression: str, local: str = "", outer: str = "", template: st
 
 
 def texts_of(expression: str, local: str = "", outer: str = "") -> set[str | None]:
-    """Return the texts that an expression can be, with `{}` for what is not known; None where nothing is known."""
+    """Return the possible texts of an expression, with `{}` for unknown parts; None if entirely unknown."""
     found: Iterable[str | None] = names_of(publisher_of(expression, local, outer))
     return {name.removeprefix("/") if name is not None else None for name in found}
 

@@ -1,4 +1,4 @@
-"""Limits of interpretation are recorded with the node that they cut short."""
+"""Limits of interpretation are recorded with the affected node."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ ADVERTISE = "nh.advertise<std_msgs::String>"
 
 
 def test_a_loop_that_creates_interfaces_and_goes_on_is_cut_short() -> None:
-    """The limit is recorded with the line of the function that was running."""
+    """The limit is recorded with the line of the current function."""
     (bound,) = node_of(LOOP % (1000, ADVERTISE)).bounds
     assert (bound.limit, bound.location.path, bound.location.line) == ("turns", "demo/main.cpp", 3)
 
 
 @pytest.mark.parametrize(("turns", "call"), [(5, ADVERTISE), (1000, "print")])
 def test_a_loop_that_ends_or_creates_nothing_is_no_bound(turns: int, call: str) -> None:
-    """The limit of turns counts only where interfaces may be missing."""
+    """The limit of iterations counts only if interfaces may be missing."""
     assert node_of(LOOP % (turns, call)).bounds == ()
 
 
 def test_a_function_that_declares_once_runs_again() -> None:
-    """A helper that finds its first parameter declared many times still declares another one."""
+    """A helper whose first parameter was declared many times still declares another one."""
     source = """#include <rclcpp/rclcpp.hpp>
 void ensure(rclcpp::Node & node, std::string name) { if (!node.has_parameter(name)) node.declare_parameter(name, 1); }
 int main(int argc, char** argv)
@@ -46,7 +46,7 @@ int main(int argc, char** argv)
 
 
 def test_loops_that_create_nothing_leave_steps_for_what_follows() -> None:
-    """A table filled by nested loops does not end the run before the publisher after it."""
+    """A table filled by nested loops does not prevent the run from reaching the publisher after it."""
     loops = "".join(f"for (int {name} = 0; {name} != 60; ++{name}) " for name in "ijk")
     source = f"""#include <ros/ros.h>
 #include <std_msgs/String.h>

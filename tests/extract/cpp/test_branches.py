@@ -1,4 +1,4 @@
-"""What one side of a branch writes counts after it, also if it leaves the loop or the function."""
+"""Writes in one branch are visible after it, even if it leaves the loop or the function."""
 
 from __future__ import annotations
 
@@ -36,19 +36,19 @@ int main(int argc, char** argv) {
 
 
 def test_a_factory_that_returns_from_branches_makes_whole_objects() -> None:
-    """Each object has what its constructor wrote."""
+    """Each object has the values written by its constructor."""
     assert names_of(FACTORY) == {"a/map", "b/cloud"}
 
 
 @pytest.mark.parametrize("end", ["break", "continue"])
 def test_a_value_set_before_a_loop_ends_early_is_one_of_its_values(end: str) -> None:
-    """The value before the loop is another one."""
+    """The value before the loop is one of the alternatives."""
     loop = f'std::string name = "none"; for (int i = 0; i < argc; ++i) {{ if (found(i)) {{ name = "one"; {end}; }} }}'
     assert texts_of("name", loop) == {"none", "one"}
 
 
 def test_a_field_set_before_a_function_returns_early_keeps_the_value() -> None:
-    """Both ways through the function count."""
+    """Both paths through the function count."""
     outer = """struct Names {
   void read(bool simulated) { if (simulated) { name = "simulated"; return; } name = "real"; }
   std::string name;
@@ -57,12 +57,12 @@ def test_a_field_set_before_a_function_returns_early_keeps_the_value() -> None:
 
 
 def test_an_element_is_set_through_at() -> None:
-    """`at()` names the element, as brackets do."""
+    """`at()` accesses the element, like brackets."""
     assert texts_of("names.at(1)", 'std::vector<std::string> names{"a", "b"}; names.at(1) = "c";') == {"c"}
 
 
 def test_a_function_that_fills_a_container_runs_as_often_as_it_is_called() -> None:
-    """It declares nothing itself."""
+    """The function itself declares nothing."""
     source = """#include <rclcpp/rclcpp.hpp>
 void add(std::map<std::string, int> & all, const std::string & name) { all[name] = 0; }
 int main(int argc, char** argv) {
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
 
 
 def test_a_copy_constructor_that_is_defaulted_does_not_start_a_component() -> None:
-    """The loader gives the options of a node."""
+    """The loader passes the options of a node."""
     source = """#include <rclcpp/rclcpp.hpp>
 #include <rclcpp_components/register_node_macro.hpp>
 class Viewer : public rclcpp::Node {
@@ -95,7 +95,7 @@ RCLCPP_COMPONENTS_REGISTER_NODE(Viewer)
 
 
 def test_a_function_that_returns_false_on_failure_can_succeed() -> None:
-    """What its caller does after a success counts, although the result of a success is not known."""
+    """The caller's code after a success counts, although the result of a success is unknown."""
     outer = """bool prepare() { if (!connect()) return false; return finish(); }
 void* load() { if (!prepare()) return nullptr; return read(); }"""
     local = 'std::string name = "none"; if (!prepare()) return 1; if (!load()) return 1; name = "one";'
@@ -104,7 +104,7 @@ void* load() { if (!prepare()) return nullptr; return read(); }"""
 
 @pytest.mark.parametrize(("default", "names"), [("", set()), (', "used"', {"used"})])
 def test_an_interface_whose_name_stays_empty_does_not_exist(default: str, names: set[str]) -> None:
-    """The code asks whether the name is empty, of a text that a function may have set."""
+    """The code tests a name for emptiness that a function may have set."""
     source = """#include <rclcpp/rclcpp.hpp>
 void choose(std::string & name, const std::string & given = "") { if (ask()) { name = given; } }
 int main(int argc, char** argv) {
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
 
 
 def test_a_parameter_without_default_reaches_the_caller_through_a_reference() -> None:
-    """The text before the call is gone."""
+    """The text before the call is discarded."""
     source = """#include <rclcpp/rclcpp.hpp>
 void read(rclcpp::Node & node, std::string & topic) { topic = node.declare_parameter<std::string>("topic"); }
 int main(int argc, char** argv) {
@@ -148,7 +148,7 @@ int main(int argc, char** argv) {
 
 @pytest.mark.parametrize("start", ["0", "nullptr", "NULL"])
 def test_what_code_outside_the_sources_writes_by_address_is_unknown(start: str) -> None:
-    """A check of the result does not end the function that creates the interface."""
+    """Testing the result does not end the function that creates the interface."""
     body = f"""addrinfo* info = {start};
   if (getaddrinfo("host", "port", 0, &info) != 0 || !info) {{ throw std::runtime_error("no host"); }}
   ros::NodeHandle nh;

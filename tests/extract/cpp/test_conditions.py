@@ -1,4 +1,4 @@
-"""What the preprocessor compiles in packages of ROS 1 and ROS 2."""
+"""Preprocessor conditions in packages of ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ ATOMS = {
 def test_conditions_about_the_version_are_decided(
     directive: str, *, in_ros1: bool | None, in_ros2: bool | None
 ) -> None:
-    """A condition holds, does not, or depends on something else."""
+    """A condition holds, fails, or is unknown."""
     assert holds(directive.encode(), Macros(1)) is in_ros1
     assert holds(directive.encode(), Macros(2)) is in_ros2
 
 
 def test_what_the_file_defines_is_left_alone() -> None:
-    """A guard of a header looks like a flag for a version, and is defined in the file."""
+    """A header guard resembles a version flag, and is defined in the file."""
     assert holds(b"#ifndef FILTER_ROS2", Macros(2, frozenset({b"FILTER_ROS2"}))) is None
 
 
@@ -63,7 +63,7 @@ def test_what_the_file_defines_is_left_alone() -> None:
     ],
 )
 def test_macros_of_the_file_decide_conditions(directive: str, *, truth: bool | None) -> None:
-    """A macro stands for a number, for another macro, for nothing, or is undefined."""
+    """A macro expands to a number, another macro, or nothing, or is undefined."""
     texts = {b"PLAIN": b"1", b"MANAGED": b"2", b"PARENT": b"PLAIN", b"GONE": None, b"BRACKETS": b"(1)", b"EMPTY": b""}
     assert holds(directive.encode(), Macros(2, texts=texts | {b"LOOP": b"LOOP"})) is truth
 
@@ -100,17 +100,17 @@ CONDITIONS = st.recursive(
 
 @given(CONDITIONS, st.sampled_from([1, 2]))
 def test_logic_is_that_of_kleene(condition: object, ros: int) -> None:
-    """Conditions in brackets are as true as their parts make them."""
+    """The truth of a condition follows from its parts."""
     assert holds(f"#if {_written(condition)}".encode(), Macros(ros)) is _truth(condition, ros)
 
 
 @given(st.binary(max_size=40))
 def test_no_condition_raises_an_error(text: bytes) -> None:
-    """Whatever follows `#if` is true, false or unknown."""
+    """Any text after `#if` is true, false or unknown."""
     assert holds(b"#if " + text, Macros(1)) in {True, False, None}
 
 
 @pytest.mark.parametrize("condition", ["(" * 50_000, "!" * 50_000 + "1", "9" * 5_000])
 def test_nothing_is_known_of_conditions_without_end(condition: str) -> None:
-    """Brackets, signs and digits in any number end no reading."""
+    """Any number of brackets, signs and digits is parsed."""
     assert holds(f"#if {condition}".encode(), Macros(2)) is None

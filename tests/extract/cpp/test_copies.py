@@ -1,4 +1,4 @@
-"""Copies and references of C++ objects: a change of a copy leaves the original as it is."""
+"""Copies and references of C++ objects: a change of a copy does not affect the original."""
 
 from __future__ import annotations
 
@@ -58,13 +58,13 @@ OUTER = STRUCT + (
 
 @pytest.mark.parametrize(("label", "code"), COPIED, ids=[label for label, _ in COPIED])
 def test_changes_of_a_copy_leave_the_original(label: str, code: str) -> None:
-    """An object that is copied keeps its fields when the copy changes."""
+    """The fields of a copied object remain when the copy changes."""
     assert texts_of("a.name", MADE + code, OUTER) == {"x"}, label
 
 
 @pytest.mark.parametrize(("label", "code"), SHARED, ids=[label for label, _ in SHARED])
 def test_references_and_pointers_share_the_object(label: str, code: str) -> None:
-    """A change through a reference or a pointer is a change of the object."""
+    """A change through a reference or a pointer changes the object."""
     assert texts_of("a.name", MADE + code, OUTER) == {"y"}, label
 
 
@@ -78,12 +78,12 @@ def test_a_loop_by_reference_changes_the_elements() -> None:
     "loop", ['for (std::string s : {"a", "b"}) {}', 'for (int k = 0; k < 2; ++k) { std::string s = "a"; }']
 )
 def test_variables_of_a_loop_hide_others(loop: str) -> None:
-    """A variable of the same name has its value again after the loop."""
+    """A hidden variable has its value again after the loop."""
     assert texts_of("s", f'std::string s = "x"; {loop}') == {"x"}
 
 
 def test_callbacks_keep_what_they_capture_by_copy() -> None:
-    """A callback that is registered in a loop runs with the values of each turn."""
+    """A callback registered in a loop runs with the values of each iteration."""
     local = (
         'for (std::string n : {"a", "b"}) { auto timer = nh.createTimer(ros::Duration(1), '
         "[n, &nh](const ros::TimerEvent&) { nh.advertise<std_msgs::String>(n, 1); }); }"
@@ -93,13 +93,13 @@ def test_callbacks_keep_what_they_capture_by_copy() -> None:
 
 
 def test_an_object_of_one_side_of_a_branch_has_its_last_state_only() -> None:
-    """What a side writes to an object that it created is not one of two alternatives."""
+    """The states of an object created in one branch are not alternatives."""
     local = 'S a("x"), c("z"); if (nh.ok()) { S b = a; b.name = "y"; c = b; }'
     assert texts_of("c.name", local, OUTER) == {"y", "z"}
 
 
 def test_copied_qos_is_another_one() -> None:
-    """A change of a copied quality of service leaves the original."""
+    """A change of a copied quality of service does not affect the original."""
     source = (
         'int main() { auto node = rclcpp::Node::make_shared("n"); rclcpp::QoS q(1); auto r = q; r.best_effort();'
         ' node->create_publisher<std_msgs::msg::String>("t", q); }'
@@ -110,7 +110,7 @@ def test_copied_qos_is_another_one() -> None:
 
 
 def test_an_object_that_holds_itself_is_copied_once() -> None:
-    """A list of a class that is not in the build may hold the object that has the list."""
+    """A list of a class outside the build may contain the object that owns the list."""
     outer = "struct S { std::string name; std::vector<outside::Part> held; void fill() { held.push_back(this); } };"
     local = 'S a; a.name = "x"; a.fill(); S b = a; b.name = "y";'
     assert texts_of("a.name", local, outer) == {"x"}

@@ -1,4 +1,4 @@
-"""What the calls of frameworks outside of the build create, as `ontology/calls` describes it."""
+"""Interfaces created by calls of frameworks outside the build, as described by `ontology/calls`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TYPE = "std_msgs::msg::String"
 
 
 def component(body: str, members: str = "", outer: str = "", base: str = 'rclcpp::Node("demo")') -> str:
-    """Return a ROS 2 program that constructs one node, whose constructor has a body."""
+    """Return a ROS 2 program that constructs one node with the given constructor body."""
     name = base.partition("(")[0]
     return (
         f"#include <rclcpp/rclcpp.hpp>\n{outer}\nclass Demo : public {name} {{ public: Demo() : {base} {{ {body} }}\n"
@@ -75,7 +75,7 @@ def test_controllers_declare_the_parameters_of_their_base_class() -> None:
 
 
 def test_the_broadcaster_of_agnocast_publishes_transforms() -> None:
-    """The wrapper of Autoware around tf2 publishes /tf as tf2 does."""
+    """The wrapper of Autoware around tf2 publishes /tf like tf2."""
     source = component("autoware::agnocast_wrapper::TransformBroadcaster tf(*this);")
     assert ("/tf", "tf2_msgs/TFMessage") in {(one.name, one.type) for one in node_of(source).interfaces}
 
@@ -87,20 +87,20 @@ def test_the_prefix_of_frames_is_a_parameter() -> None:
 
 
 def test_a_parameter_object_receives_the_type_of_its_value() -> None:
-    """`get_parameter(name, object)` into a `rclcpp::Parameter` of a truth value reads a truth value."""
+    """`get_parameter(name, object)` into a Boolean `rclcpp::Parameter` reads a Boolean."""
     source = component('rclcpp::Parameter given("fast", true); get_parameter("fast", given);')
     assert parameters_of([node_of(source)]) == [("fast", "bool", "true")]
 
 
 @pytest.mark.parametrize("local", ["double r = 25;", "double r; r = 25;", "double r{25};"])
 def test_a_default_has_the_type_of_its_variable(local: str) -> None:
-    """A parameter whose default is a floating variable is floating, also if the variable has a whole value."""
+    """A parameter whose default is a floating-point variable is floating point, even for an integral value."""
     source = component(f'{local} declare_parameter("range", r);')
     assert parameters_of([node_of(source)]) == [("range", "double", "25.0")]
 
 
 def test_a_base_without_initialiser_is_at_the_head_of_the_class() -> None:
-    """What a base class of a framework declares has the line of the class if no initialiser names the base."""
+    """Declarations of a framework's base class have the line of the class if no initialiser names the base."""
     header = "\n\nclass Arm : public controller_interface::ControllerInterface { public: Arm(); };\n"
     export = "PLUGINLIB_EXPORT_CLASS(Arm, controller_interface::ControllerInterface)"
     source = f'#include "arm.hpp"\n\n\n\n\nArm::Arm() {{}}\n{export}\n'
@@ -109,14 +109,14 @@ def test_a_base_without_initialiser_is_at_the_head_of_the_class() -> None:
 
 
 def test_a_parameter_is_at_its_first_access() -> None:
-    """A parameter that is tested before it is read with a default has the line of the test."""
+    """A parameter tested before it is read with a default has the line of the test."""
     lines = ["int main() {", 'ros::NodeHandle nh("~");', 'bool set = nh.hasParam("x");', "", "", "", "int x;"]
     node = node_of("\n".join([*lines, 'nh.param("x", x, 3); }']))
     assert [(p.location.line, p.default) for p in node.parameters if p.name == "~/x"] == [(3, "3")]
 
 
 def test_a_callback_in_a_field_of_options_is_called() -> None:
-    """A framework calls the functions in the options that it receives: here a lazy subscription."""
+    """A framework calls the functions in the options it receives: here a lazy subscription."""
     body = f"""rclcpp::PublisherOptions options;
       options.event_callbacks.matched_callback = [this](rclcpp::MatchedInfo &) {{
         if (!camera_) camera_ = image_transport::create_camera_subscription(this, "image", nullptr, "raw");
@@ -135,7 +135,7 @@ def test_a_callback_in_a_field_of_options_is_called() -> None:
 
 
 def test_options_hold_the_interface_that_their_constructor_gives() -> None:
-    """`advertise(options)` creates it, with the type that the constructor names."""
+    """`advertise(options)` creates it, with the type named by the constructor."""
     source = """#include <ros/ros.h>
 int main(int argc, char** argv) {
   ros::NodeHandle nh("~");
@@ -148,7 +148,7 @@ int main(int argc, char** argv) {
 
 
 def test_a_nodelet_has_what_its_virtual_methods_create() -> None:
-    """A helper of a base class that the nodelet does not call creates nothing."""
+    """A base class helper that the nodelet does not call creates nothing."""
     source = """#include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.h>
 #include <std_msgs/String.h>
@@ -165,7 +165,7 @@ PLUGINLIB_EXPORT_CLASS(Viewer, nodelet::Nodelet)
 
 
 def test_a_function_that_formats_gives_a_text_with_holes() -> None:
-    """Numbers that are not known are holes."""
+    """Unknown numbers are holes."""
     source = """#include <ros/ros.h>
 #include <std_msgs/String.h>
 int main(int argc, char** argv) {
@@ -209,7 +209,7 @@ autoware::component_interface_utils::Subscription<State>::SharedPtr sub_;"""
 
 
 def test_a_base_outside_of_the_build_holds_the_node_handle() -> None:
-    """The name of the member tells whether it is a private one."""
+    """The name of the member shows whether it is a private one."""
     source = """#include <octomap_server/OctomapServer.h>
 class Contact : public octomap_server::OctomapServer {
 public:
@@ -226,7 +226,7 @@ int main(int argc, char** argv) { Contact contact; }
 
 
 def test_what_a_framework_makes_has_the_calls_that_led_to_it() -> None:
-    """The evidence of an implicit interface is the call in the node, with that in the wrapper of another package."""
+    """The evidence of an implicit interface is the call in the node, followed by that in another package's wrapper."""
     wrapper = (
         "struct Wrapper {\n  explicit Wrapper(rclcpp::Node* n)\n  : updater_(n) {}\n"
         "  diagnostic_updater::Updater updater_;\n};\n"
@@ -239,7 +239,7 @@ def test_what_a_framework_makes_has_the_calls_that_led_to_it() -> None:
 
 
 def test_an_abstract_class_is_not_a_node() -> None:
-    """Others derive from it and say how its topic is called; a class that is complete is shown."""
+    """Derived classes name its topic; a concrete class is a node."""
     classes = """#include <rclcpp/rclcpp.hpp>
 class Base {
 public:

@@ -14,7 +14,7 @@ ALONE = [(name, ros) for name, feature in FEATURES.items() for ros in (1, 2) if 
 
 
 def found_in(program: Program) -> set[tuple[str, str | None, str | None]]:
-    """Return role, name and type of each interface that is extracted from a program."""
+    """Return role, name and type of each interface extracted from a program."""
     return {(item.role.value, item.name, item.type) for item in interfaces_of(program.source)}
 
 
@@ -28,5 +28,5 @@ def test_each_feature_alone(feature: str, ros: int) -> None:
 @settings(max_examples=60, deadline=None)
 @given(programs())
 def test_programs_have_the_interfaces_they_create(program: Program) -> None:
-    """Whatever features a program combines, exactly the interfaces that running it creates are extracted."""
+    """For any combination of features, exactly the interfaces created at run time are extracted."""
     assert found_in(program) == program.ends

@@ -1,4 +1,4 @@
-"""Parts of the language that decide which interfaces a program creates."""
+"""Language features that determine the interfaces of a program."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ CONDITIONS = [
 
 
 def names(body: str, members: str, outer: str) -> set[str | None]:
-    """Return the names of the interfaces of a node whose constructor has a body."""
+    """Return the names of the interfaces of a node with the given constructor body."""
     source = (
         f"#include <rclcpp/rclcpp.hpp>\nclass Demo;\n{outer}\nclass Demo : public rclcpp::Node {{ public:\n"
         f'Demo() : rclcpp::Node("demo") {{ {body} }}\n{members} }};\n'
@@ -73,13 +73,13 @@ def names(body: str, members: str, outer: str) -> set[str | None]:
 def test_programs_create_these_interfaces(
     label: str, body: str, members: str, outer: str, wanted: set[str | None]
 ) -> None:
-    """A program creates what it does when it runs."""
+    """The extracted interfaces are those created at run time."""
     assert names(body, members, outer) == wanted, label
 
 
 @pytest.mark.parametrize(("condition", "argument", "wanted"), CONDITIONS)
 def test_conditions_on_types_decide(condition: str, argument: str, wanted: set[str | None]) -> None:
-    """Only the side that the types choose runs; both do if a type is not known."""
+    """Only the branch chosen by the types runs; both do for an unknown type."""
     assert names(f"typed<{argument}>(this);", "", TYPED.replace("CONDITION", condition)) == wanted
 
 
@@ -111,7 +111,7 @@ int main() { Chain chain; }
 
 
 def test_a_method_is_defined_through_another_name_of_its_namespace() -> None:
-    """`namespace rc = robot::control;` is followed where a method is defined outside of its class."""
+    """`namespace rc = robot::control;` is followed for a method defined outside its class."""
     source = """#include <ros/ros.h>
 namespace robot { namespace control {
 struct Drive {

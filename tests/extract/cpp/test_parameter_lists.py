@@ -1,4 +1,4 @@
-"""Lists that are parameters and empty by default: what is created for each element belongs to the node."""
+"""List parameters that are empty by default: interfaces created for each element belong to the node."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LOOPS = [
 
 
 def ends(statements: str) -> list[tuple[str | None, str | None]]:
-    """Return name and parameter of the interfaces that a node with these statements creates."""
+    """Return name and parameter of the interfaces created by a node with these statements."""
     source = (
         f'#include <rclcpp/rclcpp.hpp>\nclass Demo : public rclcpp::Node {{ public: Demo() : rclcpp::Node("demo") {{\n'
         f"{statements} }} }};\nint main(int argc, char** argv) {{ rclcpp::spin(std::make_shared<Demo>()); }}\n"
@@ -35,7 +35,7 @@ def ends(statements: str) -> list[tuple[str | None, str | None]]:
 @pytest.mark.parametrize("declared", DECLARED)
 @pytest.mark.parametrize("loop", LOOPS)
 def test_each_element_of_an_empty_list_names_an_interface(declared: str, loop: str) -> None:
-    """A loop over a list that a launch file sets runs, whatever the default is."""
+    """A loop over a list set by a launch file runs, whatever the default."""
     assert ends(declared + loop.replace("NAME", "one")) == [(None, "names[]")]
 
 
@@ -45,12 +45,12 @@ def test_a_name_with_an_element_is_partly_known() -> None:
 
 
 def test_what_the_loop_changes_may_also_stay_as_it_is() -> None:
-    """The list can be empty in the end: the variables that the loop sets keep their values then."""
+    """The list may be empty: variables set in the loop may keep their values."""
     local = DECLARED[0] + 'std::string topic = "none"; for (const auto& one : all) { topic = "some"; }'
     assert {name for name, _ in ends(local + PUBLISH.replace("NAME", "topic"))} == {"none", "some"}
 
 
 def test_lists_that_are_no_parameters_are_empty() -> None:
-    """A loop over an empty list of the code does not run."""
+    """A loop over an empty list in the code does not run."""
     local = 'std::vector<std::string> all; create_publisher<std_msgs::msg::String>("other", 1);'
     assert ends(local + LOOPS[0].replace("NAME", "one")) == [("other", None)]

@@ -1,4 +1,4 @@
-"""Plugin slots from calls that load plugins: what gives the base class, the class and the name."""
+"""Plugin slots from calls that load plugins: the origins of base class, class and name."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def slots_of(body: str) -> list[PluginSlot]:
 
 
 def test_the_first_template_argument_is_the_base_class() -> None:
-    """A loader whose constructor is not seen, or that takes no base class, is typed by its template."""
+    """A loader with an unseen constructor, or without a base class argument, is typed by its template."""
     (slot,) = slots_of('class_loader::ClassLoader loader("x.so"); loader.createInstance<acme::Filter>("acme::Mean");')
     assert (slot.base_class, slot.fixed, slot.defaults[0].class_name) == ("acme::Filter", True, "acme::Mean")
 
@@ -60,7 +60,7 @@ def test_one_slot_has_all_classes_that_the_code_gives() -> None:
 
 
 def test_a_class_from_elsewhere_has_a_reason() -> None:
-    """A class that neither the code nor a parameter gives is not known, and the slot is not fixed."""
+    """A class given neither by the code nor by a parameter is unknown, and the slot is not fixed."""
     (slot,) = slots_of(
         'pluginlib::ClassLoader<acme::Filter> loader("acme", "acme::Filter"); loader.createInstance("acme::Mean");'
         "loader.createInstance(read_from_disk());"
@@ -71,7 +71,7 @@ def test_a_class_from_elsewhere_has_a_reason() -> None:
 
 @pytest.mark.parametrize("default", ['"mean"', 'std::vector<std::string>{"mean", "other"}'])
 def test_a_parameter_names_the_plugins(default: str) -> None:
-    """The parameter whose default has the name of a plugin gives the names: a text or a list."""
+    """A parameter whose default is a plugin's name gives the names: a text or a list."""
     (slot,) = slots_of(f"""node.declare_parameter("filters", {default});
       node.declare_parameter("mean.type", "acme::Mean");
       pluginlib::ClassLoader<acme::Filter> loader("acme", "acme::Filter");
@@ -81,14 +81,14 @@ def test_a_parameter_names_the_plugins(default: str) -> None:
 
 
 def test_elements_of_a_list_can_be_the_classes() -> None:
-    """A list parameter of classes gives them itself."""
+    """A list parameter may contain the classes themselves."""
     (slot,) = slots_of("""pluginlib::ClassLoader<acme::Filter> loader("acme", "acme::Filter");
       for (auto kind : node.declare_parameter("filters", std::vector<std::string>{})) loader.createInstance(kind);""")
     assert (slot.names, slot.parameter, slot.defaults) == ("filters", "filters[]", ())
 
 
 def test_users_describe_loaders_of_their_own(tmp_path: Path) -> None:
-    """Rows with `slot` in a file of the user count as those that are shipped."""
+    """Rows with `slot` in a user's file count like shipped ones."""
     body = (
         'acme::Loader loader(&node, "acme::Planner"); loader.load("acme::Fast", "fast"); acme::load_all("chain");\n'
         'node.create_publisher<std_msgs::msg::String>("out", 1);'

@@ -1,4 +1,4 @@
-"""Sources of C++ are prepared for the grammar without moving a byte."""
+"""C++ sources are prepared for the grammar with all byte positions preserved."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PIECES = (
 
 @given(st.lists(st.sampled_from(PIECES), max_size=12))
 def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
-    """What is left out becomes spaces: no byte moves, and lines end where they did."""
+    """Removed text becomes spaces: no byte moves, and line ends remain."""
     source = "\n".join(pieces).encode()
     found = prepared(source, 2)
     assert len(found) == len(source)
@@ -41,13 +41,13 @@ def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
     ids=["sides of a block", "branches", "has_include", "Qt", "visibility", "signals"],
 )
 def test_what_only_a_preprocessor_understands_is_read(source: str) -> None:
-    """The grammar finds no error in what was prepared, though it finds one in the source."""
+    """The grammar finds an error in the source, and none in the prepared text."""
     assert parse(source.encode()).root_node.has_error
     assert not parse(prepared(source.encode(), 2)).root_node.has_error
 
 
 def test_directives_stay() -> None:
-    """A macro that is defined is left as it is."""
+    """A macro definition is unchanged."""
     source = b'#define A_PUBLIC __attribute__((visibility("default")))\n#define A_LOCAL int\n'
     assert prepared(source, 2) == source
 
@@ -65,6 +65,6 @@ def test_directives_stay() -> None:
     ids=["defined", "behind a guard", "default", "perhaps undefined", "not compiled", "defined later"],
 )
 def test_macros_that_a_file_defines_select_sides(source: str, compiled: str) -> None:
-    """A side is left out if a macro that was certainly defined before excludes it."""
+    """A branch is removed if an unconditionally defined macro excludes it."""
     found = prepared(source.encode(), 2).decode()
     assert " ".join(word for word in ("left", "right") if word in found) == compiled

@@ -1,4 +1,4 @@
-"""Programs that only start a component: they declare what the component declares, which is run once."""
+"""Programs that only start a component have the declarations of the component, which runs once."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def _names(node: NodeType) -> list[str]:
 
 @pytest.mark.parametrize("late", ["", _LATER])
 def test_a_program_that_only_starts_a_component_has_the_facts_of_a_run(late: str) -> None:
-    """The call of another function prevents the short way; it declares nothing itself."""
+    """A call of another function disables the shortcut, although it declares nothing."""
     assert _nodes("", late) == _nodes('std::puts("");', late)
 
 
@@ -75,7 +75,7 @@ def test_a_component_and_the_program_that_only_starts_it_are_one_node() -> None:
 
 
 def test_a_component_runs_once_for_itself_and_its_program(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the program only starts does not run again."""
+    """A program that only starts a component does not run again."""
     begun: list[str] = []
     initialise = Constructions.initialise
 

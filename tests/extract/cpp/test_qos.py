@@ -22,7 +22,7 @@ USUAL = Qos("reliable", "volatile", "keep_last", 10)
 
 
 def source(before: str, expression: str) -> str:
-    """Return a node whose only publisher has that quality of service."""
+    """Return a node whose only publisher has this quality of service."""
     return (
         "#include <rclcpp/rclcpp.hpp>\nstatic const rclcpp::QoS shared_qos = rclcpp::QoS(4);\n"
         "class Bounded : public rclcpp::QoS {\n public:\n"
@@ -36,7 +36,7 @@ def source(before: str, expression: str) -> str:
 
 
 def qos_of(root: Path, before: str, expression: str) -> Qos | None:
-    """Return the quality of service that is read of it."""
+    """Return the extracted quality of service."""
     cmake = "cmake_minimum_required(VERSION 3.8)\nproject(demo)\nadd_executable(a a.cpp)\n"
     files: dict[str, str | bytes] = {
         "demo/package.xml": manifest("demo"),
@@ -127,5 +127,5 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
     ],
 )  # fmt: skip
 def test_profiles(tmp_path: Path, before: str, expression: str, wanted: Qos | None) -> None:
-    """A profile is what it starts from and what its methods make of it; what is not understood is not known."""
+    """A profile has its base and the changes of its methods; unsupported ones are unknown."""
     assert qos_of(tmp_path, before, expression) == wanted

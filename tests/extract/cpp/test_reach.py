@@ -1,4 +1,4 @@
-"""What the words in code mean to the search for effects."""
+"""Words in code as seen by the search for effects."""
 
 from __future__ import annotations
 
@@ -39,19 +39,19 @@ def add(project: Project, path: str) -> None:
 
 
 def test_definitions_are_found_in_the_same_order_in_each_process(project: Project) -> None:
-    """Files are looked up for each, and these look-ups are kept with the facts."""
+    """The lookups of files are stored with the facts."""
     assert [one.name for one in project.definitions(frozenset(NAMES))] == sorted(NAMES)
 
 
 def test_a_word_is_searched_in_files_that_are_added_later(project: Project) -> None:
-    """A file that is added may contain a word that those before it do not."""
+    """An added file may contain a word missing in earlier ones."""
     assert not project.mentions("advertise")
     add(project, "other.cpp")
     assert project.mentions("advertise")
 
 
 def test_words_contain_what_a_macro_that_is_added_later_expands_to(project: Project) -> None:
-    """A header that is added may define a macro that code before it uses."""
+    """An added header may define a macro used by earlier code."""
     unit = project.unit(project.own("demo/main.cpp"))
     assert unit is not None
     (main,) = unit.functions["main"]

@@ -23,25 +23,25 @@ def first(source: str, kind: str) -> Node:
 
 @given(TEXTS)
 def test_literals_keep_their_text(text: str) -> None:
-    """A string literal is read as what was written into it."""
+    """A string literal is read as the text it denotes."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("??", "?\\?")
     assert syntax.literal(first(f'auto s = "{escaped}";', "string_literal")) == text
 
 
 @given(TEXTS.filter(lambda text: ")x" not in text))
 def test_raw_literals_keep_their_text(text: str) -> None:
-    """A raw string literal is read as it stands."""
+    """A raw string literal is read unchanged."""
     assert syntax.literal(first(f'auto s = R"x({text})x";', "raw_string_literal")) == text
 
 
 def test_a_text_before_a_macro_is_one_argument() -> None:
-    """`"text" MACRO`, which does not parse, stays one argument."""
+    """`"text" MACRO`, which is a syntax error, remains one argument."""
     call = first('void g() { f("/" NAME, 1); }', "call_expression")
     assert len(syntax.arguments(call.child_by_field_name("arguments"))) == 2
 
 
 def test_signals_of_qt_do_not_end_the_reading() -> None:
-    """The grammar completes `Item *,` in a macro of Qt by an empty name; the rest of the program is read."""
+    """The grammar completes `Item *,` in a Qt macro with an empty name; the rest of the program is read."""
     connect = "QObject::connect(&tree, SIGNAL(collapsed(Item *)), this, SLOT(shown(Item *)));"
     source = f'int main() {{ ros::NodeHandle nh; {connect} nh.advertise<std_msgs::String>("x", 1); }}'
     assert names_of(source) == {"x"}

@@ -16,7 +16,7 @@ NAMES = st.text(string.ascii_letters + string.digits + "/_", min_size=1, max_siz
 
 @dataclass(frozen=True)
 class Spelled:
-    """An expression with the declarations that it needs before it in a function, and at namespace scope."""
+    """An expression with its declarations in the function, and at namespace scope."""
 
     code: str
     value: str
@@ -90,14 +90,14 @@ def sums(draw: st.DrawFn, prefix: str = "a", words: st.SearchStrategy[str] = WOR
 @settings(max_examples=80, deadline=None)
 @given(sums())
 def test_texts_are_what_the_program_would_compute(spelled: Spelled) -> None:
-    """Concatenations of literals, constants, members, locals and results evaluate to what running them gives."""
+    """Concatenations of literals, constants, members, locals and results evaluate to their run-time value."""
     assert texts_of(spelled.code, spelled.local, spelled.outer) == {spelled.value}
 
 
 @settings(max_examples=40, deadline=None)
 @given(sums(words=NAMES), sums("b", NAMES), st.sampled_from(["choice", "branch", "return", "switch"]))
 def test_both_branches_are_alternatives(one: Spelled, other: Spelled, way: str) -> None:
-    """What depends on something not known has the values of both of its sides, and no others."""
+    """A text that depends on an unknown condition has the values of both branches, and no others."""
     local, outer = one.local + other.local, f"{one.outer}\n{other.outer}"
     code = {
         "choice": f"argc > 1 ? {one.code} : {other.code}",
@@ -118,7 +118,7 @@ def test_both_branches_are_alternatives(one: Spelled, other: Spelled, way: str) 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(-50, 50), st.integers(-50, 50), st.integers(1, 9), st.sampled_from("+-*"))
 def test_numbers_are_computed(one: int, other: int, third: int, sign: str) -> None:
-    """Arithmetic of known numbers is done as C++ does it."""
+    """Arithmetic of known numbers follows C++."""
     expected = {"+": one + third + other, "-": one - third - other, "*": one * third * other}[sign]
     assert texts_of("std::to_string(b)", f"int a = ({one}); int b = a {sign} {third} {sign} ({other});") == {
         str(expected)
@@ -142,33 +142,33 @@ def test_numbers_have_the_form_of_their_type(expression: str, local: str, shown:
 
 
 def test_what_is_not_known_is_said() -> None:
-    """A call of a function that is not in the sources leaves a hole, with a reason that names it."""
+    """A call of an unknown function leaves a hole, with a reason that names it."""
     (found,) = interfaces_of(publisher_of('"a/" + foreign()'))
     assert (found.name, found.resolution) == ("/a/{foreign}", Resolution.PARTIAL)
     assert "foreign" in (found.reason or "")
 
 
 def test_recursion_ends() -> None:
-    """A function that calls itself, and a variable that is made of itself, come to an end."""
+    """Evaluation of a recursive function, and of a variable defined by itself, terminates."""
     assert texts_of('f("b")', outer='std::string f(std::string s) { return f(s + "a"); }') <= {None, "{}"}
     assert len(texts_of("g", outer='std::string g = g + "a";')) == 1
 
 
 @pytest.mark.parametrize(("opening", "closing"), [("(", ")"), ("f(", ")"), ("1 + (", ")"), ("-", "")])
 def test_deep_nesting_ends(opening: str, closing: str) -> None:
-    """Expressions nested as no person writes them do not exhaust the stack, and the code after them still counts."""
+    """Excessively nested expressions do not overflow the stack, and later code is still read."""
     assert texts_of('"x"', f"auto deep = {opening * 3000}1{closing * 3000};") == {"x"}
 
 
 def test_alternatives_are_bounded() -> None:
-    """Choices that multiply end in names that are not known, with the reason."""
+    """Multiplying alternatives end in unknown names, with the reason."""
     choices = "".join(f'std::string s{i} = argc > {i} ? "a{i}" : "b{i}"; ' for i in range(12))
     found = interfaces_of(publisher_of(" + ".join(f"s{i}" for i in range(12)), choices))
     assert len(found) <= 64
 
 
 def test_a_variable_is_no_literal() -> None:
-    """A text read from a variable counts as constant, one in place as literal."""
+    """A text read from a variable is a constant, one in place a literal."""
     (place,) = interfaces_of('int main() { ros::NodeHandle nh; nh.advertise<std_msgs::String>("a", 1); }')
     (variable,) = interfaces_of(
         'int main() { ros::NodeHandle nh; auto s = "a"; nh.advertise<std_msgs::String>(s, 1); }'
@@ -177,7 +177,7 @@ def test_a_variable_is_no_literal() -> None:
 
 
 def test_objects_are_no_texts() -> None:
-    """An object of a class is not known as a text, and says what it is."""
+    """An object of a class is an unknown text, with its class as the reason."""
     source = "struct A {}; int main() { A a; ros::NodeHandle nh; nh.advertise<std_msgs::String>(a, 1); }"
     (found,) = interfaces_of(source)
     assert (found.name, found.resolution) == (None, Resolution.UNRESOLVED)
@@ -186,7 +186,7 @@ def test_objects_are_no_texts() -> None:
 
 @pytest.mark.parametrize("known", [("a",), ("a", "b")])
 def test_braces_of_a_constructor_hold_the_elements_of_a_list(known: tuple[str, ...]) -> None:
-    """A member that is initialised with one text in braces is a list of one element."""
+    """A member initialised with one text in braces is a list of one element."""
     written = ", ".join(f'"{one}"' for one in known)
     outer = f"struct Names {{ Names() : all{{{written}}} {{}} std::vector<std::string> all; }};"
     local = "Names names; for (size_t i = 0; i != names.all.size(); i++)"
@@ -194,6 +194,6 @@ def test_braces_of_a_constructor_hold_the_elements_of_a_list(known: tuple[str, .
 
 
 def test_a_word_from_a_stream_is_not_known() -> None:
-    """It is not what its variable had before."""
+    """The former value of its variable is discarded."""
     local = 'std::string word; std::stringstream words(argv[1]); while (words >> word) { name = word + "/map"; }'
     assert texts_of("name", 'std::string name = "none"; ' + local) == {"none", "{argv[1]}/map"}

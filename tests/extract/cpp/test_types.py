@@ -31,7 +31,7 @@ WRAPPINGS = st.sampled_from(
 @bounded(max_examples=80, deadline=None)
 @given(PACKAGES, NAMES, st.sampled_from(["{0}::{1}", "{0}::msg::{1}", "::{0}::{1}"]), WRAPPINGS)
 def test_messages_are_known_in_every_spelling(package: str, name: str, scope: str, wrapping: str) -> None:
-    """Pointers, references, events and `const` around a message type leave the type, whatever its name."""
+    """Pointers, references, events and `const` around a message type are removed, for any name."""
     assert type_of(wrapping.format(scope.format(package, name))) == f"{package}/{name}"
 
 
@@ -44,7 +44,7 @@ def test_aliases_are_followed(package: str, name: str, steps: int) -> None:
 
 
 def test_names_without_package_are_found_by_include() -> None:
-    """A message named through `using namespace` is of the package whose header is included."""
+    """A message named through `using namespace` belongs to the package whose header is included."""
     ros1 = "#include <sensor_msgs/Image.h>\nusing namespace sensor_msgs;"
     ros2 = "#include <sensor_msgs/msg/point_cloud2.hpp>\nusing namespace sensor_msgs::msg;"
     assert type_of("Image", ros1) == "sensor_msgs/Image"
@@ -52,7 +52,7 @@ def test_names_without_package_are_found_by_include() -> None:
 
 
 def test_other_classes_are_no_messages() -> None:
-    """Numbers and strings are no interface types."""
+    """Numbers and strings are not interface types."""
     assert type_of("int") is None
     assert type_of("std::string") is None
 
@@ -63,7 +63,7 @@ def test_clouds_of_pcl_are_published_as_messages() -> None:
 
 
 def test_adapters_are_of_the_message_that_is_sent() -> None:
-    """What `rclcpp::TypeAdapter` adapts goes over the wire as its second argument."""
+    """The type sent by `rclcpp::TypeAdapter` is its second argument."""
     used = "using Text = rclcpp::TypeAdapter<std::string, std_msgs::msg::String>;"
     source = f'{used}\nint main() {{ rclcpp::Node node("n"); node.create_publisher<Text>("t", 1); }}'
     (found,) = interfaces_of(source)
@@ -71,7 +71,7 @@ def test_adapters_are_of_the_message_that_is_sent() -> None:
 
 
 def test_aliases_that_name_themselves_end() -> None:
-    """Aliases in a circle come to an end."""
+    """Circular aliases terminate."""
     assert type_of("T", "using T = U;\nusing U = T;") in (None, "T", "U")
 
 
@@ -103,7 +103,7 @@ USES = [
 @pytest.mark.parametrize(("stated", "kind"), ADAPTERS)
 @pytest.mark.parametrize(("use", "named"), USES)
 def test_adapters_stand_for_their_message(stated: str, kind: str, use: str, named: str) -> None:
-    """A type that an adapter sends as a message has the type of the message, however the adapter is written."""
+    """A type sent as a message by an adapter has the type of the message, for any form of the adapter."""
     source = (
         f"#include <rclcpp/rclcpp.hpp>\nnamespace space {{ class Frame {{}}; }}\n{stated}{named.format(kind)}\n"
         f'class Demo : public rclcpp::Node {{ public: Demo() : rclcpp::Node("demo") {{ {use.format(kind)} }} }};\n'
@@ -114,17 +114,17 @@ def test_adapters_stand_for_their_message(stated: str, kind: str, use: str, name
 
 
 def test_a_callback_takes_the_adapted_type() -> None:
-    """The parameter of a callback stands for the message, too."""
+    """The parameter of a callback gives the message, too."""
     assert type_of("const space::Frame&", "namespace space { class Frame {}; }\n" + STATED) == "sensor_msgs/Image"
 
 
 def test_classes_of_the_build_are_no_messages() -> None:
-    """A class that the sources define has no message type unless an adapter states one."""
+    """A class defined in the sources has no message type unless an adapter gives one."""
     assert type_of("space::Thing", "namespace space { class Thing {}; }") is None
 
 
 def test_an_alias_of_a_class_template_has_its_types() -> None:
-    """`Sub` is the subscriber of the message that the class is made for."""
+    """`Sub` is the subscriber of the class template's message argument."""
     source = """#include <rclcpp/rclcpp.hpp>
 template <typename Msg>
 struct Pair {
@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
 
 
 def test_a_callback_of_a_class_template_has_the_types_of_the_object() -> None:
-    """`&T<S>::serve` is the method of the object whose code runs, where `S` is known."""
+    """`&T<S>::serve` is the method of the current object, where `S` is known."""
     source = """#include <ros/ros.h>
 template <typename S> struct Server {
   explicit Server(ros::NodeHandle& nh) {

@@ -1,4 +1,4 @@
-"""Packages written for one test and what their build files say."""
+"""Packages for one test, and the content of their build files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["cmake", "links", "model_of", "sources"]
 
 
 def model_of(reader: Reader) -> BuildModel:
-    """Return the build model of the package a reader is for."""
+    """Return the build model of a reader's package."""
     return read_build(reader, reader.package)
 
 

@@ -22,11 +22,11 @@ from kg.extract.manifests.cmake_builtins import compute
     ],
 )
 def test_expressions(expression: str, value: int | None) -> None:
-    """Whole numbers are computed with; names and faults are not."""
+    """Whole numbers are computed; names and errors are not."""
     assert compute(expression) == value
 
 
 @given(st.text(alphabet="0123456789+-*/%() x", max_size=40))
 def test_any_text(expression: str) -> None:
-    """No text stops the computation, and nothing but a number comes out."""
+    """Any text gives a number or nothing."""
     assert isinstance(compute(expression), int | None)

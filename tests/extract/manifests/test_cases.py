@@ -1,4 +1,4 @@
-"""Whole packages in `tests/extract/cases/build`: `expected.json` holds what their build files say."""
+"""Complete packages in `tests/extract/cases/build`: `expected.json` has the content of their build files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CASES: Final = Path(__file__).resolve().parent.parent / "cases" / "build"
 
 
 def plain(value: object) -> object:
-    """Return facts as JSON has them; places as `path:line`, what is empty left out."""
+    """Return facts as JSON, with places as `path:line`, and without empty fields."""
     if isinstance(value, dict):
         if value.keys() == {"path", "line", "repository"}:
             return str(Location(**value))
@@ -39,6 +39,6 @@ def read(case: Path) -> object:
 
 @pytest.mark.parametrize("case", sorted(path.name for path in CASES.iterdir()))
 def test_case(case: str) -> None:
-    """The build files of a case say what was written down for it."""
+    """The content of a case's build files equals the expected one."""
     expected = json.loads((CASES / case / "expected.json").read_text())
     assert read(CASES / case) == expected

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def test_what_is_known_before_the_first_command(tmp_path: Path) -> None:
-    """Folders, the name of the package and catkin's destinations are known from the start."""
+    """Folders, the package name and catkin's destinations are set from the start."""
     text = """
 set(HERE ${CMAKE_CURRENT_SOURCE_DIR})
 add_executable(${PROJECT_NAME}_a ${CMAKE_SOURCE_DIR}/a.cpp ${HERE}/b.cpp ${PROJECT_SOURCE_DIR}/c.cpp)
@@ -30,7 +30,7 @@ install(DIRECTORY scripts DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
     [("catkin", ["one", "one_env"]), ("ament_cmake", ["two", "two_env"])],
 )
 def test_packages_for_both_versions(tmp_path: Path, tool: str, expected: list[str]) -> None:
-    """In a file for both versions of ROS the part of the package's own version counts."""
+    """In a file for both versions of ROS the part for the package's own version is used."""
     text = """
 find_package(catkin QUIET)
 if(catkin_FOUND) add_executable(one) elseif(ament_cmake_FOUND) add_executable(two) endif()
@@ -43,7 +43,7 @@ if("$ENV{ROS_VERSION}" STREQUAL "2") add_executable(two_env) endif()
 
 
 def test_package_without_cmake(tmp_path: Path) -> None:
-    """A package may have no CMakeLists.txt; those below it that nothing adds are not its own."""
+    """A package may have no CMakeLists.txt; unreferenced ones in subfolders are ignored."""
     model = model_of(reader_of(tmp_path, {"vendor/CMakeLists.txt": "add_executable(a)"}))
     assert model.targets == ()
 
@@ -67,7 +67,7 @@ def test_loose_code(tmp_path: Path) -> None:
 
 
 def test_package_in_the_root_of_its_source(tmp_path: Path) -> None:
-    """A repository that is one package has paths without a folder in front."""
+    """A repository that is one package has paths without a folder prefix."""
     files = {"package.xml": manifest("demo"), "CMakeLists.txt": "add_executable(a src/a.cpp)", "src/a.cpp": ""}
     workspace = written(tmp_path, files)
     found = workspace.package("demo")

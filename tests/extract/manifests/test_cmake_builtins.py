@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def value(root: Path, text: str) -> str:
-    """Run commands and return the elements of the variable `v`, as the names of what a target links."""
+    """Run commands and return the elements of the variable `v`, as the links of a target."""
     model = cmake(root, f"add_library(t)\n{text}\ntarget_link_libraries(t ${{v}})\n")
     return " ".join(model.targets[0].links)
 
@@ -58,12 +58,12 @@ def value(root: Path, text: str) -> str:
     ],
 )
 def test_values(tmp_path: Path, text: str, expected: str) -> None:
-    """Commands that compute do what CMake does, and do not stumble over missing arguments."""
+    """Built-in commands give the results of CMake, and tolerate missing arguments."""
     assert value(tmp_path, text) == expected
 
 
 def test_globbing(tmp_path: Path) -> None:
-    """Patterns are matched against the files of the package, sorted, in the forms that CMake has."""
+    """Patterns are matched against the files of the package, sorted, in all forms of CMake."""
     text = """
 file(GLOB flat src/*.cpp)
 file(GLOB_RECURSE deep RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS "src/*.cpp" ${PROJECT_SOURCE_DIR}/lib/*.c)
@@ -84,7 +84,7 @@ add_executable(aux ${aux})
 
 
 def test_globs_stay_inside(tmp_path: Path) -> None:
-    """A pattern cannot reach files outside of the source."""
+    """A pattern cannot match files outside the source."""
     text = "file(GLOB x /etc/* ../../../* ${CMAKE_BINARY_DIR}/*)\nadd_executable(a ${x})"
     assert sources(cmake(tmp_path, text)) == {"a": []}
 
@@ -146,6 +146,6 @@ WORDS = st.sampled_from(
 )
 @given(st.lists(st.tuples(COMMANDS, st.lists(WORDS, max_size=5)), max_size=6))
 def test_any_commands(tmp_path: Path, commands: list[tuple[str, list[str]]]) -> None:
-    """Any sequence of commands with any arguments is run to its end."""
+    """Any sequence of commands with any arguments runs to its end."""
     text = "\n".join(f"{name}({' '.join(words)})" for name, words in commands)
     assert cmake(tmp_path, text).entry_points == ()

@@ -9,14 +9,14 @@ from kg.extract.manifests.cmake_scope import Scope
 
 
 def scope() -> Scope:
-    """Return variables on, off, one, list (certain) and maybe (uncertain)."""
+    """Return the variables on, off, one, list (certain) and maybe (uncertain)."""
     known = Scope({"on": "ON", "off": "OFF", "one": "1", "list": "a;b", "name": "demo"}, set())
     known.set("maybe", "ON", certain=False)
     return known
 
 
 def verdict(text: str) -> bool | None:
-    """Decide a condition written with blanks between tokens; `'x'` is a quoted one."""
+    """Evaluate a condition written with spaces between tokens; `'x'` is a quoted one."""
     words = text.split()
     return decide([Token(word.strip("'"), quoted=word.startswith("'")) for word in words], scope())
 
@@ -41,12 +41,12 @@ def verdict(text: str) -> bool | None:
     ],
 )  # fmt: skip
 def test_conditions(text: str, expected: bool | None) -> None:  # noqa: FBT001  (a case)
-    """Conditions are decided where the variables are certain, else left open."""
+    """A condition with certain variables is decided, any other is open."""
     assert verdict(text) is expected
 
 
 def test_no_condition_is_open() -> None:
-    """An empty or absurdly nested condition is not decided."""
+    """An empty or excessively nested condition is open."""
     assert decide([], scope()) is None
     assert decide([Token("(")] * 5000, scope()) is None
 

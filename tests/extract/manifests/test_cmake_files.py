@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def test_macros_of_other_packages(tmp_path: Path) -> None:
-    """Macros that a package found with find_package exports are run, and the file they stand in is an input."""
+    """Macros exported by a package found with find_package are run, and their file is an input."""
     files = {
         "CMakeLists.txt": "find_package(catkin REQUIRED COMPONENTS tools)\nadd_robot_node(driver src/driver.cpp)\n",
         "src/driver.cpp": "",
@@ -37,7 +37,7 @@ endif()
 
 
 def test_macros_of_packages_not_asked_for(tmp_path: Path) -> None:
-    """Macros of packages that are not found are not known, even when they are in the build."""
+    """Macros of packages that were not found are unknown, even if they are in the build."""
     files = {
         "CMakeLists.txt": "add_robot_node(driver)\n",
         "../tools/package.xml": manifest("tools"),
@@ -66,14 +66,14 @@ def test_macros_of_packages_not_asked_for(tmp_path: Path) -> None:
     ],
 )
 def test_well_known_macros(tmp_path: Path, call: str, kind: TargetKind) -> None:
-    """Macros of build tools that are not in the build are known by what they declare."""
+    """Macros of build tools outside the build are represented by their declarations."""
     model = cmake(tmp_path, call, ["a.cpp"])
     assert [(target.name, target.kind) for target in model.targets] == [("t", kind)]
     assert sources(model) == {"t": ["a.cpp"]}
 
 
 def test_ament_auto_links(tmp_path: Path) -> None:
-    """ament_auto executables link the package's ament_auto libraries and what the manifest depends on to build."""
+    """ament_auto executables link the package's ament_auto libraries and the manifest's build dependencies."""
     text = "ament_auto_add_library(core a.cpp)\nament_auto_add_executable(node b.cpp)\n"
     package = "<package format='2'><name>demo</name><depend>rclcpp</depend><exec_depend>late</exec_depend></package>"
     model = model_of(reader_of(tmp_path, {"CMakeLists.txt": text, "a.cpp": "", "b.cpp": "", "package.xml": package}))
@@ -98,7 +98,7 @@ add_library(demo SHARED ${nodelet_sources})
 
 
 def test_sources_through_a_link(tmp_path: Path) -> None:
-    """Sources named through a linked folder are found where they stand."""
+    """Sources named through a linked folder are found at their real location."""
     (tmp_path / "demo").mkdir()
     (tmp_path / "shared").mkdir()
     (tmp_path / "shared" / "a.cpp").touch()

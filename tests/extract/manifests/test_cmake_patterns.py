@@ -22,7 +22,7 @@ from kg.extract.manifests.cmake_scope import keep_matching, matches, replace_all
     ],
 )
 def test_matching(pattern: str, text: str, expected: bool | None) -> None:  # noqa: FBT001  (a case)
-    """An expression is run only if it is sound and bound to end soon."""
+    """An expression runs only if it is valid and certain to end soon."""
     assert matches(pattern, text) is expected
 
 
@@ -41,7 +41,7 @@ def test_replacing(pattern: str, replacement: str, text: str, expected: str) -> 
 
 
 def test_filtering() -> None:
-    """Items are kept by whether they match, and all of them where that is not known."""
+    """Items are filtered by whether they match, and all remain if that is unknown."""
     assert keep_matching("[.]h$", ["a.h", "b.c"], wanted=True) == ["a.h"]
     assert keep_matching("[.]h$", ["a.h", "b.c"], wanted=False) == ["b.c"]
     assert keep_matching("[", ["a.h"], wanted=False) == ["a.h"]
@@ -50,7 +50,7 @@ def test_filtering() -> None:
 @pytest.mark.parametrize("pattern", ["a?" * 30 + "a" * 30, "(.*)(.*)(.*)(.*)!", "(a|a)*b", "[a-z]+[a-z]+[a-z]+[0-9]"])
 @pytest.mark.parametrize("length", [10, 30, 300, 100_000])
 def test_no_expression_runs_long(pattern: str, length: int) -> None:
-    """Expressions that are known to explode are either refused or quick on texts of any length."""
+    """Expressions known to backtrack exponentially are rejected, or fast on texts of any length."""
     start = time.process_time()
     matches(pattern, "a" * length)
     assert time.process_time() - start < 1

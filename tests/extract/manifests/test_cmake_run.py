@@ -10,12 +10,12 @@ if TYPE_CHECKING:
 
 
 def names(root: Path, text: str) -> list[str]:
-    """Return the names of the targets that a CMakeLists.txt makes."""
+    """Return the names of the targets of a CMakeLists.txt."""
     return [target.name for target in cmake(root, text).targets]
 
 
 def test_decided_branches(tmp_path: Path) -> None:
-    """Of an if that can be decided only the branch taken counts."""
+    """Of a decided `if` only the branch taken counts."""
     text = """
 set(USE_IT ON)
 if(USE_IT) add_executable(a) elseif(TRUE) add_executable(b) else() add_executable(c) endif()
@@ -27,7 +27,7 @@ add_executable(last)
 
 
 def test_open_branches(tmp_path: Path) -> None:
-    """Of an if that depends on the machine every branch counts, and none of them ends the file."""
+    """Of an `if` that depends on the machine every branch counts, and none of them ends the file."""
     text = """
 option(BUILD_EXTRA "more" OFF)
 if(BUILD_EXTRA) add_executable(extra) else() add_executable(plain) endif()
@@ -49,7 +49,7 @@ add_executable(node ${SRC})
 
 
 def test_loops(tmp_path: Path) -> None:
-    """All forms of foreach run; break and continue are heeded."""
+    """All forms of foreach run, with break and continue."""
     text = """
 set(LIST c d)
 foreach(x a b) add_executable(${x}) endforeach()
@@ -67,7 +67,7 @@ add_executable(x${x})
 
 
 def test_counting_loop(tmp_path: Path) -> None:
-    """A while over a counter runs as often as it says."""
+    """A while over a counter runs the right number of times."""
     text = """
 set(i 0)
 while(i LESS 3)
@@ -79,7 +79,7 @@ endwhile()
 
 
 def test_macros_and_functions(tmp_path: Path) -> None:
-    """Macros and functions run with their arguments; a function keeps its variables unless it gives them up."""
+    """Macros and functions run with their arguments; a function's variables are local unless exported."""
     text = """
 macro(make name)
   add_executable(${name} ${ARGN})
@@ -143,7 +143,7 @@ def test_subdirectories_and_includes(tmp_path: Path) -> None:
 
 
 def test_files_that_include_themselves(tmp_path: Path) -> None:
-    """Endless recursion of files, macros and loops ends, and what was made before stands."""
+    """Endless recursion of files, macros and loops is stopped, and earlier targets remain."""
     text = """
 add_executable(first)
 include(CMakeLists.txt)
@@ -157,7 +157,7 @@ add_executable(last)
 
 
 def test_work_is_bounded(tmp_path: Path) -> None:
-    """A file that computes for ever is stopped, and that is said."""
+    """An endless computation is stopped, and that is reported."""
     text = "foreach(i RANGE 2000)\nforeach(j RANGE 2000)\nset(x a)\nendforeach()\nendforeach()\nadd_executable(late)"
     reader = reader_of(tmp_path, {"CMakeLists.txt": f"add_executable(first)\n{text}"})
     assert [target.name for target in model_of(reader).targets] == ["first"]
@@ -165,20 +165,20 @@ def test_work_is_bounded(tmp_path: Path) -> None:
 
 
 def test_deep_nesting(tmp_path: Path) -> None:
-    """5,000 nested ifs neither crash nor hide what stands outside of them."""
+    """5,000 nested ifs neither crash nor hide the targets outside them."""
     text = "add_executable(a)\n" + "if(X)\n" * 5000 + "endif()\n" * 5000 + "add_executable(b)\n"
     assert names(tmp_path, text) == ["a", "b"]
 
 
 def test_malformed_file(tmp_path: Path) -> None:
-    """A file that does not parse is named with its line; the commands before count."""
+    """A file with a syntax error is reported with its line; earlier commands count."""
     reader = reader_of(tmp_path, {"CMakeLists.txt": "add_executable(a)\nadd_executable(b\n"})
     assert [target.name for target in model_of(reader).targets] == ["a"]
     assert codes(reader.problems) == [("KG117", 2)]
 
 
 def test_blocks_nested_too_deep_are_named(tmp_path: Path) -> None:
-    """Blocks below the deepest level are left out, and that is said."""
+    """Blocks below the deepest level are skipped, and that is reported."""
     text = "add_executable(first)\n" + "if(TRUE)\n" * 100 + "add_executable(deep)\n" + "endif()\n" * 100
     reader = reader_of(tmp_path, {"CMakeLists.txt": text})
     assert [target.name for target in model_of(reader).targets] == ["first"]

@@ -28,12 +28,12 @@ def scope(**variables: str) -> Scope:
     ],
 )
 def test_expansion(text: str, expected: tuple[str, bool]) -> None:
-    """References are replaced from the innermost outwards, escapes undone; unknown variables leave a doubt."""
+    """References are replaced from the innermost outwards, escapes resolved; unknown variables make it uncertain."""
     assert scope(a="one", b="a", **{"ENV{HOME}": "/home"}).expand(text) == expected
 
 
 def test_uncertain_variables() -> None:
-    """An uncertain variable gives its value and a doubt."""
+    """An uncertain variable gives its value and marks it as uncertain."""
     known = scope()
     known.set("a", "x", certain=False)
     assert known.expand("${a}") == ("x", False)
@@ -42,7 +42,7 @@ def test_uncertain_variables() -> None:
 
 
 def test_values_cannot_explode() -> None:
-    """A list that doubles itself again and again stays bounded."""
+    """A list that doubles itself repeatedly is bounded."""
     known = scope(a="x;y")
     for _ in range(100):
         known.set("a", known.expand("${a};${a}")[0])
@@ -50,13 +50,13 @@ def test_values_cannot_explode() -> None:
 
 
 def test_self_reference_ends() -> None:
-    """A value that holds a reference to itself does not run for ever."""
+    """Expanding a value with a reference to itself terminates."""
     text, _ = scope(a="${a}x").expand("${a}")
     assert text.endswith("x")
 
 
 def test_merging_branches() -> None:
-    """What branches agree on is certain; lists they set differently are united, and uncertain."""
+    """A variable equal in all branches is certain; different lists are united, and uncertain."""
     outer = scope(same="1", kept="k", gone="g")
     one, two = outer.child(), outer.child()
     one.set("list", "a;b")
@@ -75,7 +75,7 @@ def test_merging_branches() -> None:
     [("", []), ("a", ["a"]), ("a;b;;c;", ["a", "b", "c"]), (r"a\;b;c", ["a;b", "c"])],
 )
 def test_lists(value: str, expected: list[str]) -> None:
-    """Elements are separated by semicolons that are not escaped; empty ones vanish."""
+    """Elements are separated by unescaped semicolons; empty ones are dropped."""
     assert split_list(value) == expected
 
 
@@ -90,13 +90,13 @@ def test_lists(value: str, expected: list[str]) -> None:
     ],
 )
 def test_generator_expressions(text: str, expected: str) -> None:
-    """Generator expressions become the text they may stand for."""
+    """Generator expressions become their possible text."""
     assert strip_generators(text) == expected
 
 
 @given(st.text(alphabet="${}abENV<>:;\\x", max_size=60))
 def test_any_text(text: str) -> None:
-    """Any text is expanded, whatever its braces."""
+    """Any text can be expanded, whatever its braces."""
     known = scope(a="b", b="${a}", x="$<a:b>")
     assert isinstance(known.expand(text)[0], str)
     assert isinstance(strip_generators(text), str)

@@ -26,14 +26,14 @@ from kg.extract.manifests.cmake_syntax import Argument, Block, Command, SyntaxFa
     ],
 )
 def test_arguments(text: str, texts: list[str], forms: str) -> None:
-    """Arguments of every form of cmake-language(7) are told apart; comments are skipped."""
+    """Arguments of every form of cmake-language(7) are distinguished; comments are skipped."""
     arguments = parse_commands(text)[0].arguments
     assert [argument.text for argument in arguments] == texts
     assert "".join(argument.form[0] for argument in arguments) == forms
 
 
 def test_commands_and_lines() -> None:
-    """Commands come in lower case with the line they start on, each argument with its own."""
+    """Commands are in lower case with their first line, each argument with its own."""
     text = "# first\nSET(a\n  b)\r\n#[=[ two\nlines ]=] Project (x)\n"
     assert parse_commands(text) == [
         Command("set", (Argument("a", "unquoted"), Argument("b", "unquoted")), 2),
@@ -52,14 +52,14 @@ def test_commands_and_lines() -> None:
     ],
 )
 def test_faults(text: str, line: int, commands: int) -> None:
-    """A fault is named with its line; the commands before it stand."""
+    """A syntax error is reported with its line; earlier commands remain."""
     statements, faults = parse(text)
     assert [fault.line for fault in faults] == [line]
     assert len(statements) == commands
 
 
 def test_blocks() -> None:
-    """Compound commands hold their bodies, an if all its branches."""
+    """Compound commands contain their bodies, an `if` all its branches."""
     statements, faults = parse("if(A)\nset(x)\nelseif(B)\nelse()\nforeach(y)\nset(z)\nendforeach()\nendif()\nset(end)")
     assert faults == []
     block, last = statements
@@ -72,12 +72,12 @@ def test_blocks() -> None:
     ("text", "line"), [("if(A)\nset(x)\n", 1), ("set(x)\nendif()\n", 2), ("macro(a)\nendif()", None)]
 )
 def test_unbalanced_blocks(text: str, line: int | None) -> None:
-    """A block that is not closed, or closes nothing, is a fault; closing with another word is forgiven."""
+    """An unclosed or unopened block is an error; another name in the closing command is accepted."""
     assert [fault.line for fault in parse(text)[1]] == ([] if line is None else [line])
 
 
 def test_nesting_without_end() -> None:
-    """5,000 nested blocks and parentheses are read without recursion."""
+    """5,000 nested blocks and parentheses are parsed without recursion."""
     statements, faults = parse("if(A)\n" * 5000 + "endif()\n" * 5000)
     assert (len(statements), faults) == (1, [])
     assert len(parse_commands("f(" + "(" * 5000 + ")" * 5000 + ")")[0].arguments) == 10_000
@@ -100,7 +100,7 @@ def bracket(text: str) -> str:
 @example(["\\\n"], "\n")
 @given(st.lists(PLAIN, max_size=6), st.sampled_from(["\n", " ", "\t", " # c\n", "#[[ x ]]"]))
 def test_round_trip(texts: list[str], gap: str) -> None:
-    """Any texts written as quoted or bracket arguments come out as they went in."""
+    """Any texts written as quoted or bracket arguments are parsed back unchanged."""
     quoted = parse_commands(f"f({gap}{gap.join(map(quote, texts))}{gap})")[0].arguments
     expected = [text.replace("\\", "\\\\").replace('"', '\\"') for text in texts]
     assert [argument.text for argument in quoted] == expected
@@ -110,7 +110,7 @@ def test_round_trip(texts: list[str], gap: str) -> None:
 
 @given(st.text(alphabet='fset()[]="\\#$<>{}; \n\tifendmacro', max_size=120))
 def test_any_text(text: str) -> None:
-    """Arbitrary text is parsed or found faulty; faults lie within it."""
+    """Any text is parsed or has errors, which lie within it."""
     for fault in parse(text)[1]:
         assert isinstance(fault, SyntaxFault)
         assert 1 <= fault.line <= text.count("\n") + 1

@@ -27,11 +27,11 @@ from kg.extract.manifests.package_xml import holds
     ],
 )
 def test_conditions(condition: str | None, expected: bool) -> None:  # noqa: FBT001  (a case)
-    """A condition holds unless it is known not to."""
+    """A condition holds unless it is known to be false."""
     assert holds(condition, {"ROS_VERSION": "2"}) is expected
 
 
 @given(st.text(alphabet="$ROS_VERSION =!<>()andor12'\"", max_size=80))
 def test_any_text(condition: str) -> None:
-    """No text stops the evaluation."""
+    """Any text can be evaluated."""
     assert holds(condition, {"ROS_VERSION": "2"}) in {True, False}

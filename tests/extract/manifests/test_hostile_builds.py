@@ -1,4 +1,4 @@
-"""Build files that mean harm or are broken: each ends soon, is named, and hides nothing of the rest."""
+"""Hostile or broken build files: each ends soon, is reported, and hides nothing else."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ HOSTILE = {
 
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_hostile_cmake(tmp_path: Path, kind: str) -> None:
-    """However a CMakeLists.txt is built, reading it takes seconds at most and its first target is known."""
+    """Reading any CMakeLists.txt takes at most seconds, and its first target is found."""
     text = "add_executable(first)\n" + HOSTILE[kind]
     reader = reader_of(tmp_path, {"CMakeLists.txt": text, "sub/CMakeLists.txt": "add_subdirectory(../)"})
     start = time.process_time()
@@ -51,7 +51,7 @@ def test_hostile_cmake(tmp_path: Path, kind: str) -> None:
     [b"\0" * 100, b"\xff\xfe\xff", b"<" * 5000, b"(" * 5000, b"\x80\x81\x82", "é".encode("latin-1") * 100],
 )
 def test_every_file_may_be_broken(tmp_path: Path, content: bytes) -> None:
-    """Whatever stands in its build files, a package is a package, and what is broken is named."""
+    """With any content of its build files, a package remains one, and broken files are reported."""
     names = ["package.xml", "CMakeLists.txt", "setup.py", "setup.cfg", "pyproject.toml", "plugins.xml"]
     reader = reader_of(tmp_path, dict.fromkeys(names, content))
     assert read_manifest(reader, reader.package).name == "demo"

@@ -39,7 +39,7 @@ FULL = """<?xml version="1.0"?>
 
 
 def reader(root: Path, text: str, **files: str) -> Reader:
-    """Return a reader of the package demo with this manifest."""
+    """Return a reader of the package `demo` with this manifest."""
     return reader_of(root, {"package.xml": text, **files})
 
 
@@ -55,7 +55,7 @@ def ros(root: Path, *elements: str, **files: str) -> int:
 
 
 def test_everything_a_manifest_says(tmp_path: Path) -> None:
-    """All elements come out, with lines, white space folded; conditions are decided for the version of ROS."""
+    """All elements are read, with lines and normalised whitespace; conditions are evaluated for the ROS version."""
     read = reader(tmp_path, FULL)
     manifest = read_package_xml(read, read.package)
     found = manifest.package
@@ -86,18 +86,18 @@ def test_everything_a_manifest_says(tmp_path: Path) -> None:
     ],
 )
 def test_version_of_ros(tmp_path: Path, element: str, expected: int) -> None:
-    """Build tool, build type and client libraries tell the version of ROS."""
+    """Build tool, build type and client libraries give the version of ROS."""
     assert ros(tmp_path, element) == expected
 
 
 def test_both_versions(tmp_path: Path) -> None:
-    """A package that builds under both is taken as one of the newer."""
+    """A package for both versions counts as one of the newer."""
     tools = "<buildtool_depend>catkin</buildtool_depend><buildtool_depend>ament_cmake</buildtool_depend>"
     assert ros(tmp_path, tools) == 2
 
 
 def test_version_by_build_files(tmp_path: Path) -> None:
-    """Where the manifest does not tell, the build files do."""
+    """Without evidence in the manifest, the build files decide."""
     assert ros(tmp_path / "a", **{"CMakeLists.txt": "find_package(ament_cmake)"}) == 2
     assert ros(tmp_path / "b", **{"CMakeLists.txt": "find_package(catkin)"}) == 1
     assert ros(tmp_path / "c", **{"launch/x.launch.py": ""}) == 2
@@ -105,7 +105,7 @@ def test_version_by_build_files(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("code", "expected"), [("import rclpy\n", 2), ("import rospy\n", 1), ("import os\n", 1)])
 def test_version_of_loose_code(tmp_path: Path, code: str, expected: int) -> None:
-    """Code without a manifest is of the version whose client library it uses."""
+    """Code without a manifest has the version of its client library."""
     workspace = written(tmp_path / "loose", {"a.txt": "x", "b.py": "import os\n", "c.py": code})
     found = workspace.package("loose")
     assert found is not None
@@ -128,14 +128,14 @@ def test_build_type_without_export(tmp_path: Path, element: str, expected: str) 
 
 
 def test_malformed_manifest(tmp_path: Path) -> None:
-    """A malformed manifest is reported with its line; what stands before the fault is used."""
+    """A malformed manifest is reported with its line; the content before the fault is used."""
     read = reader(tmp_path, "<package>\n<name>demo</name>\n<version>1.0.0</version>\n<license>x</package>")
     assert read_package_xml(read, read.package).package.version == "1.0.0"
     assert codes(read.problems) == [("KG116", 4)]
 
 
 def test_manifest_with_entities(tmp_path: Path) -> None:
-    """Entities are refused; the package stands all the same."""
+    """Entities are rejected; the package remains."""
     bomb = '<!DOCTYPE p [<!ENTITY a "x"><!ENTITY b "&a;&a;&a;">]>' + package("<license>&b;</license>")
     read = reader(tmp_path, bomb)
     assert read_package_xml(read, read.package).package.name == "demo"
@@ -143,7 +143,7 @@ def test_manifest_with_entities(tmp_path: Path) -> None:
 
 
 def test_empty_elements(tmp_path: Path) -> None:
-    """Empty elements are as good as none."""
+    """Empty elements count as missing."""
     read = reader(tmp_path, package("<version/>", "<license> </license>", "<depend></depend>", "<maintainer/>"))
     found = read_package_xml(read, read.package).package
     assert (found.version, found.licenses, found.dependencies) == (None, (), ())

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def plugins(root: Path, text: str, **more: str) -> list[PluginClass]:
-    """Return the plugins that a description called plugins.xml declares."""
+    """Return the plugins declared by a description in plugins.xml."""
     return list(model_of(reader_of(root, {"plugins.xml": text, **more})).plugins)
 
 
@@ -49,7 +49,7 @@ def test_nodelets(tmp_path: Path) -> None:
     ],
 )
 def test_registration(tmp_path: Path, base: str, registration: Registration) -> None:
-    """What a class is loaded as follows from its base class."""
+    """The loader of a class follows from its base class."""
     (found,) = plugins(tmp_path, f'<library path="x"><class type="a::B" base_class_type="{base}"/></library>')
     assert (found.name, found.registration, found.base_type) == ("a::B", registration, base)
 
@@ -67,7 +67,7 @@ TWO = '<library path="b"><class type="B"/></library>'
     ],
 )
 def test_several_libraries(tmp_path: Path, text: str) -> None:
-    """Several libraries may stand in one file, with or without an element around them."""
+    """One file may have several libraries, with or without an enclosing element."""
     assert [(found.type, found.library) for found in plugins(tmp_path, text)] == [("A", "a"), ("B", "b")]
 
 
@@ -75,7 +75,7 @@ def test_several_libraries(tmp_path: Path, text: str) -> None:
     ("path", "target"), [("lib/libcore", "core"), ("core", "core"), ("libout.so", "core"), ("libx", "x")]
 )
 def test_library_is_the_target(tmp_path: Path, path: str, target: str) -> None:
-    """The library of a plugin is named as the target that makes it."""
+    """The library of a plugin is named after its target."""
     build = "add_library(core)\nset_target_properties(core PROPERTIES OUTPUT_NAME out)"
     text = f'<library path="{path}"><class type="A"/></library>'
     (found,) = plugins(tmp_path, text, **{"CMakeLists.txt": build})
@@ -83,7 +83,7 @@ def test_library_is_the_target(tmp_path: Path, path: str, target: str) -> None:
 
 
 def test_templates_in_attributes(tmp_path: Path) -> None:
-    """`<` in an attribute, which pluginlib's own parser takes, is no fault."""
+    """`<` in an attribute, which pluginlib's own parser accepts, is not an error."""
     text = '<library path="x"><class type="f::Mean<double>" base_class_type="f::Base<double>"/></library>'
     reader = reader_of(tmp_path, {"plugins.xml": text})
     (found,) = model_of(reader).plugins
@@ -92,7 +92,7 @@ def test_templates_in_attributes(tmp_path: Path) -> None:
 
 
 def test_where_descriptions_are_found(tmp_path: Path) -> None:
-    """Descriptions are those that package.xml or CMake export, and those named like one, each once."""
+    """Descriptions exported by package.xml or CMake, and those with a typical name, are read once each."""
 
     def library(name: str) -> str:
         return f'<library path="x"><class type="{name}"/></library>'
@@ -117,7 +117,7 @@ def test_where_descriptions_are_found(tmp_path: Path) -> None:
     ["", "<library", "<library path='x'><class type='A'></library>", "<library>" * 5000, "\0<library>"],
 )
 def test_malformed(tmp_path: Path, text: str) -> None:
-    """A malformed description is reported by name and stops nothing."""
+    """A malformed description is reported by name, and the others are read."""
     reader = reader_of(tmp_path, {"plugins.xml": text, "CMakeLists.txt": "add_executable(a)"})
     assert [target.name for target in model_of(reader).targets] == ["a"]
     assert {code for code, _ in codes(reader.problems)} <= {"KG112", "KG114", "KG116"}

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def test_programs_of_a_package(tmp_path: Path) -> None:
-    """Executable Python files with a shebang are scripts, and those with one in a folder for programs."""
+    """Executable Python files with a shebang, and all with one in a folder for programs, are scripts."""
     shebang = "#!/usr/bin/env python3\n"
     files = {
         "demo/package.xml": manifest("demo"),
@@ -60,5 +60,5 @@ def test_a_script_is_listed_once(tmp_path: Path) -> None:
     ],
 )
 def test_shebangs(text: bytes | None, expected: bool) -> None:  # noqa: FBT001  (a case)
-    """The first line decides what runs a file."""
+    """The first line determines the interpreter."""
     assert has_python_shebang(text) is expected

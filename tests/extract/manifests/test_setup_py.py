@@ -38,7 +38,7 @@ def entries(root: Path, setup: str, **more: str) -> dict[str, tuple[str, str, st
     ],
 )
 def test_entry_points(tmp_path: Path, setup: str) -> None:
-    """Console scripts are found in every usual spelling, without running anything."""
+    """Console scripts are found in every usual spelling, without running code."""
     found = entries(tmp_path, setup)
     assert {name: values[:3] for name, values in found.items()} == {"talker": ("demo.talker", "main", TALKER)}
 
@@ -56,14 +56,14 @@ def test_lines(tmp_path: Path) -> None:
 
 
 def test_package_dir(tmp_path: Path) -> None:
-    """Modules are looked for below the folder that package_dir names."""
+    """Modules are searched below the folder named by package_dir."""
     setup = "setup(package_dir={'': 'lib'}, entry_points={'console_scripts': ['x = other.node:run']})"
     found = entries(tmp_path, setup, **{"lib/other/node.py": ""})
     assert found["x"][2] == "demo/lib/other/node.py"
 
 
 def test_scripts_of_catkin(tmp_path: Path) -> None:
-    """generate_distutils_setup and scripts= declare scripts that exist."""
+    """generate_distutils_setup and scripts= declare existing scripts."""
     setup = """from catkin_pkg.python_setup import generate_distutils_setup
 d = generate_distutils_setup(packages=['demo'], package_dir={'': 'src'}, scripts=['bin/run', 'bin/gone'])
 setup(**d)
@@ -74,7 +74,7 @@ setup(**d)
 
 
 def test_parameter_modules(tmp_path: Path) -> None:
-    """YAML files that setup.py makes parameter modules of are noted."""
+    """YAML files from which setup.py generates parameter modules are recorded."""
     setup = """from generate_parameter_library_py.setup_helper import generate_parameter_module
 generate_parameter_module("talker_parameters", "demo/talker.yaml", validation_module="x")
 generate_parameter_module("gone", "demo/gone.yaml")
@@ -85,7 +85,7 @@ generate_parameter_module(1)
 
 
 def test_setup_cfg(tmp_path: Path) -> None:
-    """setup.cfg may hold the same."""
+    """setup.cfg may contain the same."""
     cfg = """[options]
 scripts =
   demo/talker.py
@@ -100,7 +100,7 @@ console_scripts =
 
 
 def test_pyproject(tmp_path: Path) -> None:
-    """[project.scripts] of pyproject.toml counts too."""
+    """[project.scripts] of pyproject.toml counts, too."""
     text = '[project]\nname = "demo"\n[project.scripts]\ntalker = "demo.talker:main"\n'
     reader = reader_of(tmp_path, {"pyproject.toml": text, "demo/talker.py": ""})
     (point,) = model_of(reader).entry_points
@@ -117,7 +117,7 @@ def test_pyproject(tmp_path: Path) -> None:
     ],
 )
 def test_malformed(tmp_path: Path, name: str, text: str, line: int | None) -> None:
-    """What does not parse is named and stops nothing."""
+    """A syntax error is reported, and the rest is read."""
     reader = reader_of(tmp_path, {name: text})
     assert model_of(reader).entry_points == ()
     assert [code for code, _ in codes(reader.problems)] == ["KG115"]
@@ -136,6 +136,6 @@ def test_malformed(tmp_path: Path, name: str, text: str, line: int | None) -> No
     ],
 )
 def test_hostile(tmp_path: Path, setup: str) -> None:
-    """Deep, odd or busy files are read to their end and never run."""
+    """Deeply nested, odd or expensive files are read to their end and never run."""
     assert entries(tmp_path, setup) == {}
     assert not (tmp_path.parent / "kg-was-here").exists()

@@ -22,7 +22,7 @@ LIBRARIES = (("demo_parameters", "demo/params.yaml"),)
 
 
 def names(root: Path, build: BuildModel, *marks: Mark) -> list[tuple[str, list[str | None]]]:
-    """Return name and parameter names of the nodes that become of one node with these marks."""
+    """Return name and parameter names of the nodes merged from one node with these marks."""
     reader = reader_of(root, FILES)
     node = NodeType("a", NodeKind.COMPONENT, "cpp", 2, HERE, sources=("demo/src/a.cpp",))
     nodes = attach(reader, reader.package, build, [Extracted(node, marks)])
@@ -30,7 +30,7 @@ def names(root: Path, build: BuildModel, *marks: Mark) -> list[tuple[str, list[s
 
 
 def test_a_parameter_has_what_its_key_states(tmp_path: Path) -> None:
-    """A declaration on the line of a key has type, default and description of the key whose name ends its own."""
+    """A declaration on the line of a key has type, default and description of the key with the same last name."""
     keys = "ns: {gain: {type: double, default_value: .inf, description: Of the loop}, ain: {type: bool}}\n"
     reader = reader_of(tmp_path, {"params.yaml": keys})
     place = Location("demo/params.yaml", 1)
@@ -43,7 +43,7 @@ def test_a_parameter_has_what_its_key_states(tmp_path: Path) -> None:
 
 
 def test_a_script_has_the_parameters_of_the_listener_it_constructs(tmp_path: Path) -> None:
-    """A Python node has what the generated class declares if it constructs that class, not if it only imports it."""
+    """A Python node has the parameters of a generated class if it constructs it, not if it only imports it."""
     use = "from demo.demo_parameters import demo_parameters\n"
     files = {**FILES, "a.py": use + "demo_parameters.ParamListener(node, 'arm')\n", "b.py": use + "ParamListener = 1\n"}
     reader = reader_of(tmp_path, files)
@@ -59,13 +59,13 @@ def test_a_script_has_the_parameters_of_the_listener_it_constructs(tmp_path: Pat
 
 
 def test_a_library_that_no_node_uses_is_kept_as_a_class(tmp_path: Path) -> None:
-    """What a library declares for other packages is found under the library's own name."""
+    """Declarations of a library for other packages are listed under the library's own name."""
     found = names(tmp_path, BuildModel(parameter_libraries=LIBRARIES))
     assert found == [("a", []), ("demo_parameters", ["gain"])]
 
 
 def test_a_configuration_belongs_to_the_handle_of_its_server(tmp_path: Path) -> None:
-    """The parameters of a dynamic_reconfigure server stand in the namespace of its handle."""
+    """The parameters of a dynamic_reconfigure server are in the namespace of its handle."""
     marks = (
         Mark("dynamic_reconfigure.server", HERE, "~", "demo/Demo"),
         Mark("dynamic_reconfigure.server", HERE, "~/sub", "demo/DemoConfig"),

@@ -1,4 +1,4 @@
-"""Parameters that take values of any type have none."""
+"""Dynamically typed parameters have no type."""
 
 from __future__ import annotations
 
@@ -30,6 +30,6 @@ def _types(root: Path, more: str) -> list[str | None]:
 
 
 def test_dynamic_typing_leaves_the_type_open(tmp_path: Path) -> None:
-    """A default tells the type, unless a descriptor says that it does not."""
+    """A default gives the type, unless a descriptor enables dynamic typing."""
     assert _types(tmp_path / "a", "") == ["double"]
     assert _types(tmp_path / "b", ", ParameterDescriptor(dynamic_typing=True)") == [None]

@@ -57,19 +57,19 @@ def test_names_types_defaults_and_lines(tmp_path: Path) -> None:
 
 
 def test_a_level_that_runs_over_other_parameters_is_a_hole(tmp_path: Path) -> None:
-    """A name below `__map_` is known in part only."""
+    """A name below `__map_` is only partly known."""
     found, _ = read(tmp_path, TEXT)
     assert [p.resolution for p in found if is_partial(p.name or "")] == [Resolution.PARTIAL]
 
 
 def test_a_documented_parameter_is_not_declared(tmp_path: Path) -> None:
-    """`type: none` documents a parameter that other code reads."""
+    """`type: none` documents a parameter read by other code."""
     found, _ = read(tmp_path, TEXT)
     assert [p.access for p in found] == [Access.DECLARE] * 4 + [Access.READ]
 
 
 def test_malformed_yaml_is_reported_with_its_line(tmp_path: Path) -> None:
-    """A file that is no YAML is a problem KG119, and no parameters."""
+    """Invalid YAML is a problem KG119, without parameters."""
     found, reader = read(tmp_path, "a:\n  b: [1, 2\nc: }\n")
     assert found == ()
     assert codes(reader.problems) == [("KG119", 3)]
@@ -86,7 +86,7 @@ def test_malformed_yaml_is_reported_with_its_line(tmp_path: Path) -> None:
     ids=["endless alias", "aliases that double", "deep default", "deep file"],
 )
 def test_hostile_yaml_ends_and_is_reported(tmp_path: Path, text: str) -> None:
-    """Aliases and nesting without bound cost neither the build nor its memory."""
+    """Unbounded aliases and nesting exhaust neither the build nor its memory."""
     _, reader = read(tmp_path, text)
     assert [code for code, _ in codes(reader.problems)] == ["KG119"]
 
@@ -112,6 +112,6 @@ def leaves(tree: dict[str, object], above: tuple[str, ...] = ()) -> list[str]:
 )
 @given(tree=TREES)
 def test_every_leaf_is_a_parameter(tmp_path_factory: pytest.TempPathFactory, tree: dict[str, object]) -> None:
-    """Whatever tree is written as YAML, each leaf is found once under its dotted name."""
+    """For any tree written as YAML, each leaf is found once under its dotted name."""
     found, _ = read(tmp_path_factory.mktemp("ws"), yaml.safe_dump({"top": tree}, sort_keys=False))
     assert [p.name for p in found] == leaves(tree)

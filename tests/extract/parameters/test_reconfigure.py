@@ -18,13 +18,13 @@ HEAD = (
 
 
 def read(root: Path, text: str, others: dict[str, str | bytes] | None = None) -> tuple[tuple[Parameter, ...], Reader]:
-    """Return what `cfg/Demo.cfg` with this text says, and the reader that read it."""
+    """Return the content of `cfg/Demo.cfg` with this text, and its reader."""
     reader = reader_of(root, {"cfg/Demo.cfg": HEAD + text, **(others or {})})
     return read_configuration(reader, reader.file("demo/cfg/Demo.cfg")), reader
 
 
 def test_parameters_of_a_generator_and_its_groups(tmp_path: Path) -> None:
-    """`add` of a generator or a group is a parameter with type, default, description and line; enums are none."""
+    """`add` of a generator or a group is a parameter with type, default, description and line; enums are not."""
     text = (
         'PACKAGE = "demo"\nsub = gen.add_group("sub")\n'
         'gen.add("rate", double_t, 0, "How " "often", 1.5, 0, 9)\n'
@@ -41,7 +41,7 @@ def test_parameters_of_a_generator_and_its_groups(tmp_path: Path) -> None:
 
 
 def test_names_and_defaults_are_computed(tmp_path: Path) -> None:
-    """A loop adds a parameter in each turn; what is not known is a hole in a name, and no default."""
+    """A loop adds a parameter in each iteration; an unknown part is a hole in a name; an unknown default is none."""
     text = (
         'for i in range(2):\n    gen.add("topic_%d" % i, str_t)\n'
         'gen.add("pre" + x, int_t, 0, "", -3)\ngen.add("turn", double_t, 0, "", 1 / 2.0)\n'
@@ -58,7 +58,7 @@ def test_names_and_defaults_are_computed(tmp_path: Path) -> None:
 
 
 def test_a_function_of_another_package_adds_its_parameters(tmp_path: Path) -> None:
-    """Parameters added by an imported function stand where that function adds them."""
+    """Parameters added by an imported function have the place in that function."""
     other = (
         "from dynamic_reconfigure.parameter_generator_catkin import *\n"
         'def add_limits(gen):\n    gen.add("max_vel", double_t, 0, "")\n\ndef other(gen):\n    gen.add("no", int_t)\n'

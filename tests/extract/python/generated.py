@@ -1,7 +1,7 @@
 """A generator of Python programs whose interfaces are known by construction, for rospy and rclpy.
 
-A program is a row of features, as in `extract.cpp.generated`: each has definitions of its own, statements that run, and
-the names of the interfaces that running them creates. What a feature only defines is not expected.
+A program is a sequence of features, as in `extract.cpp.generated`: each has definitions of its own, statements that
+run, and the names of the interfaces created by them. Interfaces that a feature only defines are not expected.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Feature:
 
 @dataclass(frozen=True)
 class Use:
-    """A feature in a program, by its name: in which role and with which message type."""
+    """A feature in a program, by its name: with its role and message type."""
 
     feature: str
     role: str = "publishes"
@@ -84,7 +84,7 @@ class Use:
 
 @dataclass(frozen=True)
 class Program:
-    """The text of a program, and role, name and type of the interfaces that it creates."""
+    """The text of a program, and role, name and type of its interfaces."""
 
     source: str
     ends: frozenset[tuple[str, str, str]]

@@ -32,7 +32,7 @@ _NOWHERE = Path("/nowhere")
 
 
 def values_of(text: str, name: str = "x") -> list[Value]:
-    """Return what a variable of a module can be after the text has run."""
+    """Return the possible values of a variable of a module after running the text."""
     package = PackageFolder("demo", ".", None, ())
     source = Source(Repository("local/demo", str(_NOWHERE)), _NOWHERE, (package,), (), ())
     language = Python(Modules(Reader(Workspace([source]), source, package), package))
@@ -45,7 +45,7 @@ def values_of(text: str, name: str = "x") -> list[Value]:
 
 
 def plain(value: Value) -> str | float | bool | None:
-    """Return the plain value of a known text, number or truth value; None for others."""
+    """Return the plain value of a known text, number or Boolean; None for others."""
     if isinstance(value, Text):
         return value.known
     return value.value if isinstance(value, Number | Truth) else None

@@ -1,4 +1,4 @@
-"""Expressions in texts of launch files mean what they mean in Python, and end soon whatever they say."""
+"""Expressions in texts of launch files have their meaning in Python, and terminate soon."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 @given(st.recursive(ATOMS, compound, max_leaves=8))
 @settings(max_examples=400, deadline=None)
 def test_agrees_with_python(source: str) -> None:
-    """An expression has the value that Python gives it, or is wrong where Python raises an error."""
+    """An expression has its Python value, or is an error if Python raises one."""
     names = {**vars(math), **NAMES, "arg": NAMES.__getitem__}
     try:
         expected = eval(source, names)  # noqa: S307 - the expressions are made above
@@ -90,7 +90,7 @@ def test_agrees_with_python(source: str) -> None:
 @given(st.recursive(ATOMS | st.sampled_from(["unknown", "partly"]), compound, max_leaves=8), st.sampled_from(["", "b"]))
 @settings(max_examples=400, deadline=None)
 def test_what_is_certain_holds_for_every_text(source: str, text: str) -> None:
-    """Outside of holes, an expression with an unknown text gives what Python gives for any text in its place."""
+    """Apart from holes, an expression with an unknown text gives Python's result for any text in its place."""
     names = {**vars(math), **NAMES, "unknown": text, "partly": f"a{text}", "arg": NAMES.__getitem__}
     try:
         found = value_of(source)
@@ -104,7 +104,7 @@ def test_what_is_certain_holds_for_every_text(source: str, text: str) -> None:
 @given(st.text(alphabet="x'()[]+-*/%<>=., 0123456789anotrifelsuchpd{}:\\\"\n", max_size=60) | st.text(max_size=40))
 @settings(max_examples=300, deadline=None)
 def test_never_raises_anything_else(source: str) -> None:
-    """Whatever stands in an expression, it has a value or one of three errors."""
+    """Any expression has a value or one of three errors."""
     with contextlib.suppress(*ERRORS):
         value_of(source)
 
@@ -170,7 +170,7 @@ def test_large_is_refused(source: str) -> None:
     ],
 )
 def test_strange_is_refused(source: str) -> None:
-    """Names, attributes, methods and values that launch files do not need cannot be used."""
+    """Names, attributes, methods and values that launch files do not need are rejected."""
     with pytest.raises((UnsupportedError, ExpressionError)):
         value_of(source)
 
@@ -204,7 +204,7 @@ def test_python_is_evaluated(source: str, value: object) -> None:
     ],
 )
 def test_texts_known_in_part(source: str, value: object) -> None:
-    """Texts with unknown parts can be joined, and decide nothing but that they are not empty."""
+    """Texts with unknown parts can be joined, and are known only not to be empty."""
     assert value_of(source) == value
 
 
@@ -212,7 +212,7 @@ def test_texts_known_in_part(source: str, value: object) -> None:
     "source", ["unknown == 'x'", "not unknown", "unknown + 1", "partly.upper()", "[unknown][0] * 2", "arg('unknown')*2"]
 )
 def test_unknown_stays_unknown(source: str) -> None:
-    """What depends on an unknown value is not known."""
+    """A value that depends on an unknown one is unknown."""
     with pytest.raises(NotKnownError):
         value_of(source)
 

@@ -29,7 +29,7 @@ def test_an_expression_keeps_its_structure(text: str, shown: str) -> None:
 
 
 def test_arguments_by_name_are_apart() -> None:
-    """Arguments by name, `*` and `**` are told apart."""
+    """Arguments by name, `*` and `**` are distinguished."""
     found = expression_of("f(a, *b, c=1, **d)")
     assert isinstance(found, form.Call)
     assert [type(one) for one in found.arguments] == [form.Name, form.Spread]
@@ -38,5 +38,5 @@ def test_arguments_by_name_are_apart() -> None:
 
 @pytest.mark.parametrize("text", ["", "a b", "x = 1", "(" * 4000 + "1" + ")" * 4000, "f(" * 4000 + ")" * 4000, "'a"])
 def test_any_text_has_a_form(text: str) -> None:
-    """Text that is no expression, or too deep, ends in a form, not in an error."""
+    """An invalid or too deep expression gives a form without an error."""
     assert expression_of(text) is not None

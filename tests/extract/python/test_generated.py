@@ -16,7 +16,7 @@ ALONE = [(name, ros) for name, feature in FEATURES.items() for ros in (1, 2) if 
 
 
 def found_in(program: Program) -> set[tuple[str, str | None, str | None]]:
-    """Return role, name and type of each interface that is extracted from a program."""
+    """Return role, name and type of each interface extracted from a program."""
     with TemporaryDirectory() as root:
         found = nodes_of(Path(root), {"main.py": program.source})
     return {(i.role.value, i.name, i.type) for one in found for i in one.node.interfaces if not i.implicit}
@@ -32,5 +32,5 @@ def test_each_feature_alone(feature: str, ros: int) -> None:
 @settings(max_examples=60, deadline=None)
 @given(programs())
 def test_programs_have_the_interfaces_they_create(program: Program) -> None:
-    """Whatever features a program combines, exactly the interfaces that running it creates are extracted."""
+    """For any combination of features, exactly the interfaces created at run time are extracted."""
     assert found_in(program) == program.ends

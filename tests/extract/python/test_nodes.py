@@ -18,13 +18,13 @@ def names(root: Path, text: str) -> list[str | None]:
 
 
 def test_a_long_chain_of_classes_is_followed(tmp_path: Path) -> None:
-    """Inheritance over many classes, and a class that is its own base, do not stop the reading."""
+    """Inheritance over many classes, and a class that is its own base, are read."""
     chain = "class C0(C0): pass\n" + "".join(f"class C{n}(C{n - 1}): pass\n" for n in range(1, 900))
     assert names(tmp_path, f"{chain}rospy.init_node('a')\nC899()\nrospy.Publisher('p', String)\n") == ["p"]
 
 
 def test_deep_nesting_is_read(tmp_path: Path) -> None:
-    """Thousands of levels of parentheses, attributes, conditions and calls do not stop the reading."""
+    """Thousands of levels of parentheses, attributes, conditions and calls are read."""
     text = (
         "rospy.init_node('a')\n"
         f"a = {'(' * 5000}1{')' * 5000}\nb = x{'.y' * 5000}\n{'x' + '.y' * 5000}.Publisher('q', String)\n"
@@ -37,7 +37,7 @@ def test_deep_nesting_is_read(tmp_path: Path) -> None:
 
 
 def test_recursion_ends(tmp_path: Path) -> None:
-    """Functions that call themselves or each other are run a bounded number of times."""
+    """Functions that call themselves or each other run a bounded number of times."""
     text = (
         "def f(n):\n    rospy.Publisher('f', String)\n    g(n + '/x')\n"
         "def g(n):\n    rospy.Publisher(n, String)\n    f(n)\n    g(n + 'y')\n"
@@ -49,12 +49,12 @@ def test_recursion_ends(tmp_path: Path) -> None:
 
 
 def test_a_broken_file_does_not_hide_the_rest(tmp_path: Path) -> None:
-    """A line that does not parse costs that line."""
+    """Only the line with a syntax error is lost."""
     assert names(tmp_path, "rospy.init_node('a')\nx = = (\nrospy.Publisher('p', String)\n") == ["p"]
 
 
 def test_every_run_gives_the_same(tmp_path: Path) -> None:
-    """Reading twice gives equal nodes in one order."""
+    """Reading twice gives equal nodes in the same order."""
     text = HEAD + "class A:\n  def a(self): rospy.Publisher('a', String)\n  def b(self): rospy.Publisher('b', String)\n"
     files = {
         "scripts/a.py": f"{text}rospy.init_node('a')\nA()\n",
@@ -65,7 +65,7 @@ def test_every_run_gives_the_same(tmp_path: Path) -> None:
 
 
 def test_a_base_initialised_by_its_name_reaches_the_one_behind_it(tmp_path: Path) -> None:
-    """`super()` in `Base.__init__(self)` means the bases of `Base`."""
+    """`super()` in `Base.__init__(self)` refers to the bases of `Base`."""
     text = """import rclpy
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -97,7 +97,7 @@ pilot = Pilot()
 
 @pytest.mark.parametrize("code", [MADE, DERIVED])
 def test_the_navigator_of_nav2_is_a_node(tmp_path: Path, code: str) -> None:
-    """It has its action clients although its sources are not in the build, and the name that it is given."""
+    """It has its action clients, although its sources are not in the build, and its given name."""
     (found,) = nodes_of(tmp_path, {"main.py": f"import rclpy\nrclpy.init()\n{code}rclpy.spin(pilot)\n"})
     named = {(one.role.value, one.name, one.type) for one in found.node.interfaces}
     assert ("action_clients", "navigate_to_pose", "nav2_msgs/NavigateToPose") in named
@@ -107,7 +107,7 @@ def test_the_navigator_of_nav2_is_a_node(tmp_path: Path, code: str) -> None:
 
 
 def test_a_script_with_the_name_of_a_package_has_its_messages(tmp_path: Path) -> None:
-    """`import work.srv` means the package, although the script nodes/work.py is found first."""
+    """`import work.srv` refers to the package, although the script nodes/work.py is found first."""
     text = "import work.srv\nrospy.init_node('a')\nrospy.ServiceProxy('start', work.srv.Start)\n"
     files = {"nodes/work.py": "import rospy\n", "nodes/a.py": HEAD + text}
     found = {item.type for node in nodes_of(tmp_path, files) for item in node.node.interfaces}
@@ -115,7 +115,7 @@ def test_a_script_with_the_name_of_a_package_has_its_messages(tmp_path: Path) ->
 
 
 def test_a_service_in_lower_case_is_among_all_names_of_a_module(tmp_path: Path) -> None:
-    """`from demo.srv import *` gives each service that the package defines, whatever its case."""
+    """`from demo.srv import *` gives each service defined by the package, in any case."""
     files = {
         "srv/classify.srv": "---\n",
         "scripts/a.py": f"{HEAD}from demo.srv import *\nrospy.init_node('a')\nrospy.Service('s', classify, print)\n",
@@ -133,7 +133,7 @@ def test_a_service_in_lower_case_is_among_all_names_of_a_module(tmp_path: Path) 
     ],
 )
 def test_all_names_of_several_modules_are_told_apart(tmp_path: Path, text: str, found: str) -> None:
-    """Described names are those of the framework; a type is that of the only package that could define it."""
+    """Described names belong to the framework; a type to the only package that could define it."""
     start = "" if "init_node" in text else "rospy.init_node('a')\n"
     [node] = nodes_of(tmp_path, {"scripts/a.py": f"import rospy\n{start}{text}\n"})
     assert [(item.name, item.type) for item in node.node.interfaces] == [("p", found)]

@@ -38,24 +38,24 @@ HEAD = (
     ],
 )  # fmt: skip
 def test_profiles(expression: str, qos: Qos | None) -> None:
-    """Depths, presets and profiles give the quality of service that rclpy gives them."""
+    """Depths, presets and profiles give the same quality of service as in rclpy."""
     assert [quality(value) for value in values_of(f"{HEAD}x = {expression}\n")] == [qos]
 
 
 def test_a_profile_can_be_refined() -> None:
-    """Policies that are assigned to a profile later belong to it."""
+    """Policies assigned to a profile later belong to it."""
     text = "p = QoSProfile(depth=1)\np.durability = DurabilityPolicy.TRANSIENT_LOCAL\np.depth = 4\nx = p\n"
     assert [quality(value) for value in values_of(HEAD + text)] == [Qos("reliable", "transient_local", "keep_last", 4)]
 
 
 def test_a_preset_can_be_refined() -> None:
-    """Policies that are assigned to a preset of rclpy belong to it, durations too."""
+    """Policies assigned to a preset of rclpy belong to it, including durations."""
     text = "p = rclpy.qos.qos_profile_sensor_data\np.deadline = Duration(seconds=3)\nx = p\n"
     wanted = Qos("best_effort", "volatile", "keep_last", 5, deadline=3.0)
     assert [quality(value) for value in values_of(HEAD + text)] == [wanted]
 
 
 def test_a_profile_refined_by_what_is_not_known() -> None:
-    """A deadline that is not known leaves the whole profile unknown, since none would mean something else."""
+    """An unknown deadline makes the whole profile unknown, because no deadline would have another meaning."""
     text = "p = QoSProfile(depth=1)\np.deadline = period()\nx = p\n"
     assert [quality(value) for value in values_of(HEAD + text)] == [None]

@@ -1,4 +1,4 @@
-"""Formatting of texts is what Python itself does with known values."""
+"""Formatting of known texts equals that of Python."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def value_of(plain: str | int) -> Value:
 
 @given(WORDS, WORDS, st.integers(-20, 300))
 def test_percent_formats_as_python_does(lead: str, word: str, number: int) -> None:
-    """`%` with a tuple and with a dictionary gives the text that Python computes."""
+    """`%` with a tuple and with a dictionary gives the text of Python."""
     template = lead.replace("%", "%%") + "%s-%03d%%"
     values = Sequence((value_of(word), value_of(number)))
     assert percent(Text.of(template), values) == Text.of(template % (word, number))
@@ -30,7 +30,7 @@ def test_percent_formats_as_python_does(lead: str, word: str, number: int) -> No
 
 @given(WORDS, WORDS, st.integers(-20, 300))
 def test_braces_format_as_python_does(lead: str, word: str, number: int) -> None:
-    """`str.format` gives the text that Python computes."""
+    """`str.format` gives the text of Python."""
     template = lead.replace("{", "{{").replace("}", "}}") + "{1}{0:>4}{name}"
     found = braces(Text.of(template), [value_of(number), value_of(word)], {"name": value_of(number)})
     assert found == Text.of(template.format(number, word, name=number))
@@ -39,12 +39,12 @@ def test_braces_format_as_python_does(lead: str, word: str, number: int) -> None
 @pytest.mark.parametrize("name", ["strip", "lower", "upper", "title", "capitalize", "lstrip", "rstrip"])
 @given(WORDS)
 def test_methods_do_what_python_does(name: str, word: str) -> None:
-    """Methods of `str` give the text that Python computes."""
+    """Methods of `str` give the text of Python."""
     assert method(Text.of(word), name, []) == Text.of(getattr(word, name)())
 
 
 def test_an_unknown_part_stays_a_hole() -> None:
-    """Parts that are not known stay open in a text."""
+    """Unknown parts are holes in a text."""
     found = percent(Text.of("robot_%s/%s"), Sequence((Unknown("x"), Text.of("scan"))))
     assert isinstance(found, Text)
     assert found.parts == ("robot_", Hole(), "/scan")

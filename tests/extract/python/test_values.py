@@ -25,12 +25,12 @@ NUMBERS = st.integers(-20, 300)
 
 
 def percent_escaped(text: str) -> str:
-    """Return a text that `%` formatting gives back as it is."""
+    """Return a text that `%` formatting reproduces."""
     return text.replace("%", "%%")
 
 
 def brace_escaped(text: str) -> str:
-    """Return a text that `str.format` gives back as it is."""
+    """Return a text that `str.format` reproduces."""
     return text.replace("{", "{{").replace("}", "}}")
 
 
@@ -64,27 +64,27 @@ EXPRESSIONS = st.recursive(WORDS.map(repr), combine, max_leaves=6)
 
 @given(EXPRESSIONS)
 def test_string_expressions_are_what_python_makes_of_them(expression: str) -> None:
-    """An expression of constants evaluates to the very string that Python computes."""
+    """An expression of constants evaluates to the same string as in Python."""
     computed = eval(expression)  # noqa: S307 - Python itself is the reference, on expressions made above
     assert [plain(value) for value in values_of(f"x = {expression}\n")] == [computed]
 
 
 @pytest.mark.parametrize("left", ["'a'", "''", "5", "0", "True", "False", "None"])
 def test_a_known_left_side_decides_or(left: str) -> None:
-    """`or` gives its left side where that is known to be true, its right side where it is known to be false."""
+    """`or` gives its left side if that is known to be true, its right side if it is known to be false."""
     computed = eval(f"{left} or 'right'")  # noqa: S307 - Python itself is the reference
     assert [plain(value) for value in values_of(f"x = {left} or 'right'\n")] == [computed]
 
 
 def test_an_unknown_left_side_of_or_leaves_both() -> None:
-    """A value that is known in part can be either side."""
+    """A partly known value can be either side."""
     values = values_of("import sys\nx = 'a' + sys.argv[1] or 'right'\n")
     assert [plain(value) for value in values] == [None, "right"]
 
 
 @given(st.lists(st.tuples(PLAIN, PLAIN), min_size=1, max_size=5, unique_by=lambda pair: pair[0]))
 def test_loops_give_every_round(pairs: list[tuple[str, str]]) -> None:
-    """A loop over a literal list gives its variables round by round, and keeps those of one round together."""
+    """A loop over a literal list assigns its variables in each iteration, and keeps those of one together."""
     [value] = values_of(f"x = []\nfor a, b in {pairs!r}:\n    x.append(a + ':' + b)\n")
     assert isinstance(value, Sequence)
     assert [plain(item) for item in value.items] == [f"{one}:{other}" for one, other in pairs]
@@ -113,7 +113,7 @@ def test_python_s_own_functions_are_computed(words: list[str], start: int) -> No
     ],
 )  # fmt: skip
 def test_operations_are_what_python_makes_of_them(expression: str) -> None:
-    """Numbers keep their kind, and functions and methods of Python give what Python computes."""
+    """Numbers keep their type, and functions and methods of Python give its results."""
     computed = eval(expression)  # noqa: S307 - Python itself is the reference, on the expressions above
     [value] = values_of(f"x = {expression}\n")
     assert plain(value) == computed
@@ -173,19 +173,19 @@ def test_modules_of_python_are_computed(expression: str) -> None:
     ],
 )  # fmt: skip
 def test_bindings(text: str, known: list[str | None]) -> None:
-    """Names take what the bindings that reach them give, branch by branch."""
+    """Names have the values of the bindings that reach them, branch by branch."""
     assert sorted(map(str, map(plain, values_of(text)))) == sorted(map(str, known))
 
 
 def test_what_is_not_known_stays_a_hole() -> None:
-    """Parts that are not known stay open in a string; nothing is guessed."""
+    """Unknown parts are holes in a string; none is guessed."""
     [value] = values_of("x = 'robot_%s/%s' % (unknown(), 'scan')\n")
     assert isinstance(value, Text)
     assert (value.parts, value.resolution) == (("robot_", Hole(), "/scan"), Resolution.PARTIAL)
 
 
 def test_parameters_keep_their_name() -> None:
-    """What `rospy.get_param` gives is its default, with the name of the parameter."""
+    """The value of `rospy.get_param` is its default, with the name of the parameter."""
     [value] = values_of("import rospy\nx = rospy.get_param('~topic', 'scan')\n")
     assert value == Text.of("scan", Resolution.CONSTANT, "~/topic") or value == Text.of(
         "scan", Resolution.PARAMETER_DEFAULT, "~/topic"
@@ -193,7 +193,7 @@ def test_parameters_keep_their_name() -> None:
 
 
 def test_dictionaries_keep_the_values_of_one_unknown_key_together() -> None:
-    """Two uses of a key that is not known mean the same entry."""
+    """Two uses of an unknown key refer to the same entry."""
     text = "d = {'a': {'n': '1', 't': '2'}, 'b': {'n': '3', 't': '4'}}\ne = d[k]\nx = e['n'] + e['t']\n"
     assert [plain(value) for value in values_of(text)] == ["12", "34"]
 
@@ -205,7 +205,7 @@ def test_circles_end(text: str) -> None:
 
 
 def test_depth_and_breadth_are_bounded() -> None:
-    """Deep nesting and many alternatives end in an unknown value, not in an error."""
+    """Deep nesting and many alternatives give an unknown value, without an error."""
     deep = "x = " + "str(" * 3000 + "'a'" + ")" * 3000 + "\n"
     assert [plain(value) for value in values_of(deep)] == [None]
     wide = "".join(f"if c{n}:\n    a{n} = '1'\nelse:\n    a{n} = '0'\n" for n in range(20))
@@ -213,7 +213,7 @@ def test_depth_and_breadth_are_bounded() -> None:
 
 
 def test_pairs_of_an_empty_collection_have_unknown_elements() -> None:
-    """`enumerate` of an empty list runs no turn."""
+    """`enumerate` of an empty list runs no iteration."""
     assert values_of("x = 'kept'\nfor i, y in enumerate([], start=n):\n    x = y\n")[0] == Text(("kept",))
 
 
@@ -238,7 +238,7 @@ SHARED = [
 
 @pytest.mark.parametrize(("text", "wanted"), SHARED)
 def test_functions_change_the_lists_and_dictionaries_that_they_get(text: str, wanted: list[str]) -> None:
-    """A change of the object is one for the caller; an assignment to the parameter is not."""
+    """A change of the object affects the caller; an assignment to the parameter does not."""
     (found,) = values_of(text)
     assert isinstance(found, Sequence)
     assert [plain(one) for one in found.items] == wanted

@@ -1,7 +1,7 @@
-"""Descriptions are cases: `cases/<case>/` holds packages and `expected.json`, what should be read of them.
+"""Descriptions are cases: `cases/<case>/` has packages and `expected.json`, their expected descriptions.
 
-`expected.json` has for each package the descriptions as `[kind, path:line, node, heading, text]`, all of them, in the
-order of their places.
+`expected.json` has for each package all descriptions as `[kind, path:line, node, heading, text]`, in the order of their
+places.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ def described(case: Path) -> dict[str, list[list[str | None]]]:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_case(case: Path) -> None:
-    """The descriptions of a case are those that its file expects, each at its line, and no others."""
+    """The descriptions of a case are exactly the expected ones, each at its line."""
     assert described(case) == json.loads((case / "expected.json").read_text())
 
 
 def test_pages_around_a_package_are_inputs() -> None:
-    """A README of the repository is among the inputs of the package that it was read for, so that a change is seen."""
+    """A README of the repository is an input of the package it was read for, so its changes are detected."""
     case = Path(__file__).parent / "cases" / "readme"
     source = scan(case, Repository("local/readme", str(case)))
     facts = extract_package(Reader(Workspace([source]), source, source.packages[0]))
@@ -48,7 +48,7 @@ def test_pages_around_a_package_are_inputs() -> None:
 
 
 def test_cases_are_found() -> None:
-    """The runner finds the cases, so that none of them passes by not being run."""
+    """The runner finds the cases, so none of them passes without running."""
     assert {case.name for case in CASES} >= {
         "cpp-comments",
         "python-docstrings",

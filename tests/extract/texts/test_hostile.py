@@ -1,4 +1,4 @@
-"""Files that were made, or broken, so that reading them would fail: the other descriptions are found all the same."""
+"""Hostile or broken files: the other descriptions are found."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ def descriptions(root: Path, files: dict[str, bytes]) -> tuple[Description, ...]
     ids=["binary", "utf-16", "latin-1", "quotes", "brackets", "emphasis", "one word"],
 )
 def test_a_broken_readme_costs_only_itself(tmp_path: Path, readme: bytes) -> None:
-    """A README that is binary, in another encoding, nested or without end leaves the other descriptions as they are."""
+    """A README that is binary, in another encoding, nested or endless does not affect the other descriptions."""
     found = descriptions(tmp_path, {"README.md": readme})
     assert "Moves an arm of six joints" in [one.text for one in found]
 
 
 def test_line_ends_and_marks_are_no_text(tmp_path: Path) -> None:
-    """Line ends of Windows and a byte order mark change neither texts nor lines."""
+    """Windows line ends and a byte order mark change neither texts nor lines."""
     source = ("\ufeff// Moves the arm\r\n// to its rest.\r\n\r\n" + SOURCE.replace("\n", "\r\n")).encode()
     readme = b"\xef\xbb\xbf# p\r\n\r\nAn arm that\r\nmoves alone.\r\n"
     found = descriptions(tmp_path, {"arm_node.cpp": source, "README.md": readme})
@@ -86,7 +86,7 @@ def test_what_is_said_twice_stands_once(tmp_path: Path) -> None:
     "piece", ["/*", "//\n", '"', "'", "/**/ ", "class A{", "* @brief\n", "// class A\nclass A{\n", "\\"]
 )
 def test_hostile_sources_end(piece: str) -> None:
-    """C++ and Python of one piece repeated to the limit of files are read."""
+    """C++ and Python with one piece repeated up to the size limit are read."""
     text = piece * (400_000 // len(piece))
     read_comments(text)
     read_docstrings(text.replace("//", "#").replace("/*", '"""').replace("class A{", "class A:\n"))
@@ -95,7 +95,7 @@ def test_hostile_sources_end(piece: str) -> None:
 @pytest.mark.parametrize("piece", ["<!--", "<!-- a -->", "#\n", "# a\nNode(", "<node ", "Node(package='demo',\n"])
 @pytest.mark.parametrize("name", ["a.launch", "a.launch.py"])
 def test_hostile_launch_files_end(tmp_path: Path, name: str, piece: str) -> None:
-    """Launch files of one piece repeated are read and describe nothing."""
+    """Launch files with one piece repeated are read and describe nothing."""
     text = "demo\n" + piece * (400_000 // len(piece))
     reader = reader_of(tmp_path, {name: text})
     node = NodeType("n", NodeKind.EXECUTABLE, "cpp", 1, Location("x.cpp", 1), executable="n")
@@ -105,7 +105,7 @@ def test_hostile_launch_files_end(tmp_path: Path, name: str, piece: str) -> None
 @settings(max_examples=150)
 @given(st.text(alphabet="/*!<\\@ \nab{}\"'#class:Ad", max_size=300))
 def test_any_source_is_read(text: str) -> None:
-    """Comments of any text are found, with lines that it has."""
+    """Comments of any text are found, with existing lines."""
     cpp, python = read_comments(text), read_docstrings(text)
     found = [*cpp.header, *cpp.main, *python.header, *python.module]
     found += [one for paragraphs in (*cpp.classes.values(), *python.classes.values()) for one in paragraphs]

@@ -1,4 +1,4 @@
-"""Which words of a text mean a node, and which are only words."""
+"""Words of a text that name a node, and ordinary words."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NAMES = Names(NODES, {"arm"}.__contains__)
     ],
 )
 def test_headings(heading: str, nodes: tuple[str, ...]) -> None:
-    """A heading is about the node that it names, in any way to write the name, unless the name is the package's."""
+    """A heading is about the node it names, in any spelling, unless the name is the package's."""
     assert NAMES.of_heading(heading) == nodes
 
 
@@ -53,7 +53,7 @@ def test_headings(heading: str, nodes: tuple[str, ...]) -> None:
     ],
 )
 def test_paragraphs(text: str, spans: tuple[str, ...], nodes: tuple[str, ...]) -> None:
-    """A paragraph names a node by a name that is no word, by a word that is marked, or beside the word `node`."""
+    """A paragraph names a node by a name that is not a word, by a marked word, or next to the word `node`."""
     assert NAMES.of_text(text, spans) == nodes
 
 
@@ -62,12 +62,12 @@ def test_paragraphs(text: str, spans: tuple[str, ...], nodes: tuple[str, ...]) -
     [("talker", ("talker",)), ("Box nodelet", ("Box",)), ("the talker speaks", ()), ("arm", ()), ("", ())],
 )
 def test_leads(lead: str, nodes: tuple[str, ...]) -> None:
-    """The beginning of an item names a node where it is the name and nothing else."""
+    """The beginning of an item names a node if it consists of the name."""
     assert NAMES.of_lead(lead) == nodes
 
 
 @given(st.text(max_size=200))
 def test_any_text_is_searched(text: str) -> None:
-    """Any text names only nodes that there are."""
+    """Any text names only existing nodes."""
     known = {node.name for node in NODES}
     assert {*NAMES.of_text(text), *NAMES.of_heading(text), *NAMES.of_lead(text)} <= known

@@ -1,4 +1,4 @@
-"""Blocks of pages: headings, paragraphs, items and rows, at their lines, and what is left out."""
+"""Blocks of pages: headings, paragraphs, items and rows, at their lines, without the excluded parts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def shown(text: str, *, rst: bool = False) -> list[str]:
 
 
 def test_markdown() -> None:
-    """Headings in both ways, paragraphs over lines, items and tables are blocks."""
+    """Both forms of headings, multi-line paragraphs, items and tables are blocks."""
     page = "Title\n=====\nOne\ntwo.\n\n## Next ##\n* item\n  goes on\n1. first\n\n| a | b |\n|---|---|\n| c | d |\n"
     assert shown(page) == [
         "1 heading: Title",
@@ -30,7 +30,7 @@ def test_markdown() -> None:
 
 
 def test_what_goes_on_with_an_item() -> None:
-    """A paragraph that is indented below an item is told from one that stands by itself."""
+    """A paragraph indented below an item is distinguished from a separate one."""
     assert [one.kind for one in read_page("* a\n\n  more of a\n\n  still\n\nfree\n")] == [
         "item",
         "continued",
@@ -40,13 +40,13 @@ def test_what_goes_on_with_an_item() -> None:
 
 
 def test_what_is_no_text_of_a_page() -> None:
-    """Code in fences or indented, comments, rules and definitions of links are left out."""
+    """Code in fences or indented, comments, rules and definitions of links are excluded."""
     page = "<!-- not\nthis -->\n```\ncode\n```\n\n    indented\n\n---\n[a]: http://x\n~~~ sh\n```\n~~~\nText.\n"
     assert shown(page) == ["14 paragraph: Text."]
 
 
 def test_restructured_text() -> None:
-    """Levels of headings follow from the order of their signs; directives and literal blocks are left out."""
+    """Levels of headings follow from the order of their signs; directives and literal blocks are excluded."""
     page = (
         "====\nTop\n====\n\nInner\n-----\n\n.. image:: x.png\n   :width: 3\n\nSay::\n\n  code\n\nAfter.\n\nNext\n====\n"
     )
@@ -56,7 +56,7 @@ def test_restructured_text() -> None:
 
 
 def test_doxygen() -> None:
-    """Commands for sections become headings, those for code fences; the lines stay."""
+    """Section commands become headings, code commands fences; the lines are preserved."""
     page = "/**\n * \\mainpage Tools\n * \\section a Nodes\n * @b one does it\n * @code\n * x\n"
     page += " * @endcode\n * @author X\n */"
     assert markdown(page).split("\n") == ["", "# Tools", "## Nodes", "@b one does it", "```", "x", "```", "", ""]
@@ -64,7 +64,7 @@ def test_doxygen() -> None:
 
 @given(st.text(alphabet="#-=*|`~.:[]>< \nab1\\", max_size=400), st.sampled_from(["md", "rst"]))
 def test_any_page_is_read(text: str, ending: str) -> None:
-    """Any page is read; its blocks stand in the order of their lines and hold text."""
+    """Any page is read; its blocks are in the order of their lines and contain text."""
     blocks = read_page(text, rst=ending == "rst")
     lines = [one.line for one in blocks]
     assert lines == sorted(lines)
@@ -75,6 +75,6 @@ def test_any_page_is_read(text: str, ending: str) -> None:
     "piece", ["> ", "* ", "- " * 50 + "\n", "#", "[", "| ", "<!--", "`", "\t", "  * x\n", "=\n", ".. x\n"]
 )
 def test_hostile_pages_end(piece: str) -> None:
-    """Pages that nest or repeat without end are read to a bound."""
+    """Pages with endless nesting or repetition are read up to a limit."""
     text = piece * 60_000
     assert len(read_page(text)) + len(read_page(text, rst=True)) <= 20_000

@@ -1,4 +1,4 @@
-"""What is prose, and what only looks like it."""
+"""Prose, and text that only resembles it."""
 
 from __future__ import annotations
 
@@ -67,19 +67,19 @@ NO_PROSE = (
 
 @pytest.mark.parametrize("text", PROSE)
 def test_prose_is_kept(text: str) -> None:
-    """Sentences and phrases that say what something does are prose, in any language."""
+    """Sentences and phrases that describe a function are prose, in any language."""
     assert is_prose(text)
 
 
 @pytest.mark.parametrize("text", NO_PROSE)
 def test_the_rest_is_not(text: str) -> None:
-    """Licences, labels, tags, directives, templates, code, addresses and tables are no prose."""
+    """Licences, labels, tags, directives, templates, code, addresses and tables are not prose."""
     assert not is_prose(text)
 
 
 @given(st.text(max_size=300))
 def test_any_text_is_judged(text: str) -> None:
-    """The judgement of any text is one of the two, and the white space around it does not matter."""
+    """Any text is classified, whatever the whitespace around it."""
     assert is_prose(text) is is_prose(f"  {text}\n")
 
 
@@ -91,20 +91,20 @@ def test_signs_are_no_prose(text: str) -> None:
 
 @pytest.mark.parametrize("piece", ["a", "ros ", "(", "*_", "<a", "[x](", "`", "a.b@", "/a", "A b, ", "- ", "\\b ", "&"])
 def test_long_texts_are_judged_fast(piece: str) -> None:
-    """Texts of one piece repeated a hundred thousand times, made to send patterns astray, are judged as any other."""
+    """Texts of one piece repeated a hundred thousand times, to provoke backtracking, are classified quickly."""
     assert is_prose(piece * 100_000) in {True, False}
 
 
 @given(st.text(max_size=3000), st.integers(20, 1500))
 def test_a_shortened_text_fits(text: str, most: int) -> None:
-    """A shortened text is not longer than asked for, and one that fits is as it was."""
+    """A shortened text has at most the given length, and one that fits is unchanged."""
     short = shortened(text, most)
     assert len(short) <= most
     assert short == text or len(text) > most
 
 
 def test_texts_are_cut_between_sentences() -> None:
-    """A text that is too long ends with its last whole sentence."""
+    """A text that is too long is cut after its last complete sentence."""
     text = "It moves the arm. " * 100
     assert shortened(text).endswith("arm.")
     assert LONGEST_TEXT / 2 < len(shortened(text)) <= LONGEST_TEXT

@@ -1,4 +1,4 @@
-"""The wiki's documentation of nodes: nodes, what they publish and need, and the lines of it."""
+"""The wiki's documentation of nodes: nodes, their interfaces, and the lines of these."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_nodes_of_a_block() -> None:
 
 
 def test_a_block_of_one_node() -> None:
-    """A block without `node.0` is about one node; values may stand on the lines of their braces."""
+    """A block without `node.0` is about one node; values may be on the lines of their braces."""
     (found,) = wiki_nodes(HEAD + "name = joy\npub { 0.name = joy }\nact { 0.name = go }\n}}}\n")
     assert (found.name, [(one.kind, one.name) for one in found.entries]) == (
         "joy",
@@ -68,7 +68,7 @@ def test_a_block_of_one_node() -> None:
 
 
 def test_long_values_and_transforms() -> None:
-    """A value may run over lines to its end mark; transforms are named by their two frames."""
+    """A value may span lines to its end mark; transforms are named by their two frames."""
     (found,) = wiki_nodes(HEAD + "desc << END\nTwo\nlines.\nEND\nprov_tf{\n0.from = odom\n0.to = base\n}\n}}}\n")
     assert found.description == "Two lines."
     assert found.entries == (WikiEntry("provided_transforms", "odom -> base", None, None, 8),)
@@ -88,13 +88,13 @@ def test_long_values_and_transforms() -> None:
     ],
 )
 def test_malformed_blocks_give_nothing(text: str) -> None:
-    """A block that is empty, never ends or is not well-formed gives no node."""
+    """A block that is empty, unclosed or malformed gives no node."""
     assert wiki_nodes(text) == ()
 
 
 @given(st.lists(st.sampled_from(["node.0 {", "}", "name = a", "pub {", "0.name = x", "0 {", "desc << E", "E", "{"])))
 def test_any_block_is_read(lines: list[str]) -> None:
-    """Whatever the order of its lines, a block is read, and each entry has a line of the text."""
+    """A block with its lines in any order is read, and each entry has a line of the text."""
     text = HEAD + "\n".join(lines)
     for node in wiki_nodes(text):
         assert all(2 < entry.line <= len(lines) + 2 for entry in node.entries)
@@ -107,7 +107,7 @@ def test_pages_become_markdown() -> None:
 
 
 def test_what_a_wiki_page_is() -> None:
-    """A page is one of the wiki by its macros or blocks."""
+    """A page belongs to the wiki if it has its macros or blocks."""
     assert is_wiki("<<PackageHeader(x)>>")
     assert is_wiki("{{{\n#!clearsilver CS/NodeAPI\n}}}")
     assert not is_wiki("# A page of Markdown")

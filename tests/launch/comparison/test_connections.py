@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 
 def sign(instance: NodeInstance, end: InstanceInterface) -> str:
-    """Return what stands for an end whatever its name is now."""
+    """Return a key of an end independent of its current name."""
     return f"{instance.name} {end.declared.role}"
 
 
 def test_those_who_give_are_joined_to_those_who_take() -> None:
-    """By kind and name, never a node to itself."""
+    """Providers are joined to consumers by kind and name, never a node to itself."""
     laser = instance("/laser", end(Role.PUBLISHES, "/scan"), end(Role.SUBSCRIBES, "/scan"))
     user = instance("/user", end(Role.SUBSCRIBES, "/scan"), end(Role.CLIENTS, "/scan"))
     assert set(joined(system([laser, user]), sign)) == {("/laser", "topic", "/scan", "/user")}
@@ -26,19 +26,19 @@ def test_those_who_give_are_joined_to_those_who_take() -> None:
 
 @pytest.mark.parametrize("name", [None, "/{}/scan"])
 def test_ends_whose_name_is_not_known_join_nobody(name: str | None) -> None:
-    """Two names that are not known, or not in part, may be two names."""
+    """Two names with unknown parts may differ, so they are not joined."""
     both = instance("/laser", end(Role.PUBLISHES, name)), instance("/user", end(Role.SUBSCRIBES, name))
     assert joined(system(both), sign) == {}
 
 
 def test_ends_that_are_left_out_join_nobody() -> None:
-    """What has no sign is left out, as what frameworks make is."""
+    """An end without a key, such as an implicit one, is excluded."""
     both = instance("/laser", end(Role.PUBLISHES, "/scan")), instance("/user", end(Role.SUBSCRIBES, "/scan"))
     assert joined(system(both), lambda _one, _end: None) == {}
 
 
 def test_ends_that_meet_under_another_name_did_not_come_apart() -> None:
-    """A renamed channel is no lost connection; one whose ends meet no more is."""
+    """A renamed channel is not a lost connection; one whose ends no longer meet is."""
     before, renamed, apart = (
         joined(system([instance("/a", end(Role.PUBLISHES, given)), instance("/b", end(Role.SUBSCRIBES, taken))]), sign)
         for given, taken in (("/scan", "/scan"), ("/laser", "/laser"), ("/scan", "/laser"))

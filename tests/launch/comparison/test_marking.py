@@ -17,7 +17,7 @@ FOUND = compare(Sources(systems=[BEFORE]), Sources(systems=[AFTER]))
 
 
 def test_the_keys_are_those_of_the_graph() -> None:
-    """Nodes and channels that changed are named as the graph names them; what came or went is not among them."""
+    """Changed nodes and channels have the keys of the graph; added and removed ones are excluded."""
     keys = changed_keys(FOUND, BEFORE.configuration.name)
     assert keys == {"/a", "/b", "topic /x"}
     graph = system_graph(AFTER)
@@ -26,6 +26,6 @@ def test_the_keys_are_those_of_the_graph() -> None:
 
 
 def test_the_launch_files_whose_wiring_differs_are_named() -> None:
-    """Nothing differs between equal ones."""
+    """Equal sides have no differences."""
     assert changed_systems(FOUND) == (BEFORE.configuration.name,)
     assert not changed_systems(compare(Sources(systems=[AFTER]), Sources(systems=[AFTER])))

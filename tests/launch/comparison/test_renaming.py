@@ -41,12 +41,12 @@ def robot(name: str, *more: NodeInstance) -> System:
 
 
 def _declared_alike(one: NodeInstance) -> list[InstanceInterface]:
-    """Return ends whose names in the code are `scan`, whatever they are in the system."""
+    """Return ends named `scan` in the code, whatever their names in the system."""
     return [replace(each, declared=replace(each.declared, name="scan")) for each in one.interfaces]
 
 
 def test_a_renamed_namespace_is_one_change() -> None:
-    """Nodes, names, parameters, remappings and connections that only follow from it are counted, not listed."""
+    """Implied changes of nodes, names, parameters, remappings and connections are counted, not listed."""
     (change,) = compare(Sources(systems=[robot("one")]), Sources(systems=[robot("two")])).changes
     assert (change.level, change.kind) == (Level.NAMESPACE, Kind.RENAMED)
     assert change.before
@@ -56,7 +56,7 @@ def test_a_renamed_namespace_is_one_change() -> None:
 
 
 def test_what_else_changed_in_a_renamed_node_is_told() -> None:
-    """The node has both of its names; the way back is the mirror."""
+    """The node has both of its names; the reverse comparison is the mirror image."""
     before, after = robot("one"), robot("two")
     laser, amcl = after.instances
     faster = replace(amcl.parameters[0], set=LaunchParameter("speed", "2", LINE))
@@ -69,7 +69,7 @@ def test_what_else_changed_in_a_renamed_node_is_told() -> None:
 
 
 def test_a_node_of_another_name_is_renamed_where_the_same_line_starts_the_same() -> None:
-    """What takes no part of its name along is told as new and gone."""
+    """A node without a common part of its name is reported as added and removed."""
     camera = replace(instance("/camera"), started=replace(instance("/camera").started, executable="driver"))
     eye = replace(camera, name="/eye")
     assert told(system([camera]), system([eye])) == [("instance", "renamed", "/eye")]
@@ -85,7 +85,7 @@ def test_a_node_of_another_name_is_renamed_where_the_same_line_starts_the_same()
 
 
 def test_a_namespace_that_went_is_a_renamed_one() -> None:
-    """Names that lost it follow."""
+    """Names that lost the namespace follow."""
     one, two = (instance("/one/a", end(Role.PUBLISHES, "/one/x")), instance("/one/b", end(Role.SUBSCRIBES, "/one/x")))
     before = system([one, two])
     after = system(
@@ -98,7 +98,7 @@ def test_a_namespace_that_went_is_a_renamed_one() -> None:
 
 
 def test_findings_under_another_name_are_the_same() -> None:
-    """A namespace in the words of a finding is that of the system."""
+    """The namespace in the message of a finding is that of the system."""
     name = robot("one").configuration.name
     both = [
         Sources(systems=[robot(one)], findings=[Finding(name, "KG402", f"/{one}/x", f"nobody hears /{one}/x")])
@@ -108,7 +108,7 @@ def test_findings_under_another_name_are_the_same() -> None:
 
 
 def test_arguments_of_a_launch_file_are_compared() -> None:
-    """New, gone, and with another default."""
+    """Added, removed, and with another default."""
 
     def declaring(**defaults: str) -> System:
         arguments = tuple(LaunchArgument(name, value, value, LINE) for name, value in defaults.items())
@@ -123,7 +123,7 @@ def test_arguments_of_a_launch_file_are_compared() -> None:
 
 
 def test_parameters_of_no_node_and_remappings_without_effect_are_compared() -> None:
-    """They change nothing that is seen, and yet the launch file."""
+    """They change the launch file, although without visible effect."""
     one = instance("/a")
     remap = InstanceRemap("/x", "/y", Remap("x", "y", LINE), used=False)
     before = replace(system([replace(one, remaps=(remap,))]), shared_parameters=(LaunchParameter("/rate", "1", LINE),))
@@ -135,7 +135,7 @@ def test_parameters_of_no_node_and_remappings_without_effect_are_compared() -> N
 
 
 def test_an_end_that_the_code_renames_is_one_change_of_each_node() -> None:
-    """Both its ends got the other name: they are joined as before."""
+    """Both ends have the other name and are still joined."""
     laser, amcl = instance("/laser", end(Role.PUBLISHES, "/scan")), instance("/amcl", end(Role.SUBSCRIBES, "/scan"))
     after = [instance("/laser", end(Role.PUBLISHES, "/front")), instance("/amcl", end(Role.SUBSCRIBES, "/front"))]
     assert told(system([laser, amcl]), system(after)) == [

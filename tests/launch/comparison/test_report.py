@@ -20,7 +20,7 @@ FOUND = compare(
 
 
 def test_lines_name_what_changed_where_and_count_it() -> None:
-    """Each change has a sign; those of one owner stand together; the last line counts."""
+    """Each change has a sign; those of one owner are grouped; the last line counts."""
     assert difference_lines(Difference((RETYPED,))) == [
         "pkg/n",
         "  ~ publishes scan: type a/A -> b/B  src/a_b.cpp:4",
@@ -35,7 +35,7 @@ def test_lines_name_what_changed_where_and_count_it() -> None:
 
 
 def test_markdown_is_a_table_with_links() -> None:
-    """What changed stands as code, so that nothing in it is Markdown; a line without address is text."""
+    """Changes are formatted as code, which disables Markdown in them; a line without address is text."""
     text = difference_markdown(
         Difference((RETYPED,)), "main..<b`>", lambda side, after: f"https://x/{side.name}#{after}"
     )

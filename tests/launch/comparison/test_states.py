@@ -72,14 +72,14 @@ def wired(*instances: NodeInstance) -> Sources:
 
 
 def test_a_node_type_that_came_or_went_is_one_change() -> None:
-    """What is in it is not told again."""
+    """Its content is not reported again."""
     full = Sources(nodes=[node("n", interface(Role.PUBLISHES, "a"))])
     assert told(Sources(), full) == [("node", "new", "pkg/n", "pkg/n")]
     assert told(full, Sources()) == [("node", "gone", "pkg/n", "pkg/n")]
 
 
 def test_an_interface_is_renamed_only_where_that_is_sure() -> None:
-    """One of a role and type for another one; with two of them nobody knows which became which."""
+    """A single interface of a role and type can be renamed; with two of them the assignment is ambiguous."""
     one, two = interface(Role.PUBLISHES, "a"), interface(Role.PUBLISHES, "b")
     assert told(code(one), code(two)) == [("interface", "renamed", "pkg/n", "b")]
     third = interface(Role.PUBLISHES, "c")
@@ -89,7 +89,7 @@ def test_an_interface_is_renamed_only_where_that_is_sure() -> None:
 
 
 def test_another_label_of_an_unknown_part_is_no_change() -> None:
-    """A variable was renamed, and no topic or parameter; what else changed of them is told."""
+    """A renamed variable changes no topic or parameter; other changes of them are reported."""
     names = "~/{name}/plan", "~/{planner}/plan"
     one, other = (
         code(interface(Role.PUBLISHES, name), parameters=(parameter(name, "1"), parameter("{a}.x", default)))
@@ -101,13 +101,13 @@ def test_another_label_of_an_unknown_part_is_no_change() -> None:
 
 
 def test_names_with_holes_at_other_places_are_two_names() -> None:
-    """Only labels do not count."""
+    """Only labels are ignored."""
     one, other = (interface(Role.PUBLISHES, name, kind) for name, kind in zip(("{a}/x", "x/{a}"), TYPES, strict=True))
     assert {kind for _, kind, _, _ in told(code(one), code(other))} == {"new", "gone"}
 
 
 def test_types_and_quality_of_service_of_an_interface_are_compared() -> None:
-    """Both sides say what it was and is."""
+    """Both sides have the old and the new value."""
     one = interface(Role.PUBLISHES, "a", TYPES[0], Qos("reliable"))
     other = interface(Role.PUBLISHES, "a", TYPES[1], Qos("best_effort", depth=3))
     retyped, requalified = compare(code(one), code(other)).changes
@@ -129,7 +129,7 @@ def test_parameters_come_go_and_get_other_defaults() -> None:
 
 
 def test_a_remapping_renames_an_end_and_moves_its_connection() -> None:
-    """The change stands at the line of the remapping."""
+    """The change has the line of the remapping."""
     laser, amcl = instance("/laser", end(Role.PUBLISHES, "/scan")), instance("/amcl", end(Role.SUBSCRIBES, "/scan"))
     line = Location("a.launch", 9)
     moved = replace(laser.interfaces[0], resolved="/front/scan", remap=Remap("scan", "/front/scan", line))
@@ -144,7 +144,7 @@ def test_a_remapping_renames_an_end_and_moves_its_connection() -> None:
 
 
 def test_instances_and_what_they_are_set_to_are_compared() -> None:
-    """A node came, another has a condition now, and a parameter has another value."""
+    """An added node, a changed condition, and a changed parameter."""
     one = instance("/a")
     speed = LaunchParameter("speed", "1", PLACE)
     before = replace(one, parameters=(InstanceParameter("/a/speed", speed),))
@@ -179,7 +179,7 @@ def test_another_spelling_of_a_value_is_no_change(one: str, other: str) -> None:
 
 @pytest.mark.parametrize(("one", "other"), [("30", "30.0"), ("'30'", "30"), ("true", "'true'"), ("1.0", "1.5")])
 def test_a_value_of_another_type_is_a_change(one: str, other: str) -> None:
-    """A node of ROS 2 refuses an integer for a floating point number."""
+    """A node of ROS 2 rejects an integer for a floating point number."""
     assert told(*(code(parameters=(parameter("a", text),)) for text in (one, other))) == [
         ("parameter", "default", "pkg/n", "a")
     ]
@@ -192,7 +192,7 @@ def test_a_launch_file_that_came_is_one_change() -> None:
 
 
 def test_findings_come_and_go() -> None:
-    """They are the same while code, system, subject and words are."""
+    """A finding is identified by code, system, subject and message."""
     one = Finding("s", "KG401", "/scan", "nobody publishes /scan", PLACE)
     moved = replace(one, location=Location("src/a.cpp", 99))
     assert not compare(Sources(findings=[one]), Sources(findings=[moved]))
@@ -201,7 +201,7 @@ def test_findings_come_and_go() -> None:
 
 @pytest.mark.parametrize("every", [False, True])
 def test_what_frameworks_make_is_compared_where_asked(every: bool) -> None:  # noqa: FBT001 - a parameter of a test
-    """An implicit interface counts with `every` only."""
+    """An implicit interface is compared with `every` only."""
     implicit = replace(interface(Role.PUBLISHES, "/rosout"), implicit=True)
     assert bool(compare(code(), code(implicit), every=every)) is every
 
@@ -240,7 +240,7 @@ SOURCES = st.builds(
 @settings(max_examples=25, deadline=None)
 @given(SOURCES)
 def test_nothing_differs_from_itself(sources: Sources) -> None:
-    """In whatever order its parts are given."""
+    """The order of parts does not matter."""
     turned = Sources(sources.nodes[::-1], sources.systems[::-1], sources.findings[::-1])
     assert not compare(sources, sources)
     assert not compare(sources, turned)
@@ -249,14 +249,14 @@ def test_nothing_differs_from_itself(sources: Sources) -> None:
 @settings(max_examples=40, deadline=None)
 @given(SOURCES, SOURCES)
 def test_the_way_back_is_the_mirror(one: Sources, other: Sources) -> None:
-    """What is new one way is gone the other way."""
+    """Additions in one direction are removals in the other."""
     assert compare(other, one) == compare(one, other).mirrored()
 
 
 @settings(max_examples=25, deadline=None)
 @given(SOURCES, SOURCES)
 def test_every_change_has_the_sides_of_its_kind(one: Sources, other: Sources) -> None:
-    """New things have no side before, gone ones none after, all others both."""
+    """An addition has no side before, a removal none after, all others both."""
     for change in compare(one, other).changes:
         assert _sides(change) == {Kind.NEW: (False, True), Kind.GONE: (True, False)}.get(change.kind, (True, True))
 

@@ -7,7 +7,7 @@ from kg.launch.files.markup import Document, Markup
 
 @dataclass
 class Node:
-    """An element with all that is in it."""
+    """An element with its content."""
 
     tag: str
     attributes: dict[str, str]
@@ -16,24 +16,24 @@ class Node:
 
 
 def markup(*, whole_texts: bool) -> Markup[Node]:
-    """Return a language whose elements keep all that is in them."""
+    """Return a language whose elements store their content."""
     return Markup(Node, lambda parent, text, _: parent.children.append(text), whole_texts=whole_texts, kept=2)
 
 
 def test_elements_know_the_line_of_their_start_tag() -> None:
-    """Also where the tag goes over several lines."""
+    """The line is right even if the tag spans several lines."""
     read = markup(whole_texts=True).read(b'<a>\n<b\n x="1"/></a>')
     assert read == Document(Node("a", {}, 1, ["\n", Node("b", {"x": "1"}, 2)]))
 
 
 def test_texts_come_whole_or_in_the_pieces_of_their_lines() -> None:
-    """Who has to know the lines of text is given pieces."""
+    """A caller that needs the lines of text receives pieces."""
     assert markup(whole_texts=True).read(b"<a>x\ny</a>").root == Node("a", {}, 1, ["x\ny"])
     assert markup(whole_texts=False).read(b"<a>x\ny</a>").root == Node("a", {}, 1, ["x", "\n", "y"])
 
 
 def test_what_stands_before_an_error_is_kept() -> None:
-    """Malformed text, entities and depth end the reading with a message and a line."""
+    """Malformed text, entities and depth end the parsing with a message and a line."""
     read = markup(whole_texts=True).read(b"<a>\n<b/>\n</c>")
     assert read.root is not None
     assert read.root.children[1] == Node("b", {}, 2)
@@ -46,7 +46,7 @@ def test_what_stands_before_an_error_is_kept() -> None:
 
 
 def test_small_files_are_parsed_once() -> None:
-    """Large ones each time, so that the cache does not hold them."""
+    """Large files are parsed each time, to keep them out of the cache."""
     language = markup(whole_texts=True)
     small, large = b"<a/>", b"<a>" + b" " * (2 << 20) + b"</a>"
     assert language.read(small) is language.read(small)

@@ -1,4 +1,4 @@
-"""Systems written down for tests: a TOML file has what is started, the node types there are, and what comes of it."""
+"""Systems for tests: a TOML file has the started nodes, the node types, and the expected result."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def reference(row: Mapping[str, Any]) -> NodeReference:
 
 
 def node_type(row: Mapping[str, Any], ros: int) -> NodeType:
-    """Return the node type that a row describes; interfaces are names, or tables with what differs."""
+    """Return the node type of a row; interfaces are names, or tables of non-default fields."""
     interfaces = [_interface(role, one) for role in Role for one in row.get(role.value, ())]
     return NodeType(
         name=row["name"],
@@ -110,7 +110,7 @@ def _given(name: str, value: object) -> LaunchParameter:
 
 
 def started(row: Mapping[str, Any]) -> StartedNode:
-    """Return the started node that a row describes."""
+    """Return the started node of a row."""
     return StartedNode(
         name=row.get("name"),
         namespace=row.get("namespace", "/"),
@@ -146,7 +146,7 @@ def configuration(
 
 
 def read_case(path: Path) -> tuple[System, dict[str, Any]]:
-    """Return the system of a case, wired, and what its file expects of it."""
+    """Return the wired system of a case, and its expected result."""
     case = tomllib.loads(path.read_text("utf-8"))
     data = [DataFile(HERE, row["package"], row["path"], row["text"]) for row in case.get("data", ())]
     types = NodeTypes([(reference(row), node_type(row, case["ros"])) for row in case.get("type", ())], data=data)
@@ -155,7 +155,7 @@ def read_case(path: Path) -> tuple[System, dict[str, Any]]:
 
 
 def seen(system: System) -> dict[str, Any]:
-    """Return a system as the files of cases write it; what is empty or as usual is left out."""
+    """Return a system in the notation of the cases, without empty fields and defaults."""
     view: dict[str, Any] = {
         instance.name: _without_empty(
             {

@@ -1,4 +1,4 @@
-"""Systems as files: what is started and which node types there are, with the graph that comes of it."""
+"""Systems as files: started nodes and node types, with the resulting graph."""
 
 from __future__ import annotations
 
@@ -12,6 +12,6 @@ CASES = sorted((Path(__file__).parent / "cases").glob("*.toml"))
 
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_a_configuration_gives_the_expected_graph(path: Path) -> None:
-    """Types, names, remappings, parameters and plugins of each instance are those that the case expects."""
+    """Types, names, remappings, parameters and plugins of each instance equal those of the case."""
     system, expected = read_case(path)
     assert seen(system) == expected

@@ -1,4 +1,4 @@
-"""The table of plugins, and what a value of a parameter can load."""
+"""The table of plugins, and the plugins loaded by a parameter value."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def found(name: str, value: str, ros: int = 1, slots: tuple[PluginSlot, ...] = (
 
 
 def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
-    """Each row of the table of the installation has a base class and a source."""
+    """Each row of the shipped table has a base class and a source."""
     assert table()
     assert all(row.base and row.source and row.ros in {1, 2} for row in table().values())
     assert all(row.of and row.name and row.source and row.ros in {1, 2} for row in rows("inner", Inner))
@@ -59,20 +59,20 @@ def test_a_table_that_cannot_be_used_is_named(tmp_path: Path, text: str) -> None
 
 @pytest.mark.parametrize("kind", ["costmap_2d::StaticLayer", "costmap_2d/StaticLayer"])
 def test_a_class_is_known_by_both_of_its_spellings(kind: str) -> None:
-    """Pluginlib knows classes by `pkg/Class` and by their C++ names."""
+    """Pluginlib accepts classes as `pkg/Class` and by their C++ names."""
     assert found("costmap/plugins", f"[{{name: s, type: '{kind}'}}]") == [("s", "/n/costmap/s", True)]
     assert found("layer", f'"{kind}"') == [("StaticLayer", "/n/StaticLayer", True)]
 
 
 def test_other_values_load_nothing() -> None:
-    """Types of messages, frames, numbers, broken YAML and unknown values are no plugins."""
+    """Types of messages, frames, numbers, broken YAML and unknown values are not plugins."""
     for value in ("sensor_msgs/Image", "odom/base", "[1, 2]", "[{a: b}]", "{x: y", "[[]]", "5"):
         assert found("x/type", value) == []
     assert list(loaded_plugins({"plugins": None}, TYPES, "local/here", 1, None)) == []
 
 
 def test_slots_give_what_code_loads_by_default() -> None:
-    """A class that the code gives, and those of the names in a list whose parameters are not set."""
+    """A class given by the code, and those of the names in a list whose parameters are not set."""
     place = Where("x.cpp", 1)
     fixed = PluginSlot("costmap_2d::Layer", place, defaults=(PluginDefault("costmap_2d::StaticLayer"),), fixed=True)
     assert [(one.id, one.found is not None) for one in of_slot(fixed, {})] == [("StaticLayer", True)]
@@ -90,12 +90,12 @@ def test_slots_give_what_code_loads_by_default() -> None:
 
 
 def of_slot(slot: PluginSlot, values: dict[str, str | None]) -> list[Loaded]:
-    """Return what a node with a slot loads in ROS 2."""
+    """Return the plugins loaded by a node with a slot in ROS 2."""
     return list(loaded_plugins(values, TYPES, "local/here", 2, None, (slot,)))
 
 
 def test_a_class_that_the_build_lacks_is_told_where_only_a_plugin_can_stand() -> None:
-    """Lists with names, and parameters of slots."""
+    """Lists with names, and parameters of slots, can only contain plugins."""
     assert found("a/plugins", "[{name: s, type: 'x::Y'}]") == [("s", "/n/s", False)]
     assert found("base_local_planner", "x/Y") == []
     slot = PluginSlot("nav_core::BaseLocalPlanner", Where("x.cpp", 1), parameter="~/base_local_planner")

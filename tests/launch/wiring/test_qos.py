@@ -16,7 +16,7 @@ def overrides(**values: str | None) -> Overrides:
 
 
 def test_policies_take_the_place_of_those_declared() -> None:
-    """Words and the depth as they are, durations from nanoseconds to seconds; the rest stays."""
+    """Words and the depth are used unchanged, durations are converted from nanoseconds; other policies remain."""
     found = overrides(
         reliability="best_effort", depth="5", deadline="1500000000", liveliness_lease_duration="2000000000"
     )
@@ -27,7 +27,7 @@ def test_policies_take_the_place_of_those_declared() -> None:
 
 
 def test_what_an_override_is_not_for_stays() -> None:
-    """Another topic, the other end of the topic, and a topic whose name is not known have what was declared."""
+    """Another topic, the other end of the topic, and a topic with an unknown name keep the declared policies."""
     found = overrides(depth="5")
     for topic, role in (("/other", Role.PUBLISHES), ("/scan", Role.SUBSCRIBES), (None, Role.PUBLISHES)):
         assert found.applied(DECLARED, topic, role) == DECLARED
@@ -39,5 +39,5 @@ def test_what_an_override_is_not_for_stays() -> None:
      ("deadline", "false"), ("reliability", "3"), ("colour", "5"), ("colour", "red")],
 )  # fmt: skip
 def test_what_is_no_value_of_a_policy_changes_nothing(policy: str, value: str | None) -> None:
-    """A value of another type, one that is not known, and a policy that there is not are left out."""
+    """A value of another type, an unknown one, and an unknown policy are ignored."""
     assert overrides(**{policy: value}).applied(DECLARED, "/scan", Role.PUBLISHES) == DECLARED

@@ -1,4 +1,4 @@
-"""Remapping agrees with rules of the client libraries that are written out here, name by name."""
+"""Remapping agrees with the rules of the client libraries, which are written out here name by name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _ODD = st.text(alphabet="ab/~{}: _.-é\n", max_size=12)
 
 
 def absolute(name: str, namespace: str, node: str) -> str:
-    """Expand a name as `rcl_expand_topic_name` and `ros::names::resolve` do."""
+    """Expand a name like `rcl_expand_topic_name` and `ros::names::resolve`."""
     if name.startswith("/"):
         return name
     if name.startswith("~/"):
@@ -27,12 +27,12 @@ def absolute(name: str, namespace: str, node: str) -> str:
 
 
 def remaps(pairs: list[tuple[str, str]]) -> list[Remap]:
-    """Return remappings, each of a line of its own."""
+    """Return remappings, each on a line of its own."""
     return [Remap(source, target, Location("x.launch", line)) for line, (source, target) in enumerate(pairs, 1)]
 
 
 def renamed(name: str, pairs: list[tuple[str, str]], namespace: str, ros: int) -> str:
-    """Return what the rules for a node `n` make of a name of its code."""
+    """Return a name in the code of node `n` after the rules."""
     place = Place(namespace, "n")
     remapping = Remapping(rules_of(remaps(pairs), place, ros), ros)
     return remapping.apply(place.resolve(name), Role.PUBLISHES)[0]
@@ -42,7 +42,7 @@ def renamed(name: str, pairs: list[tuple[str, str]], namespace: str, ros: int) -
 def test_the_first_rule_whose_left_side_is_the_absolute_name_counts(
     name: str, pairs: list[tuple[str, str]], namespace: str, ros: int
 ) -> None:
-    """Both sides of rules are resolved for the node; what a rule gives is final."""
+    """Both sides of rules are resolved for the node; the result of a rule is final."""
     wanted = absolute(name, namespace, "n")
     fitting = [target for source, target in pairs if absolute(source, namespace, "n") == wanted]
     expected = absolute(fitting[0], namespace, "n") if fitting else wanted
@@ -70,7 +70,7 @@ def test_a_rule_for_a_handle_moves_the_names_below_it_alone(name: str, handle: s
 def test_rules_of_ros2_can_be_for_some_names_and_nodes_alone(
     name: str, pairs: list[tuple[str, str]], namespace: str, front: str
 ) -> None:
-    """A rule for services or for another node leaves topics as they are; one for topics or this node does not."""
+    """A rule for services or another node does not affect topics; one for topics or this node does."""
     limited = [(front + source, target) for source, target in pairs]
     counts = front in {"rostopic://", "n:", "n:rostopic://"}
     plain = renamed(name, pairs if counts else [], namespace, 2)
@@ -81,7 +81,7 @@ def test_rules_of_ros2_can_be_for_some_names_and_nodes_alone(
 def test_odd_names_are_no_reason_to_fail(
     name: str, pairs: list[tuple[str, str]], namespace: str, ros: int, role: Role
 ) -> None:
-    """Whatever stands in a launch file, a name comes out, and it is absolute."""
+    """Any text in a launch file gives an absolute name."""
     place = Place(namespace, "n")
     remapping = Remapping(rules_of(remaps(pairs), place, ros), ros)
     assert remapping.apply(place.resolve(name), role)[0].startswith("/")
@@ -89,7 +89,7 @@ def test_odd_names_are_no_reason_to_fail(
 
 @given(_NAME, _NAMESPACE)
 def test_a_rule_that_changed_a_name_is_marked_as_used(name: str, namespace: str) -> None:
-    """Only the rule that counts is used."""
+    """Only the applied rule is marked."""
     place = Place(namespace, "n")
     rules = remaps([("never/fits/this", "x"), (name, "target"), (name, "other")])
     remapping = Remapping(rules_of(rules, place, 1), 1)

@@ -1,4 +1,4 @@
-"""Which names are taken for the same one, and which never are."""
+"""Similar names that are probably the same one, and distinct names."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ NO_MORE = [("/scan_1", "/scan"), ("/camera/image_raw", "/camera/image_rect"), ("
 
 @pytest.mark.parametrize(("one", "other"), MORE)
 def test_names_with_more_to_them_are_related(one: str, other: str) -> None:
-    """A word or two in one segment, or a namespace, are too many, or the words stand in another order."""
+    """One or two additional words in a segment, an additional namespace, or another order of words."""
     assert related(one, other)
     assert Related([one]).find(other) == [one]
     assert Related([other]).find(one) == [other]
@@ -62,14 +62,14 @@ def test_names_with_more_to_them_are_related(one: str, other: str) -> None:
 
 @pytest.mark.parametrize(("one", "other"), NO_MORE)
 def test_numbers_and_other_words_relate_nothing(one: str, other: str) -> None:
-    """What is counted, replaced or equal has not more to it."""
+    """Numbered, replaced and equal names are not extensions."""
     assert not related(one, other)
     assert Related([one]).find(other) == []
 
 
 @pytest.mark.parametrize(("one", "other"), SAME)
 def test_slips_namespaces_plurals_case_and_separators_are_seen_through(one: str, other: str) -> None:
-    """These pairs are likely one name, whichever of them is asked for."""
+    """These pairs are probably one name, in either direction."""
     assert alike(one, other)
     assert Alike([one]).find(other) == [one]
     assert Alike([other]).find(one) == [other]
@@ -77,7 +77,7 @@ def test_slips_namespaces_plurals_case_and_separators_are_seen_through(one: str,
 
 @pytest.mark.parametrize(("one", "other"), OTHERS)
 def test_what_differs_on_purpose_is_told_apart(one: str, other: str) -> None:
-    """Numbers, short words, other first letters and further words make another name."""
+    """Numbers, short words, other first letters and additional words make another name."""
     assert not alike(one, other)
     assert Alike([one]).find(other) == []
 
@@ -91,7 +91,7 @@ def test_likeness_is_mutual_and_never_of_a_name_with_itself(one: str, other: str
 
 @given(st.lists(_NAME, max_size=12), _NAME)
 def test_the_index_finds_exactly_what_comparing_all_would(names: list[str], asked: str) -> None:
-    """Keys leave out no candidate."""
+    """The index keys miss no candidate."""
     assert Alike(names).find(asked) == sorted({name for name in names if alike(name, asked)})
 
 
@@ -103,14 +103,14 @@ def test_the_index_of_related_names_finds_what_comparing_all_would(names: list[s
 
 @given(st.text(max_size=20), st.text(max_size=20))
 def test_odd_names_can_be_compared(one: str, other: str) -> None:
-    """No text is a reason to fail."""
+    """Any text can be compared."""
     assert alike(one, other) == alike(other, one)
     assert other not in Alike([one, other]).find(other)
 
 
 @pytest.mark.parametrize(("one", "other"), [("/cmd_vell", "/cmd_vel"), ("/cmd_vle", "/cmd_vel"), ("/a/odo", "/a/odom")])
 def test_short_words_are_alike_where_one_of_them_is_wrong(one: str, other: str) -> None:
-    """A letter too many, too few, or swapped; by themselves such names are both meant."""
+    """A letter added, missing, or swapped; without other evidence such names are both intended."""
     assert alike_when_short(one, other)
     assert not alike(one, other)
 

@@ -1,4 +1,4 @@
-"""What simulated robots make: names of plugins in their descriptions, and the table that tells them."""
+"""Ends of simulated robots: plugins named in their descriptions, and the table of plugins."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ LINE = Location("demo/urdf/rover.xacro", 5)
 
 
 def plugin(library: str, *values: tuple[str, str], parameter: str = "/robot_description") -> LaunchPlugin:
-    """Return a plugin in line 5, whose elements stand in the lines below."""
+    """Return a plugin in line 5, whose elements are in the next lines."""
     made = tuple(PluginValue(name, text, Location(LINE.path, 6 + n)) for n, (name, text) in enumerate(values))
     return LaunchPlugin(f"lib{library}.so", parameter, LINE, (), "device", made)
 
 
 def system(ros: int, nodes: Sequence[Mapping[str, Any]], *plugins: LaunchPlugin) -> System:
-    """Return the system of nodes that are started with these plugins in their descriptions."""
+    """Return the system of nodes started with these plugins in their descriptions."""
     made = configuration([started(row) for row in nodes], ros)
     return wire(replace(made, plugins=plugins), NodeTypes([]))
 
 
 def ends(found: System, name: str) -> list[InstanceInterface]:
-    """Return what plugins make in an instance."""
+    """Return the plugin ends of an instance."""
     (instance,) = [one for one in found.instances if one.name == name]
     return [end for end in instance.interfaces if end.declared.location.path == LINE.path]
 
 
 def names(found: System, name: str, role: Role = Role.PUBLISHES) -> list[str | None]:
-    """Return the names of what plugins publish in an instance."""
+    """Return the names published by plugins of an instance."""
     return [end.resolved for end in ends(found, name) if end.declared.role is role]
 
 
@@ -63,7 +63,7 @@ def test_the_simulator_has_what_plugins_make() -> None:
 
 
 def test_a_namespace_is_that_of_the_robot_else_of_what_spawns_it() -> None:
-    """`robotNamespace` counts before `-robot_namespace` and the namespace of `spawn_model`."""
+    """`robotNamespace` takes precedence over `-robot_namespace` and the namespace of `spawn_model`."""
     own = plugin("gazebo_ros_p3d", ("robotNamespace", "one"), ("topicName", "odom"))
     other = plugin("gazebo_ros_p3d", ("topicName", "odom"), parameter="/two/robot_description")
     both = [SERVER, SPAWN, {**SPAWN, "namespace": "/two"}]
@@ -75,7 +75,7 @@ def test_a_namespace_is_that_of_the_robot_else_of_what_spawns_it() -> None:
 
 
 def test_an_empty_namespace_is_the_name_of_the_model_where_the_plugin_says_so() -> None:
-    """Cameras do that, and positions do not."""
+    """Camera plugins do that, and position plugins do not."""
     camera = plugin("gazebo_ros_camera", ("robotNamespace", ""), ("cameraName", "eye"))
     position = plugin("gazebo_ros_p3d", ("robotNamespace", ""), ("topicName", "odom"))
     found = names(system(1, [SERVER, SPAWN], camera, position), "/gazebo")
@@ -83,7 +83,7 @@ def test_an_empty_namespace_is_the_name_of_the_model_where_the_plugin_says_so() 
 
 
 def test_remappings_of_the_simulator_change_namespaces_of_cameras() -> None:
-    """A node handle's namespace is remapped, as `ros::NodeHandle` does it."""
+    """A node handle's namespace is remapped as by `ros::NodeHandle`."""
     stereo = plugin(
         "gazebo_ros_multicamera", ("cameraName", "camera"), ("../camera@name", "left"), ("../camera@name", "the_right")
     )
@@ -94,7 +94,7 @@ def test_remappings_of_the_simulator_change_namespaces_of_cameras() -> None:
 
 
 def test_without_a_simulator_the_spawner_has_them() -> None:
-    """A description that nothing hands over makes nothing; one that is goes to what does that."""
+    """A description that is not spawned has no ends; otherwise they belong to its spawner."""
     laser = plugin("gazebo_ros_laser", ("topicName", "{}/scan"))
     (end,) = ends(system(1, [SPAWN], laser), "/spawn")
     assert (end.resolved, end.resolution) == ("/{}/scan", Resolution.PARTIAL)
@@ -102,14 +102,14 @@ def test_without_a_simulator_the_spawner_has_them() -> None:
 
 
 def test_what_has_a_condition_says_so() -> None:
-    """The words of the description are the reason of the end."""
+    """The text in the description is the reason of the end."""
     laser = replace(plugin("gazebo_ros_laser", ("topicName", "scan")), condition="$(arg laser)")
     (end,) = ends(system(1, [SERVER, SPAWN], laser), "/gazebo")
     assert end.reason == "the plugin is there only if $(arg laser)"
 
 
 def test_plugins_of_ros_2_are_nodes_with_rules_of_their_own() -> None:
-    """Private names are below the plugin's name, remappings are those of its element."""
+    """Private names are below the plugin's name, and remappings are those of its element."""
     lidar = plugin(
         "gazebo_ros_ray_sensor",
         ("ros/namespace", "/robot"),
@@ -134,7 +134,7 @@ def test_a_topic_of_a_description_is_that_of_the_publisher_in_its_namespace() ->
 
 
 def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
-    """Every row has a source and ends that can be read."""
+    """Every row has a source and ends that can be parsed."""
     devices, simulators, spawners = load()
     assert all(row.source and row.ros in {1, 2} for row in devices)
     assert all(row.source and row.ros in {1, 2} for row in simulators)
@@ -149,7 +149,7 @@ def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
 
 @pytest.mark.parametrize("text", ["publishes", "hears std_msgs/Bool x", "publishes std_msgs/Bool x when y"])
 def test_a_text_that_says_no_end_is_refused(text: str) -> None:
-    """A table with a slip is noticed."""
+    """An error in the table is detected."""
     with pytest.raises(ValueError):  # noqa: PT011 - of a role that does not exist it is the enumeration's
         read_end(text)
 
@@ -159,5 +159,5 @@ def test_a_text_that_says_no_end_is_refused(text: str) -> None:
     [("{a}/x", "1/x"), ("{b=2}", "2"), ("{b={a}}", "1"), ("{b}", None), ("x", "x"), ("{e}{a}", "1")],
 )
 def test_names_are_filled_with_elements(pattern: str, name: str | None) -> None:
-    """Defaults count where an element is missing; without either there is no name."""
+    """A missing element has its default; without one there is no name."""
     assert filled(pattern, {"a": "1", "e": ""}) == name

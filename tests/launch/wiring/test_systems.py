@@ -1,4 +1,4 @@
-"""What holds of every system, whatever is written in a launch file."""
+"""Invariants of every system, for any launch file."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _NODE = st.fixed_dictionaries(
 def test_names_are_absolute_and_what_is_not_known_says_why(
     types: list[dict[str, Any]], nodes: list[dict[str, Any]], parameters: dict[str, object], ros: int
 ) -> None:
-    """Nothing written fails; each instance stands for its node, in order; a second time gives the same."""
+    """Any content is accepted; each instance has its node, in order; a second evaluation gives the same."""
     known = NodeTypes([(reference(row), node_type(row, ros)) for row in types])
     given_nodes = [started(row) for row in nodes]
     written = configuration(given_nodes, ros, parameters)

@@ -1,4 +1,4 @@
-"""Command line tools in launch files: the types that their arguments give, and the table of what arguments mean."""
+"""Command line tools in launch files: the types given by their arguments, and the table of arguments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def ends(row: Mapping[str, Any], ros: int) -> tuple[InstanceInterface, ...]:
-    """Return what the only node of a configuration has."""
+    """Return the ends of the only node of a configuration."""
     return wire(configuration([started({"name": "one", **row})], ros), NodeTypes([])).instances[0].interfaces
 
 
@@ -35,7 +35,7 @@ def test_a_type_on_the_command_line_is_that_of_the_topic() -> None:
 
 
 def test_a_type_that_the_command_line_does_not_give_is_not_known() -> None:
-    """The two ends of a relay have the type of what comes."""
+    """The two ends of a relay have the type of the incoming message."""
     row = {"package": "topic_tools", "executable": "relay", "arguments": ["/a /b"]}
     assert {end.declared.type for end in ends(row, 1)} == {None}
 
@@ -48,7 +48,7 @@ def test_a_command_of_the_other_version_is_not_read(ros: int) -> None:
 
 
 def test_each_row_names_roles_and_its_own_operands() -> None:
-    """A misspelt operand would leave its end out without a word."""
+    """A misspelt operand would silently drop its end."""
     for row in load_rows(folder("ontology") / "tools.toml", "tool", Tool):
         for text in row.ends:
             role, kind, name = text.split(" ", 2)

@@ -9,7 +9,7 @@ from kg.launch.wiring.types import NodeTypes
 
 
 def test_packages_without_node_types_are_there() -> None:
-    """One of the build that declares no node, or only installs programs, is not taken for another's misspelling."""
+    """A package of the build without nodes, or with only programs, is not taken for a misspelling of another."""
     types = NodeTypes((), packages=["rover_maps"], programs={"rover_tools": ["calibrate"]})
     assert [types.like(name) for name in ("rover_maps", "rover_tools")] == [(), ()]
     assert [types.like(name) for name in ("rover_map", "rovr_tools")] == [("rover_maps",), ("rover_tools",)]
@@ -35,7 +35,7 @@ def test_each_way_to_start_a_node_leads_to_its_type() -> None:
 
 
 def test_a_registered_class_without_a_node_is_not_missing() -> None:
-    """It is there, and what it does is not known."""
+    """It exists, and its behaviour is unknown."""
     types = NodeTypes((), programs={"filters": ["filters/Median"]})
     loaded = replace(started({"package": "nodelet", "kind": "nodelet"}), plugin="filters/Median")
     found, missing, reason = types.of(loaded, "local/here")

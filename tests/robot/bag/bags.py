@@ -1,4 +1,4 @@
-"""Bags that tests write with `rosbags`: of ROS 1 (`.bag`) and of ROS 2 (`.mcap`, `.db3`)."""
+"""Bags that tests write with `rosbags`: ROS 1 (`.bag`) and ROS 2 (`.mcap`, `.db3`)."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 __all__ = ["BEGUN", "FORMS", "Sent", "odometry", "write"]
 
 BEGUN = 1_700_000_000
-"""Seconds since 1970 at which the recordings begin."""
+"""Start of the recordings, in seconds since 1970."""
 FORMS = ("bag", "mcap", "db3")
 
 
 @dataclass(frozen=True)
 class Sent:
-    """A message to be recorded: at so many seconds, by whom."""
+    """A message to record: its time in seconds and its sender."""
 
     topic: str
     type: str
@@ -36,7 +36,7 @@ class Sent:
 
 
 def odometry(number: int, every: float = 0.01) -> list[Sent]:
-    """Return messages of /odom, each a metre farther."""
+    """Return messages of /odom, one metre apart."""
     return [
         Sent("/odom", "nav_msgs/Odometry", one * every, {"pose": {"pose": {"position": {"x": float(one)}}}})
         for one in range(number)

@@ -24,7 +24,7 @@ every_form = pytest.mark.parametrize("form", FORMS)
 
 @asynccontextmanager
 async def played(address: str) -> AsyncIterator[Connection]:
-    """Give the recording at an address."""
+    """Yield a connection to the recording at an address."""
     connection = await connect(address, name="/one")
     try:
         yield connection
@@ -42,7 +42,7 @@ def _xs(came: list[Received]) -> list[float]:
 
 @every_form
 def test_it_says_who_and_where_it_is(tmp_path: Path, form: str) -> None:
-    """A recording tells our node's name, its address, the version of ROS, and the time of its first message."""
+    """A recording has the name of our node, its address, its version of ROS, and the time of its first message."""
 
     async def scene() -> None:
         address = write(tmp_path, form, odometry(2))
@@ -55,7 +55,7 @@ def test_it_says_who_and_where_it_is(tmp_path: Path, form: str) -> None:
 
 @every_form
 def test_messages_come_in_order_and_in_their_time(tmp_path: Path, form: str) -> None:
-    """All messages come, each not before its time, with the time that it was recorded at; then the topic ends."""
+    """All messages arrive with their recorded times, and never early; then the topic ends."""
 
     async def scene() -> None:
         async with played(write(tmp_path, form, odometry(5, every=0.05))) as one:
@@ -87,7 +87,7 @@ def test_bytes_and_nested_lists_are_read(tmp_path: Path, form: str) -> None:
 
 @every_form
 def test_types_are_those_of_the_recording(tmp_path: Path, form: str) -> None:
-    """A type that does not come with kg is read by the definition in the file."""
+    """A type unknown to kg is decoded by the definition in the file."""
     types = Types(1 if form == "bag" else 2)
     types.define(
         "kg_test/Odd", "float32 oddity\nkg_test/Part[] parts\n" + "=" * 80 + "\nMSG: kg_test/Part\nint8 number"
@@ -104,7 +104,7 @@ def test_types_are_those_of_the_recording(tmp_path: Path, form: str) -> None:
 
 @every_form
 def test_the_oldest_are_dropped_and_counted(tmp_path: Path, form: str) -> None:
-    """When more messages wait than the queue holds the oldest are dropped, and counted."""
+    """When the queue is full, the oldest messages are dropped and counted."""
 
     async def scene() -> None:
         async with played(write(tmp_path, form, odometry(8))) as one:
@@ -118,7 +118,7 @@ def test_the_oldest_are_dropped_and_counted(tmp_path: Path, form: str) -> None:
 
 @every_form
 def test_two_topics_are_played_side_by_side(tmp_path: Path, form: str) -> None:
-    """Each subscription has its own place in the file."""
+    """Each subscription has its own position in the file."""
     others = [Sent("/text", "std_msgs/String", 0.005 + one / 100, {"data": str(one)}) for one in range(5)]
 
     async def scene() -> None:
@@ -133,7 +133,7 @@ def test_two_topics_are_played_side_by_side(tmp_path: Path, form: str) -> None:
 
 @every_form
 def test_a_latched_message_is_kept(tmp_path: Path, form: str) -> None:
-    """Who begins later still gets the last latched message from before; of other topics nothing from before."""
+    """A late subscriber receives the last latched message; earlier messages of other topics are lost."""
     maps = [Sent("/map", "std_msgs/String", at, {"data": str(at)}, latched=True) for at in (0.0, 0.01, 0.09)]
 
     async def scene() -> None:
@@ -148,7 +148,7 @@ def test_a_latched_message_is_kept(tmp_path: Path, form: str) -> None:
 
 
 def test_a_faster_recording_takes_less_time(tmp_path: Path) -> None:
-    """A minute at the speed 600 takes a tenth of a second, in which a minute of the clock passes."""
+    """A minute at the speed 600 takes a tenth of a second, while the clock advances by a minute."""
 
     async def scene() -> None:
         async with played(write(tmp_path, "bag", odometry(2, every=60.0)) + "?speed=600") as one:
@@ -161,7 +161,7 @@ def test_a_faster_recording_takes_less_time(tmp_path: Path) -> None:
 
 
 def test_it_waits_for_the_first_reader(tmp_path: Path) -> None:
-    """The time stands still before the first subscription, so that nothing is missed while somebody gets ready."""
+    """Time starts with the first subscription, so no message is missed during preparation."""
 
     async def scene() -> None:
         async with played(write(tmp_path, "mcap", odometry(3))) as one:
@@ -174,7 +174,7 @@ def test_it_waits_for_the_first_reader(tmp_path: Path) -> None:
 
 @every_form
 def test_a_type_that_differs_is_refused(tmp_path: Path, form: str) -> None:
-    """Another type than the recorded one is KG806; a topic that was not recorded has none (KG804)."""
+    """A type other than the recorded one is KG806; an unrecorded topic has no type (KG804)."""
 
     async def scene() -> None:
         async with played(write(tmp_path, form, odometry(1))) as one:
@@ -187,7 +187,7 @@ def test_a_type_that_differs_is_refused(tmp_path: Path, form: str) -> None:
 
 
 def test_a_closed_subscription_ends(tmp_path: Path) -> None:
-    """The iteration over a subscription ends when it is closed, also before the recording is over."""
+    """The iteration over a subscription ends when it is closed, even before the end of the recording."""
 
     async def scene() -> None:
         async with played(write(tmp_path, "mcap", odometry(2, every=3600.0))) as one:
@@ -201,7 +201,7 @@ def test_a_closed_subscription_ends(tmp_path: Path) -> None:
 
 
 def test_closing_ends_what_is_read(tmp_path: Path) -> None:
-    """After closing, what was subscribed ends, the graph is KG802, a subscription KG803; closing again is nothing."""
+    """After closing, subscriptions end, the graph is KG802, a subscription KG803; closing again has no effect."""
 
     async def scene() -> None:
         one = await connect(write(tmp_path, "bag", odometry(2, every=3600.0)), name="/one")
@@ -218,7 +218,7 @@ def test_closing_ends_what_is_read(tmp_path: Path) -> None:
 
 
 def test_a_bag_of_ros1_tells_who_published(tmp_path: Path) -> None:
-    """Nodes and their topics are those of the file; since nothing else is known of them, they are incomplete."""
+    """Nodes and their topics are those of the file; with nothing else known, the nodes are incomplete."""
     messages = [*odometry(4), Sent("/odom", "nav_msgs/Odometry", 0.02, node="/other")]
 
     async def scene() -> None:
@@ -237,7 +237,7 @@ def test_a_bag_of_ros1_tells_who_published(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("form", ["mcap", "db3"])
 def test_a_bag_of_ros2_tells_the_nodes_that_name_themselves(tmp_path: Path, form: str) -> None:
-    """Names come from /parameter_events, and from loggers of nodes; a logger below a node has a dot, and is none."""
+    """Names come from /parameter_events, and from loggers of nodes; child loggers, with a dot, are not nodes."""
     messages = [
         *odometry(2),
         Sent("/parameter_events", "rcl_interfaces/ParameterEvent", 0, {"node": "/robot/planner"}),
@@ -257,7 +257,7 @@ def test_a_bag_of_ros2_tells_the_nodes_that_name_themselves(tmp_path: Path, form
 
 
 def test_the_graph_is_told_once(tmp_path: Path) -> None:
-    """A recording does not change: its graph is told, and nothing more until it is closed."""
+    """A recording is constant: its graph is sent once, and nothing more until it is closed."""
 
     async def scene() -> None:
         one = await connect(write(tmp_path, "mcap", odometry(1)), name="/one")
@@ -274,7 +274,7 @@ async def _graphs(one: Connection) -> int:
 
 
 def test_a_message_that_cannot_be_decoded_is_reported(tmp_path: Path) -> None:
-    """Broken bytes are left out, and are a problem of the graph with their topic; the others come."""
+    """Invalid bytes are skipped and reported as a problem of the graph with their topic; other messages arrive."""
     types = Types(1)
     types.define("kg_test/Pair", "int32 one\nint32 two")
     address = write(tmp_path, "bag", [Sent("/pair", "kg_test/Pair", at / 100, {"one": at}) for at in range(3)], types)
@@ -283,7 +283,7 @@ def test_a_message_that_cannot_be_decoded_is_reported(tmp_path: Path) -> None:
         longer = Types(1)
         async with played(address) as one:
             unlike: Any = one
-            unlike.types = longer  # as if the file had told another definition than it kept to
+            unlike.types = longer  # as if the definition in the file were wrong
             longer.define("kg_test/Pair", "int32 one\nint32 two\nint32 three")
             assert await _all(await one.subscribe("/pair")) == []
             (problem,) = (await one.graph()).problems
@@ -293,7 +293,7 @@ def test_a_message_that_cannot_be_decoded_is_reported(tmp_path: Path) -> None:
 
 
 def test_nothing_can_be_commanded(tmp_path: Path) -> None:
-    """Whatever would send something is KG851."""
+    """Every operation that sends is KG851."""
 
     async def scene() -> None:
         async with played(write(tmp_path, "mcap", odometry(1))) as one:
@@ -318,7 +318,7 @@ def test_nothing_can_be_commanded(tmp_path: Path) -> None:
     [("?speed=0", "the speed is 0"), ("?speed=fast", "`fast` is not a number"), ("?rate=2", "an option `rate`")],
 )
 def test_an_option_that_is_none_is_refused(query: str, told: str) -> None:
-    """What an address says wrongly is KG801, with what is meant."""
+    """Invalid parts of an address are KG801, with a suggestion."""
     with pytest.raises(RobotError) as refused:
         asyncio.run(connect(f"bag://drive.bag{query}"))
     assert refused.value.code == "KG801"
@@ -328,7 +328,7 @@ def test_an_option_that_is_none_is_refused(query: str, told: str) -> None:
 @pytest.mark.parametrize("name", ["drive.bag", "drive.mcap", "drive.db3", "drive.txt", "drive"])
 @pytest.mark.parametrize("content", [None, b"", b"\x89MCAP0\r\nnonsense", b"#ROSBAG V2.0\n" + b"\xff" * 99])
 def test_what_is_no_recording_is_refused(tmp_path: Path, name: str, content: bytes | None) -> None:
-    """A file that is missing, empty, broken or of another kind is KG850, with its name."""
+    """A missing, empty, broken or unsupported file is KG850, with its name."""
     if content is not None:
         (tmp_path / name).write_bytes(content)
     with pytest.raises(RobotError) as refused:
@@ -339,7 +339,7 @@ def test_what_is_no_recording_is_refused(tmp_path: Path, name: str, content: byt
 
 @pytest.mark.parametrize("form", FORMS)
 def test_a_recording_that_was_cut_is_refused_or_read_to_its_end(tmp_path: Path, form: str) -> None:
-    """Half a file is KG850: nothing else comes of it."""
+    """A truncated file is KG850, with no other effect."""
     address = write(tmp_path, form, odometry(200))
     path = tmp_path / ("drive.bag" if form == "bag" else f"drive/drive.{form}")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])

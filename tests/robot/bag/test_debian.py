@@ -1,4 +1,4 @@
-"""Bags of ROS 1 between kg and Debian's `rosbag`, an implementation that is not ours."""
+"""Exchange of ROS 1 bags between kg and Debian's `rosbag`, an independent implementation."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ with rosbag.Bag(sys.argv[1], "w", compression=sys.argv[2]) as bag:
 
 
 def test_debian_reads_what_is_recorded(tmp_path: Path) -> None:
-    """Topics, types, values and times are those that were recorded."""
+    """Debian reads the topics, types, values and times recorded by kg."""
     path = tmp_path / "drive.bag"
 
     async def scene() -> float:
@@ -63,7 +63,7 @@ def test_debian_reads_what_is_recorded(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 def test_a_bag_of_debian_is_played(tmp_path: Path, compression: str) -> None:
-    """A bag of Debian's rosbag, compressed or not, is read in full."""
+    """A bag of Debian's rosbag, compressed or not, is read completely."""
     path = tmp_path / "drive.bag"
     subprocess.run([PYTHON, "-c", WRITE, path, compression], check=True)
 

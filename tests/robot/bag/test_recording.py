@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(params=[1, 2])
 def bus(request: pytest.FixtureRequest) -> Iterator[Bus]:
-    """Give a robot in memory of each version of ROS."""
+    """Yield a robot in memory for each version of ROS."""
     with Bus(uuid4().hex, ros=request.param, clock=WallClock()) as made:
         yield made
 
@@ -46,7 +46,7 @@ async def _read(path: Path, topic: str) -> list[dict[str, Any]]:
 
 
 def test_what_is_recorded_is_read_again(bus: Bus, tmp_path: Path) -> None:
-    """All topics go into one file with their types, from which they come back as they were; the rest is left clean."""
+    """All topics are recorded in one file with their types and read back unchanged; no other files remain."""
 
     async def scene() -> None:
         robot, face = bus.join("/robot"), bus.join("/kg")
@@ -74,7 +74,7 @@ def test_what_is_recorded_is_read_again(bus: Bus, tmp_path: Path) -> None:
 
 
 def test_topics_that_come_later_are_recorded(bus: Bus, tmp_path: Path) -> None:
-    """A topic that is published later is recorded from then on; one that is not wanted is not."""
+    """A topic published later is recorded from then on; an unrequested one is not."""
 
     async def scene() -> None:
         robot, face = bus.join("/robot"), bus.join("/kg")
@@ -97,7 +97,7 @@ def test_topics_that_come_later_are_recorded(bus: Bus, tmp_path: Path) -> None:
 
 
 def test_the_file_is_complete_when_the_robot_is_lost(bus: Bus, tmp_path: Path) -> None:
-    """A robot that is lost ends it with KG803; what had come is in the file."""
+    """Losing the robot ends the recording with KG803; the file has all messages received."""
 
     async def scene() -> None:
         robot, face = bus.join("/robot"), bus.join("/kg")
@@ -117,7 +117,7 @@ def test_the_file_is_complete_when_the_robot_is_lost(bus: Bus, tmp_path: Path) -
 
 
 def test_a_recording_is_recorded(bus: Bus, tmp_path: Path) -> None:
-    """A part of a recording becomes another one, with the times and the publishers of the first; its end is no loss."""
+    """Part of a recording becomes another one, with the original times and publishers; its end is not an error."""
 
     async def scene() -> None:
         robot, face = bus.join("/robot"), bus.join("/kg")
@@ -143,7 +143,7 @@ def test_a_recording_is_recorded(bus: Bus, tmp_path: Path) -> None:
 
 
 def test_without_a_message_there_is_no_file(bus: Bus, tmp_path: Path) -> None:
-    """The file is made with the first message."""
+    """The file is created with the first message."""
 
     async def scene() -> None:
         bus.join("/robot")
@@ -159,12 +159,12 @@ def test_without_a_message_there_is_no_file(bus: Bus, tmp_path: Path) -> None:
 
 
 def test_a_topic_of_an_unknown_type_is_left_out(bus: Bus, tmp_path: Path) -> None:
-    """It is told once with its code, and the others are recorded."""
+    """The topic is reported once with its code, and the others are recorded."""
 
     async def scene() -> None:
         robot, face = bus.join("/robot"), bus.join("/kg")
         odd = await robot.advertise("/odd", "std_msgs/String")
-        odd.kind = bus.topics["/odd"].kind = "kg_test/Odd"  # which nobody defines
+        odd.kind = bus.topics["/odd"].kind = "kg_test/Odd"  # an undefined type
         text = await robot.advertise("/text", "std_msgs/String")
         problems: list[GraphProblem] = []
         recorder = Recorder(face, _path(bus, tmp_path), on_problem=problems.append)
@@ -180,7 +180,7 @@ def test_a_topic_of_an_unknown_type_is_left_out(bus: Bus, tmp_path: Path) -> Non
 
 
 def test_a_file_that_exists_or_is_of_the_other_ros_is_refused(bus: Bus, tmp_path: Path) -> None:
-    """Nothing is overwritten, and no robot is recorded in the form of another version (KG003)."""
+    """No file is overwritten, and the format must match the version of ROS (KG003)."""
 
     async def scene() -> None:
         face = bus.join("/kg")

@@ -1,4 +1,4 @@
-"""A domain of DDS of the tests' own: loopback alone, no multicast, and a number that nobody else has."""
+"""A DDS domain for tests: loopback only, no multicast, and an unused number."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ ISOLATED = (
 )
 _NUMBERS = range(1, 230)
 _FIRST, _PORTS = 7400, 250
-"""The first port of domain 0, and how many each domain has (DDSI-RTPS 2.5, 9.6.2); participants take the lowest."""
+"""The first port of domain 0, and the ports per domain (DDSI-RTPS 2.5, 9.6.2); participants take the lowest."""
 
 
 @contextmanager
 def _own() -> Iterator[int]:
-    """Give a number that no other process of tests has, whoever runs it: each holds the last port of its domain."""
+    """Reserve a domain number among all test processes of the machine: each holds the last port of its domain."""
     for number in random.sample(_NUMBERS, len(_NUMBERS)):
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as held:
             try:
@@ -40,7 +40,7 @@ def _own() -> Iterator[int]:
 
 @contextmanager
 def domain() -> Iterator[int]:
-    """Give the number of a domain that only those see which run within."""
+    """Yield the number of a domain visible only to participants created within."""
     before = os.environ.get("CYCLONEDDS_URI")
     os.environ["CYCLONEDDS_URI"] = ISOLATED
     try:

@@ -1,11 +1,11 @@
-"""A managed node of Jazzy that owes nothing to `kg`: plain Cyclone DDS, with classes of ROS 2 written by hand.
+"""A managed node of Jazzy independent of `kg`: plain Cyclone DDS, with handwritten classes of ROS 2.
 
     python managed.py DOMAIN
 
 The node `/base` is inactive. It subscribes to `/cmd_vel`, publishes `/reading`, whose type only it can describe, and
-`/riddle`, which it does not describe, and has parameters. It says "ready" and runs until its standard input ends, each
-line of which is the number of another state.
-As rclcpp does, it tells no values at all where one of those asked for is not set, and describes a type by its hash.
+`/riddle`, which it does not describe, and has parameters. It prints "ready" and runs until its standard input is
+closed, each line of which is the number of another state.
+Like rclcpp, it returns no values at all if a requested one is not set, and describes a type by its hash.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 from robot.dds.peer import HEADER, TOLD, Gid, Info, NodeInfo, Twist, _made
 
-# the library's generics are none to the type checker
+# the type checker cannot see the library's generics
 array: Any = idl.array
 sequence: Any = idl.sequence
 float64, int64, uint8, uint64 = idl.float64, idl.int64, idl.uint8, idl.uint64
@@ -144,13 +144,13 @@ def described(name: str, kind: int, words: str = "", **more: Any) -> Any:
 
 
 def individual(name: str, /, **fields: tuple[int, int, str]) -> Any:
-    """Return the description of a message: its fields with the number of their type, how many, and which message."""
+    """Return the description of a message: its fields with type number, length, and message name."""
     every = [Field(field, FieldType(kind, many, 0, nested), "") for field, (kind, many, nested) in fields.items()]
     return Individual(name, every)
 
 
 class Managed:
-    """The node, by hand."""
+    """The node, written by hand."""
 
     def __init__(self, domain: int) -> None:
         self.participant = DomainParticipant(domain)
@@ -199,7 +199,7 @@ class Managed:
         return made
 
     def step(self) -> None:
-        """Publish, and answer what has come."""
+        """Publish, and answer pending requests."""
         self.reading.write(Reading([Spot(0.5, "here")], [1, 2, 3], True))
         for name, (requests, responses, response) in self.served.items():
             for request in requests.take(10):
@@ -208,7 +208,7 @@ class Managed:
                 responses.write(response(request.guid, request.seq, *getattr(self, f"_{name}")(request)))
 
     def become(self, state: int) -> None:
-        """Be in another state, and tell it."""
+        """Enter another state, and publish it."""
         before, self.state = self.state, state
         self.event.write(Event(0, Transition(0, ""), State(before, LABELS[before]), State(state, LABELS[state])))
 
@@ -247,7 +247,7 @@ class Managed:
 
 
 def main() -> None:
-    """Run until the standard input ends; a line is the number of the next state."""
+    """Run until the standard input is closed; a line is the number of the next state."""
     node = Managed(int(sys.argv[1]))
     sys.stdout.write("ready\n")
     sys.stdout.flush()

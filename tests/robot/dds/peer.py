@@ -1,11 +1,11 @@
-"""A peer that owes nothing to `kg`: plain Cyclone DDS, with classes and names of ROS 2 written by hand.
+"""A peer independent of `kg`: plain Cyclone DDS, with handwritten classes and names of ROS 2.
 
     python peer.py DOMAIN
 
-It holds the nodes `/robot/base` and `/tester`. `/robot/base` publishes `/chatter` (reliable) and `/scan` (best effort,
-to which `/tester` subscribes reliably), answers what comes on `/cmd_vel` with the same on `/echo`, serves
-`/add_two_ints` and carries out `/count`; `/tester` calls `/double` of whoever serves it and tells the sum on `/told`.
-It says "ready", runs until its standard input ends, and needs ROS 2's names only: `rt/`, `rq/`, `rr/`, `dds_`.
+It has the nodes `/robot/base` and `/tester`. `/robot/base` publishes `/chatter` (reliable) and `/scan` (best effort, to
+which `/tester` subscribes reliably), repeats messages of `/cmd_vel` on `/echo`, serves `/add_two_ints` and executes
+`/count`; `/tester` calls any server of `/double` and publishes the sum on `/told`. It prints "ready", runs until its
+standard input is closed, and needs ROS 2's names only: `rt/`, `rq/`, `rr/`, `dds_`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-# the library's generics are none to the type checker
+# the type checker cannot see the library's generics
 array: Any = idl.array
 sequence: Any = idl.sequence
 float64, int8, int32, int64 = idl.float64, idl.int8, idl.int32, idl.int64
@@ -73,7 +73,7 @@ TOLD = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.Durability.T
 
 
 class Peer:
-    """Two nodes, by hand."""
+    """Two nodes, written by hand."""
 
     def __init__(self, domain: int) -> None:
         self.participant = DomainParticipant(domain)
@@ -110,7 +110,7 @@ class Peer:
         return made
 
     def tell(self, namespace: str, name: str) -> None:
-        """Tell the two nodes, the first by this name."""
+        """Announce the two nodes, the first by this name."""
         nodes = [
             NodeInfo(where, called, *([Gid(list(one)) for one in side] for side in ends))
             for where, called, ends in ((namespace, name, self.base), ("/", "tester", self.tester))
@@ -118,7 +118,7 @@ class Peer:
         self.info.write(Info(Gid(list(self.participant.guid.bytes)), nodes))
 
     def step(self) -> None:
-        """Publish, and answer what has come."""
+        """Publish, and answer pending requests."""
         self.chatter.write(String("hello"))
         self.scan.write(Vector3(1.0, 2.0, 3.0))
         self.unheard.write(UnheardWhole([Unheard(0.5, "half")], [1, 2, 3], True))
@@ -140,7 +140,7 @@ class Peer:
 
 
 def main() -> None:
-    """Run until the standard input ends; a line `NAMESPACE NAME` gives the first node another name."""
+    """Run until the standard input is closed; a line `NAMESPACE NAME` renames the first node."""
     peer = Peer(int(sys.argv[1]))
     sys.stdout.write("ready\n")
     sys.stdout.flush()

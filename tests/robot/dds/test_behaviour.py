@@ -1,4 +1,4 @@
-"""A connection over DDS does what any connection does."""
+"""A connection over DDS passes the suite of every connection."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class TestDds(Behaviour):
 
     @pytest.fixture
     def system(self) -> Iterator[System]:
-        """Give a domain of our own."""
+        """Yield a domain of our own."""
         with domain() as number:
             address = f"dds://{number}?settle=1"
             yield System(2, lambda name: connect(address, name=name, types=types_for_tests(2)), seconds=5)
 
     def test_a_service_answers(self, system: System) -> None:
-        """A call returns the response; a failure is silence, which ROS 2 has no message for; KG807 for nobody."""
+        """A call returns the response; a failure is a timeout, because ROS 2 has no message for it; KG807 unserved."""
 
         async def scene() -> None:
             async with system.pair() as (one, two):

@@ -1,4 +1,4 @@
-"""Readers and writers of DDS, beneath what a connection shows."""
+"""Readers and writers of DDS, below the connection."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def test_a_peer_that_comes_while_peers_are_counted() -> None:
-    """Peers are counted anew when the library's list was too short for one that came meanwhile."""
+    """Peers are counted again if one joined during the count and the library's list was too short."""
 
     async def scene() -> None:
         answers: Iterator[IndexError | list[int]] = iter([IndexError("invalid index"), [1, 2]])
@@ -44,7 +44,7 @@ def test_a_peer_that_comes_while_peers_are_counted() -> None:
 
 
 def test_who_waits_for_a_peer_learns_that_the_connection_is_closed() -> None:
-    """Waiting for somebody at the other side of a service or topic ends with KG803 when the connection is closed."""
+    """Waiting for a peer of a service or topic ends with KG803 when the connection is closed."""
 
     async def scene() -> list[str]:
         with domain() as number:

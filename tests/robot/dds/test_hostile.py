@@ -1,4 +1,4 @@
-"""Participants that tell nonsense are reported; nothing breaks."""
+"""Participants with invalid data are reported, and break nothing."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class _Stranger:
-    """A participant that tells and writes whatever it likes."""
+    """A participant that announces and writes arbitrary data."""
 
     def __init__(self, number: int) -> None:
         self.participant = DomainParticipant(number)
@@ -41,7 +41,7 @@ class _Stranger:
         return DataWriter(self.participant, Topic(self.participant, topic, kind), qos=qos)
 
     def tell(self, *nodes: tuple[str, str, list[bytes]], gid: bytes = b"") -> None:
-        """Tell of nodes, and of which writers are theirs."""
+        """Announce nodes, and their writers."""
         told = [NodeInfo(where, name, [], [Gid(list(one)) for one in gids]) for where, name, gids in nodes]
         self._info.write(Info(Gid(list(gid or self.gid)), told))
 
@@ -68,7 +68,7 @@ async def _seen(connection: Connection, true: Callable[[ComputationGraph], bool]
 
 
 def test_topics_whose_names_are_none() -> None:
-    """A topic whose name ROS 2 does not have is reported; one that is no topic of ROS 2 is left out in silence."""
+    """A topic with an invalid ROS 2 name is reported; one outside ROS 2 is silently ignored."""
 
     async def scene() -> None:
         async with _beside() as (connection, stranger):
@@ -82,7 +82,7 @@ def test_topics_whose_names_are_none() -> None:
 
 
 def test_nodes_that_are_none() -> None:
-    """Names that are none, nodes told twice, ends of others and participants that are not there break nothing."""
+    """Invalid names, duplicate nodes, foreign ends and absent participants break nothing."""
 
     async def scene() -> None:
         async with _beside() as (connection, stranger):
@@ -99,7 +99,7 @@ def test_nodes_that_are_none() -> None:
 
 
 def test_a_message_that_does_not_decode() -> None:
-    """A text that is no UTF-8 is reported (KG816), and what comes next is read."""
+    """A text that is not UTF-8 is reported (KG816), and the next message is read."""
 
     async def scene() -> None:
         async with _beside() as (connection, stranger):
@@ -118,7 +118,7 @@ def test_a_message_that_does_not_decode() -> None:
 
 
 def test_types_that_differ() -> None:
-    """A topic that has another type is KG806, and so are ends of a topic whose types differ."""
+    """A topic with another type is KG806, and so are ends of a topic with different types."""
 
     async def scene() -> None:
         async with _beside() as (connection, stranger):
@@ -143,7 +143,7 @@ def test_an_address_that_is_none(address: str) -> None:
 
 
 def test_a_domain_that_cannot_be_joined(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where Cyclone DDS finds no network it is KG817."""
+    """If Cyclone DDS finds no network it is KG817."""
     interfaces = "<Interfaces><NetworkInterface name='none'/></Interfaces>"
     settings = f"<CycloneDDS><Domain><General>{interfaces}</General></Domain></CycloneDDS>"
     monkeypatch.setenv("CYCLONEDDS_URI", settings)

@@ -1,4 +1,4 @@
-"""Systems of Humble, whose identifiers have 24 bytes, and of later distributions, where they have 16."""
+"""Systems of Humble, with identifiers of 24 bytes, and of later distributions, with 16 bytes."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ NODES = st.lists(st.tuples(NAMES, st.lists(IDENTITIES, max_size=4), st.lists(IDE
 
 
 def text(value: str) -> bytes:
-    """Return a string as CDR has it, with what aligns the next number."""
+    """Return a string in CDR, padded for the next number."""
     raw = value.encode() + b"\0"
     return struct.pack("<I", len(raw)) + raw + b"\0" * (-len(raw) % 4)
 
 
 def wire(length: int, gid: bytes, *nodes: tuple[str, str, list[bytes], list[bytes]]) -> bytes:
-    """Return what a participant writes, by hand: XCDR1, little endian."""
+    """Return the handwritten bytes of a participant: XCDR1, little endian."""
     told = b"\0\1\0\0" + gid.ljust(length, b"\0") + struct.pack("<I", len(nodes))
     for namespace, name, *sides in nodes:
         told += text(namespace) + text(name)
@@ -63,7 +63,7 @@ ROBOT = [
     [(LONG, [DAEMON], 152), (LONG, ROBOT, 2708), (SHORT, [DAEMON], 128), (SHORT, ROBOT, 1852)],
 )
 def test_bytes_of_both_distributions_are_read(length: int, nodes: list[Any], size: int) -> None:
-    """The samples of a process with one node and of one with four, of the sizes that Humble writes."""
+    """Samples of a process with one node and of one with four are parsed, in the sizes of Humble."""
     content = wire(length, b"g" * 16, *nodes)
     assert len(content) == size
     value, found = decode_info(TYPES, content)
@@ -74,7 +74,7 @@ def test_bytes_of_both_distributions_are_read(length: int, nodes: list[Any], siz
 
 @given(IDENTITIES, NODES, st.sampled_from([SHORT, LONG]))
 def test_the_length_is_that_which_takes_up_all_bytes(gid: bytes, nodes: list[Any], length: int) -> None:
-    """What is written with either length is read again with it, and with its values."""
+    """Bytes written with either length are parsed with that length, and the values are equal."""
     content = encode_info(TYPES, gid, nodes, length)
     value, found = decode_info(TYPES, content)
     assert found == length
@@ -87,7 +87,7 @@ def test_the_length_is_that_which_takes_up_all_bytes(gid: bytes, nodes: list[Any
 
 @pytest.mark.parametrize("length", [SHORT, LONG])
 def test_what_ends_too_early_is_refused(length: int) -> None:
-    """A sample that lacks its last bytes is one of neither length."""
+    """A truncated sample matches neither length."""
     content = wire(length, b"g" * 16, DAEMON)
     for cut in range(1, 100):
         with pytest.raises(RobotError):
@@ -98,7 +98,7 @@ class Process:
     """A participant of Humble with one node, as bytes."""
 
     def __init__(self, number: int) -> None:
-        """Tell that `/old/talker` has a publisher."""
+        """Announce a publisher of `/old/talker`."""
         self.participant = DomainParticipant(number)
         topic = Topic(self.participant, "ros_discovery_info", Info)
         self.chatter: Any = DataWriter(self.participant, Topic(self.participant, "rt/chatter", String), qos=RELIABLE)
@@ -108,15 +108,15 @@ class Process:
 
 
 class Listener:
-    """A participant of DDS alone that reads who tells what of its nodes."""
+    """A plain DDS participant that reads the announcements of nodes."""
 
     def __init__(self, number: int) -> None:
-        """Read."""
+        """Start reading."""
         self.participant = DomainParticipant(number)
         self.reader: Any = DataReader(self.participant, Topic(self.participant, "ros_discovery_info", Info), qos=TOLD)
 
     async def length(self, name: str, wanted: int) -> None:
-        """Wait until a node is told with identifiers of a length."""
+        """Wait until a node is announced with identifiers of a length."""
         while True:
             found = _clayer.ddspy_take(self.reader._ref, _ANY, 100)
             for content, info in [] if isinstance(found, int) else found:
@@ -126,7 +126,7 @@ class Listener:
 
 
 def test_humble_is_recognized_and_answered() -> None:
-    """Nodes of Humble have their ends without an option; it finds ours, until it goes: others find us then."""
+    """Nodes of Humble have their ends without an option and discover ours; after they leave, others discover us."""
 
     async def scene() -> None:
         with domain() as number:
@@ -147,7 +147,7 @@ def test_humble_is_recognized_and_answered() -> None:
 
 
 def test_a_distribution_that_is_named_is_written_at_once() -> None:
-    """With `distribution=humble` we tell of our node as Humble does before anybody is there."""
+    """With `distribution=humble` our node is announced in the form of Humble from the start."""
 
     async def scene() -> None:
         with domain() as number:
@@ -177,7 +177,7 @@ asyncio.run(scene(sys.argv[1]))
 
 
 def test_two_processes_with_different_distributions_find_each_other() -> None:
-    """One that was told of Humble and one that was not read what the other writes."""
+    """A process configured for Humble and one that is not can read each other's announcements."""
 
     async def scene() -> None:
         with domain() as number:

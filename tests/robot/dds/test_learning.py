@@ -1,4 +1,4 @@
-"""Types that only peers know."""
+"""Types learned from peers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ async def _double(request: dict[str, float]) -> dict[str, object]:
 
 
 def test_the_type_of_a_service_is_told_by_who_serves_it() -> None:
-    """Request and response are learned without the header that they have on the wire, and the service is called."""
+    """Request and response are learned without their header on the wire, and the service is called."""
 
     async def scene(number: int) -> object:
         server = await connect(f"dds://{number}?settle=1&types=peers", name="/server", types=types_for_tests(2))

@@ -40,14 +40,14 @@ class Robot:
         self.address = address
 
     def become(self, state: int) -> None:
-        """Have the node be in a state."""
+        """Put the node into a state."""
         assert self._process.stdin is not None
         print(state, file=self._process.stdin, flush=True)
 
 
 @pytest.fixture(scope="module")
 def robot() -> Iterator[Robot]:
-    """Give a robot with one managed node, which is inactive; who activates it takes that back."""
+    """Yield a robot with one managed node, which is inactive; tests that activate it restore that."""
     paths = os.pathsep.join(sys.path)
     with domain() as number, subprocess.Popen(
         [sys.executable, str(_PEER), str(number)],
@@ -73,7 +73,7 @@ async def _joined(robot: Robot) -> AsyncIterator[Connection]:
 
 
 async def _until(connection: Connection, state: str) -> ComputationGraph:
-    """Return the first graph in which the node is named and in a state."""
+    """Return the first graph that has the node in a state."""
     async for graph in connection.changes():
         if [(node.name, node.state) for node in graph.nodes] == [("/base", state)]:
             return graph
@@ -81,7 +81,7 @@ async def _until(connection: Connection, state: str) -> ComputationGraph:
 
 
 def test_states_are_told_and_followed(robot: Robot) -> None:
-    """A graph has the state of a managed node, and another follows each change of it."""
+    """A graph has the state of a managed node, and each change is another graph."""
 
     async def scene() -> None:
         async with _joined(robot) as connection:
@@ -95,7 +95,7 @@ def test_states_are_told_and_followed(robot: Robot) -> None:
 
 
 def test_what_needs_an_inactive_node_waits_for_it(robot: Robot) -> None:
-    """A capability says why it is not available; doing it is KG819 until the node is active."""
+    """A capability has the reason why it is unavailable; using it is KG819 until the node is active."""
 
     async def scene() -> None:
         settings = load({}, environment={})
@@ -122,7 +122,7 @@ def test_what_needs_an_inactive_node_waits_for_it(robot: Robot) -> None:
 
 
 def test_parameters_are_read_with_what_is_told_of_them(robot: Robot) -> None:
-    """Types, values, limits and words come from the node, also where one of its parameters is not set."""
+    """Types, values, limits and descriptions come from the node, even if one of its parameters is not set."""
 
     async def scene() -> None:
         async with _joined(robot) as connection:
@@ -140,7 +140,7 @@ def test_parameters_are_read_with_what_is_told_of_them(robot: Robot) -> None:
 
 
 def test_parameters_are_set_and_refusals_have_their_reason(robot: Robot) -> None:
-    """A value is set with the type that the node describes; a refusal says what the node says."""
+    """A value is set with the type described by the node; a rejection has the node's reason."""
 
     async def scene() -> None:
         async with _joined(robot) as connection:
@@ -158,7 +158,7 @@ def test_parameters_are_set_and_refusals_have_their_reason(robot: Robot) -> None
 
 
 def test_a_type_is_described_by_who_uses_it(robot: Robot) -> None:
-    """A topic of an unknown type is read: its node describes the type, and the one in it, by the hash of the topic."""
+    """A topic of an unknown type is read: its node describes the type, and the nested one, by the hash of the topic."""
 
     async def scene() -> None:
         async with _joined(robot) as connection:
@@ -170,7 +170,7 @@ def test_a_type_is_described_by_who_uses_it(robot: Robot) -> None:
 
 
 def test_why_a_type_is_not_described_is_told(robot: Robot) -> None:
-    """A type that its node does not describe stays unknown (KG804), with what the node says."""
+    """A type that its node does not describe remains unknown (KG804), with the node's reason."""
 
     async def scene() -> None:
         async with _joined(robot) as connection:

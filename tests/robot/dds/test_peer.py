@@ -1,4 +1,4 @@
-"""Our node against a peer of plain Cyclone DDS in another process, whose names and classes are written by hand."""
+"""Our node with a peer of plain Cyclone DDS in another process, with handwritten names and classes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _PEER = Path(__file__).parent / "peer.py"
 _ENDS = 10
-"""So many ends the peer has, when actions are folded."""
+"""Number of ends of the peer, with actions folded."""
 
 
 @contextmanager
@@ -45,7 +45,7 @@ def _running(number: int) -> Iterator[subprocess.Popen[str]]:
 
 @asynccontextmanager
 async def _beside(options: str = "") -> AsyncIterator[tuple[Connection, subprocess.Popen[str]]]:
-    """Give a connection of ours to a domain in which the peer runs."""
+    """Yield a connection of ours to a domain with the peer."""
     with domain() as number, _running(number) as peer:
         types = types_for_tests(2)
         types.define("example_interfaces/AddTwoInts", "int64 a\nint64 b\n---\nint64 sum\n", "srv")
@@ -62,7 +62,7 @@ async def _soon(what: Awaitable[Any]) -> Any:
 
 
 async def _whole(connection: Connection) -> None:
-    """Return when all of the peer is discovered, and whose it is: on a busy machine that takes its time."""
+    """Return when all of the peer is discovered with its nodes, which takes time on a busy machine."""
     async for graph in connection.changes():
         named = all(node.problem is None for node in graph.nodes)
         if named and len(graph.ends) >= _ENDS:
@@ -91,7 +91,7 @@ async def _seen(connection: Connection, text: str) -> ComputationGraph:
 
 
 def test_the_graph_is_that_of_the_peer() -> None:
-    """Nodes, topics, services and actions have their names and types; actions are folded; what does not fit is told."""
+    """Nodes, topics, services and actions have names and types; actions are folded; QoS mismatches are reported."""
 
     async def scene() -> None:
         async with _beside() as (connection, _):
@@ -121,7 +121,7 @@ def test_the_graph_is_that_of_the_peer() -> None:
 
 
 def test_messages_go_both_ways() -> None:
-    """The peer reads what we write, and we what it writes, also where it offers no more than best effort."""
+    """The peer and our node read each other's messages, even if the peer offers only best effort."""
 
     async def scene() -> None:
         async with _beside() as (connection, _):
@@ -140,7 +140,7 @@ def test_messages_go_both_ways() -> None:
 
 
 def test_services_go_both_ways() -> None:
-    """We call the peer's service and it calls ours, with the header that rmw_cyclonedds_cpp has."""
+    """Our node and the peer call each other's services, with the header of rmw_cyclonedds_cpp."""
 
     async def double(request: Value) -> Value:
         return {"value": 2 * request["value"], "remark": "twice"}
@@ -156,7 +156,7 @@ def test_services_go_both_ways() -> None:
 
 
 def test_an_action_of_the_peer_is_carried_out() -> None:
-    """The peer accepts a goal, tells how far it is, and gives the result; or it rejects the goal (KG809)."""
+    """The peer accepts a goal, sends feedback, and gives the result; or it rejects the goal (KG809)."""
 
     async def scene() -> None:
         async with _beside() as (connection, _):
@@ -171,7 +171,7 @@ def test_an_action_of_the_peer_is_carried_out() -> None:
 
 
 def test_a_type_that_is_not_known_is_asked_for() -> None:
-    """With `types=peers`, a type that does not come with kg is fetched from a peer that sends type information."""
+    """With `types=peers`, an unknown type is fetched from a peer that provides type information."""
 
     async def scene() -> None:
         async with _beside("&types=peers") as (connection, _):
@@ -187,9 +187,9 @@ def test_a_type_that_is_not_known_is_asked_for() -> None:
 
 
 def test_types_are_compared_by_their_names() -> None:
-    """A publisher whose type has our type's name is matched, whatever its fields: no description is asked for.
+    """A publisher with the same type name matches, whatever its fields; no description is requested.
 
-    Cyclone DDS before 11 crashes when it overhears the response, whoever asked.
+    Cyclone DDS before 11 crashes when it receives the response, even for a request of another participant.
     """
 
     async def scene() -> None:
@@ -203,7 +203,7 @@ def test_types_are_compared_by_their_names() -> None:
 
 
 def test_a_name_that_is_none_is_reported() -> None:
-    """A node whose name is no name is left out and reported; its ends are then those of a nameless participant."""
+    """An invalidly named node is ignored and reported; its ends then belong to an unnamed participant."""
 
     async def scene() -> None:
         async with _beside() as (connection, peer):
@@ -220,7 +220,7 @@ def test_a_name_that_is_none_is_reported() -> None:
 
 
 def test_a_robot_that_goes_is_noticed() -> None:
-    """A participant that leaves takes its nodes with it, and when all have gone the robot is lost."""
+    """A participant that leaves takes its nodes with it; after the last one the robot is lost."""
 
     async def scene() -> None:
         async with _beside() as (connection, peer):

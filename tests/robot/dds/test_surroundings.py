@@ -1,4 +1,4 @@
-"""How far kg looks for others, by the variables of ROS 2."""
+"""The range of discovery, by the variables of ROS 2."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LOOPBACK = (
     "<Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces></General>"
     "<Discovery><Peers AddLocalhost='false'/></Discovery></Domain></CycloneDDS>"
 )
-"""Without peers: nobody is found but by what the variables say."""
+"""Without peers: only the variables enable discovery."""
 TALKER = """
 import asyncio, sys
 from kg.robot.connecting import connect
@@ -42,7 +42,7 @@ asyncio.run(main())
 
 
 def found(settings: Mapping[str, str]) -> str:
-    """Return the topics that kg lists of a node that has the same variables."""
+    """Return the topics that kg lists of a node with the same variables."""
     with domain() as number:
         environment = {key: value for key, value in os.environ.items() if not key.startswith("ROS_")}
         environment |= {"CYCLONEDDS_URI": LOOPBACK, **settings}
@@ -71,37 +71,37 @@ def found(settings: Mapping[str, str]) -> str:
     ],
 )
 def test_nodes_within_reach_are_found(settings: Mapping[str, str]) -> None:
-    """Without multicast, nodes of this machine are found where the variables say so."""
+    """Without multicast, nodes of this machine are discovered if the variables enable it."""
     assert "/text\tstd_msgs/String\t/talker" in found(settings)
 
 
 @pytest.mark.parametrize("settings", [{}, {"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_STATIC_PEERS": "127.0.0.1"}])
 def test_nodes_out_of_reach_are_not_found(settings: Mapping[str, str]) -> None:
-    """Where the variables say nothing, or that nobody is to be found, nobody is."""
+    """If the variables are unset, or disable discovery, no node is discovered."""
     assert "KG802" in found(settings)
 
 
 def test_without_variables_nothing_is_set() -> None:
-    """The settings are then those of Cyclone DDS alone; so they are for the range SYSTEM_DEFAULT."""
+    """Without variables the settings are those of Cyclone DDS; the range SYSTEM_DEFAULT does the same."""
     assert discovery_settings({}) == ""
     assert discovery_settings({"ROS_LOCALHOST_ONLY": "0", "ROS_STATIC_PEERS": " ; "}) == ""
     assert discovery_settings({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT", "ROS_STATIC_PEERS": "a"}) == ""
 
 
 def test_localhost_only_leaves_static_peers_out() -> None:
-    """ROS_LOCALHOST_ONLY counts more than what has replaced it."""
+    """ROS_LOCALHOST_ONLY takes precedence over its replacement."""
     told = discovery_settings({"ROS_LOCALHOST_ONLY": "1", "ROS_STATIC_PEERS": "robot"})
     assert "localhost" in told
     assert "robot" not in told
 
 
 def test_a_peer_cannot_break_the_settings() -> None:
-    """What a variable has is a value, whatever signs are in it."""
+    """The content of a variable is a plain value, whatever its characters."""
     assert '<Peer address="a&lt;b&gt;"/>' in discovery_settings({"ROS_STATIC_PEERS": "a<b>"})
 
 
 def test_a_range_that_there_is_not_is_refused() -> None:
-    """An unknown range is KG817, with those that there are."""
+    """An unknown range is KG817, with the valid ones."""
     with pytest.raises(RobotError) as refused:
         discovery_settings({"ROS_AUTOMATIC_DISCOVERY_RANGE": "PLANET"})
     assert refused.value.code == "KG817"

@@ -1,9 +1,9 @@
-"""A robot in a process of its own, over ROS 1 or DDS, that prints the velocities and goals that it gets.
+"""A robot in a process of its own, over ROS 1 or DDS, that prints the velocities and goals it receives.
 
     python drivable.py ADDRESS
 
 Without an address it runs a master of ROS 1. It prints its address first, then `speed X`, `goal`, and `cancelled`, and
-runs until its standard input ends.
+runs until its standard input is closed.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ import signal
 signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR2])
 signal.signal(signal.SIGUSR1, lambda *_: signal.sigwait([signal.SIGUSR2]))
 """
-"""What a process runs first whose event loop SIGUSR1 is to block until SIGUSR2 comes."""
+"""Code run before a process that makes SIGUSR1 block its event loop until SIGUSR2 arrives."""
 _GOALS: Final = {1: ("/move_base", "move_base_msgs/MoveBase"), 2: ("/navigate_to_pose", "nav2_msgs/NavigateToPose")}
 
 
 class Drivable:
-    """The robot: its address, and what it prints."""
+    """The robot: its address, and its output."""
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self._process = process
@@ -48,14 +48,14 @@ class Drivable:
         return self._process.stdout.readline().strip()
 
     def until(self, *wanted: str) -> None:
-        """Return when one of these lines was printed; fail when the robot has ended before."""
+        """Return when one of these lines was printed; fail if the robot exits before."""
         while (line := self._line()) not in wanted:
             assert line, f"the robot never printed one of {wanted}"
 
     def stands_still(self) -> bool:
-        """End the robot and tell whether zero was the last that it got, and nothing drove it since `until`.
+        """End the robot and return whether its last command was zero, and nothing drove it since `until`.
 
-        A reader of DDS that was opened while the controller was suspended may get once what its writer kept.
+        A DDS reader opened while the controller was suspended may receive the cached message of its writer once.
         """
         rest = [line for line in self._process.communicate()[0].splitlines() if line.startswith("speed")]
         return rest[-1:] in ([], ["speed 0"]) and len([line for line in rest if line != "speed 0"]) <= 1
@@ -63,7 +63,7 @@ class Drivable:
 
 @contextmanager
 def drivable(ros: int, seconds: float) -> Iterator[Drivable]:
-    """Run a robot of ROS 1 or 2, for so many seconds at most."""
+    """Run a robot of ROS 1 or 2, for at most so many seconds."""
     with nullcontext("") if ros == 1 else _dds() as address, subprocess.Popen(
         [sys.executable, __file__, *([address] if address else [])],
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=clean(),
@@ -86,7 +86,7 @@ def _dds() -> Iterator[str]:
 
 
 def clean() -> dict[str, str]:
-    """Return the environment without settings of kg and ROS, in which modules of tests are found."""
+    """Return the environment without settings of kg and ROS, and with the test modules importable."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
     return {**kept, "PYTHONPATH": str(Path(__file__).parents[2])}
 

@@ -1,4 +1,4 @@
-"""A robot in memory with capabilities made by hand, and a record of what it was told."""
+"""A robot in memory with handmade capabilities, and a record of the commands it received."""
 
 from __future__ import annotations
 
@@ -144,12 +144,12 @@ ONE_PART = Capabilities(
     of="the rover",
     capabilities=(replace(DRIVING, moves="base"), replace(COUNTING, moves="base"), DOUBLING, SAYING),
 )
-"""The rover, where driving and counting move the same."""
+"""The rover, with driving and counting on the same part."""
 
 
 @dataclass
 class Rover:
-    """A robot that records what it is told, and the driver that tells it."""
+    """A robot that records its commands, and its driver."""
 
     bus: Bus
     node: Connection
@@ -161,11 +161,11 @@ class Rover:
     publications: dict[str, Publication] = field(default_factory=dict)
 
     def speeds(self, topic: str = "/cmd_vel") -> list[float]:
-        """Return the forward speeds that came on a topic."""
+        """Return the forward speeds received on a topic."""
         return [one.get("twist", one)["linear"]["x"] for one in self.told.get(topic, [])]
 
     async def listen(self, topic: str, kind: str) -> Subscription:
-        """Record what comes on a topic."""
+        """Record the messages of a topic."""
         subscription = await self.node.subscribe(topic, kind, queue=10_000)
 
         async def record() -> None:
@@ -178,13 +178,13 @@ class Rover:
         return subscription
 
     async def tell(self, topic: str, kind: str, value: Value) -> None:
-        """Publish something."""
+        """Publish a message."""
         if topic not in self.publications:
             self.publications[topic] = await self.node.advertise(topic, kind)
         await self.publications[topic].publish(value)
 
     async def count(self, accepted: Accepted) -> Value:
-        """Carry out a goal that counts, a step every 10 ms."""
+        """Execute a goal that counts, a step every 10 ms."""
         self.goals.append(accepted.goal)
         now = 0
         try:
@@ -208,7 +208,7 @@ async def rover(
     watchdog: Watchdog | None = None,
     listen: float = 0.3,
 ) -> AsyncIterator[Rover]:
-    """Give a rover that listens, serves and counts, with an open driver."""
+    """Yield a rover that subscribes, serves and counts, with an open driver."""
     with Bus(uuid4().hex, clock=clock or WallClock(), types=types_for_tests(1)) as bus:
         node, face = bus.join("/rover"), bus.join("/face")
         async with Driver(face, capabilities, listen=listen, watchdog=watchdog) as driver:

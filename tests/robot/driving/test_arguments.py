@@ -51,7 +51,7 @@ DEFAULTS = {"x": 0.0, "turn": 0.0, "on": False, "mode": "slow"}
     ],
 )
 def test_values_are_converted(name: str, value: object, expected: object) -> None:
-    """Texts and numbers become values in the parameter's unit and kind; the others have their defaults."""
+    """Texts and numbers become values in the parameter's unit and kind; missing ones have their defaults."""
     found = given(CAPABILITY, {name: value})
     assert found.pop(name) == (pytest.approx(expected) if isinstance(expected, float) else expected)
     assert found == {other: default for other, default in DEFAULTS.items() if other != name}
@@ -84,7 +84,7 @@ def test_values_are_converted(name: str, value: object, expected: object) -> Non
     ],
 )
 def test_what_does_not_fit_is_refused(name: str, value: object, says: str) -> None:
-    """A value of another kind, unit, or out of the limits is KG823 with what is taken; it is never moved into them."""
+    """A value of another kind or unit, or out of the limits, is KG823 with the valid ones; it is never clamped."""
     with pytest.raises(RobotError) as refused:
         given(CAPABILITY, {name: value})
     assert refused.value.code == "KG823"
@@ -94,7 +94,7 @@ def test_what_does_not_fit_is_refused(name: str, value: object, says: str) -> No
 
 @examples(st.one_of(st.floats(), st.text(max_size=12), st.integers(), st.booleans(), st.none()))
 def test_limits_hold_for_everything(value: Any) -> None:
-    """Whatever is given is within the limits afterwards, or refused."""
+    """Any value is within the limits after conversion, or rejected."""
     try:
         found = given(CAPABILITY, {"x": value})
     except RobotError as error:
@@ -104,7 +104,7 @@ def test_limits_hold_for_everything(value: Any) -> None:
 
 
 def test_parameters_in_words() -> None:
-    """What a parameter takes is told in a few words."""
+    """The domain of a parameter is described in a few words."""
     words = {one.name: in_words(one) for one in CAPABILITY.parameters}
     assert words == {
         "x": "a number in m, from -1 to 1, by default 0",

@@ -1,4 +1,4 @@
-"""Reading and driving a node that others wrote: rospy, on Debian's rosmaster."""
+"""Reading and driving an independent node: rospy, on Debian's rosmaster."""
 
 from __future__ import annotations
 
@@ -76,21 +76,21 @@ KNOWN = replace(CAPABILITIES, capabilities=(replace(DRIVING, moves="base"), *CAP
 
 @pytest.fixture(scope="module")
 def port() -> Iterator[int]:
-    """Give the port of a master."""
+    """Yield the port of a master."""
     with rosmaster() as listening:
         yield listening
 
 
 @pytest.fixture
 def rover(port: int) -> Iterator[subprocess.Popen[str]]:
-    """Give a rover that writes the speeds that it is told."""
+    """Yield a rover that writes down the speeds it receives."""
     with rospy(port, ROVER) as process:
         yield process
 
 
 @asynccontextmanager
 async def driving(port: int) -> AsyncIterator[Driver]:
-    """Give a driver of the rover."""
+    """Yield a driver of the rover."""
     connection = await connect(f"ros1://127.0.0.1:{port}", name="/face")
     try:
         async with Driver(connection, KNOWN, listen=patient(3)) as driver:
@@ -100,7 +100,7 @@ async def driving(port: int) -> AsyncIterator[Driver]:
 
 
 def speeds(rover: subprocess.Popen[str]) -> list[float]:
-    """Return the speeds that a rover was told until it was told to stand still; a rover that never is, is ended."""
+    """Return the speeds that a rover received up to zero; if it never gets zero, it is killed."""
     assert rover.stdout is not None
     found: list[float] = []
     patience = Timer(patient(10), rover.kill)
@@ -114,7 +114,7 @@ def speeds(rover: subprocess.Popen[str]) -> list[float]:
 
 
 def test_a_rospy_node_is_read(port: int, rover: subprocess.Popen[str]) -> None:
-    """Values of its topics come by parameter, one after the other, and the newest is kept."""
+    """Values of its topics arrive by parameter, in order, and the newest is cached."""
 
     async def scene() -> None:
         async with asyncio.timeout(patient(10)), driving(port) as driver:
@@ -130,7 +130,7 @@ def test_a_rospy_node_is_read(port: int, rover: subprocess.Popen[str]) -> None:
 
 
 def test_a_rospy_node_is_driven(port: int, rover: subprocess.Popen[str]) -> None:
-    """It gets the renewed command, and a zero command when its time is over."""
+    """It gets the renewed command, and a zero command at the end of the time."""
 
     async def scene() -> None:
         async with asyncio.timeout(patient(10)), driving(port) as driver:
@@ -145,7 +145,7 @@ def test_a_rospy_node_is_driven(port: int, rover: subprocess.Popen[str]) -> None
 
 @pytest.mark.parametrize("how", ["leave", "raise", "cancel"])
 def test_a_rospy_node_stands_still_afterwards(port: int, rover: subprocess.Popen[str], how: str) -> None:
-    """However the driver's block is left, and the connection closed at once: the last command is zero."""
+    """However the driver's block is left, and even if the connection is closed at once, the last command is zero."""
 
     async def block(moving: asyncio.Event) -> None:
         async with driving(port) as driver:
@@ -170,7 +170,7 @@ def test_a_rospy_node_stands_still_afterwards(port: int, rover: subprocess.Popen
 
 
 def test_one_thing_moves_a_rospy_node(port: int, rover: subprocess.Popen[str]) -> None:
-    """While it carries out a goal it is not driven by a velocity, nor the other way round, until the first is ended."""
+    """A goal and a velocity exclude each other until the first one has ended."""
 
     async def scene() -> None:
         async with asyncio.timeout(patient(20)), driving(port) as driver:
@@ -194,7 +194,7 @@ def test_one_thing_moves_a_rospy_node(port: int, rover: subprocess.Popen[str]) -
 
 
 def test_a_rospy_node_that_goes_away(port: int, rover: subprocess.Popen[str]) -> None:
-    """When the node that was driven ends, the movement ends with KG824."""
+    """When the driven node exits, the movement ends with KG824."""
 
     async def scene() -> None:
         async with asyncio.timeout(patient(10)), driving(port) as driver:
@@ -207,7 +207,7 @@ def test_a_rospy_node_that_goes_away(port: int, rover: subprocess.Popen[str]) ->
 
 
 def test_a_master_that_goes_away() -> None:
-    """When the master dies while a robot moves, the movement ends with KG803, and the robot gets its zero command."""
+    """When the master dies during a movement, it ends with KG803, and the robot gets its zero command."""
 
     async def scene(port: int, rover: subprocess.Popen[str], end_master: Callable[[], object]) -> None:
         async with driving(port) as driver:

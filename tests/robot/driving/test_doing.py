@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 async def _told(clock: SimulatedClock, work: Awaitable[Outcome], step: float = 0.01) -> Outcome:
-    """Let time pass until something is done."""
+    """Advance the time until a task is done."""
     task = asyncio.ensure_future(work)
     while not task.done():
         for _ in range(20):
@@ -28,7 +28,7 @@ async def _told(clock: SimulatedClock, work: Awaitable[Outcome], step: float = 0
 
 
 def test_a_movement_is_renewed_and_ends() -> None:
-    """It is renewed at the way's rate for its time, and then gets a zero command."""
+    """It is renewed at the way's rate for its time, followed by a zero command."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -45,7 +45,7 @@ def test_a_movement_is_renewed_and_ends() -> None:
 
 
 def test_a_clock_that_is_set_back_ends_a_movement() -> None:
-    """When a simulation begins anew what moved before is stopped."""
+    """When a simulation restarts, earlier movements are stopped."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -61,7 +61,7 @@ def test_a_clock_that_is_set_back_ends_a_movement() -> None:
 
 
 def test_a_message_is_sent_once() -> None:
-    """What need not be renewed is sent once, and nothing after it."""
+    """A command without renewal is sent once, and nothing after it."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -74,7 +74,7 @@ def test_a_message_is_sent_once() -> None:
 
 
 def test_a_service_is_called() -> None:
-    """Its response is read by parameter or as it is; its failure is KG808."""
+    """Its response is read by parameter or as a whole; its failure is KG808."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -88,7 +88,7 @@ def test_a_service_is_called() -> None:
 
 
 def test_a_goal_is_reached() -> None:
-    """Feedback is told on the way; the result comes when it is done."""
+    """Feedback arrives during the goal; the result at its end."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -102,7 +102,7 @@ def test_a_goal_is_reached() -> None:
 
 
 def test_a_goal_that_takes_too_long() -> None:
-    """A goal that is not reached in time is cancelled, and KG825."""
+    """A goal not reached in time is cancelled, and KG825."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -117,7 +117,7 @@ def test_a_goal_that_takes_too_long() -> None:
 
 @pytest.mark.parametrize("how", ["cancel", "stop", "leave", "fail"])
 def test_whatever_ends_a_goal_cancels_it(how: str) -> None:
-    """A goal is cancelled when who waits for it is cancelled, on `stop`, at the end, and when feedback fails."""
+    """A goal is cancelled when its waiter is cancelled, on `stop`, at the end, and when feedback fails."""
 
     async def scene() -> None:
         def feedback(value: object) -> None:
@@ -176,7 +176,7 @@ def test_whatever_ends_a_movement_stops_it(how: str) -> None:
 
 
 def test_an_exception_in_the_block_stops_the_robot() -> None:
-    """An error in what uses the driver leaves the block with the robot stopped."""
+    """An error in the block of the driver leaves it with the robot stopped."""
 
     async def scene() -> None:
         robots: list[Rover] = []
@@ -195,7 +195,7 @@ def test_an_exception_in_the_block_stops_the_robot() -> None:
 
 
 def test_stopping_tells_all_that_was_ever_moved() -> None:
-    """`stop` sends a zero command also to what has stopped before, for whoever sent something else meanwhile."""
+    """`stop` sends a zero command also to topics that have stopped, in case another publisher moved them since."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -209,7 +209,7 @@ def test_stopping_tells_all_that_was_ever_moved() -> None:
 
 
 def test_a_lost_connection_ends_what_is_done() -> None:
-    """Movements and goals end with KG803 and the reason; nothing more can be done."""
+    """Movements and goals end with KG803 and the reason; later calls fail."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -226,7 +226,7 @@ def test_a_lost_connection_ends_what_is_done() -> None:
 
 
 def test_a_movement_that_nobody_hears_any_more_ends() -> None:
-    """When the last subscriber goes it is KG824, and one that comes back gets the zero command."""
+    """When the last subscriber leaves it is KG824, and one that returns gets the zero command."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -244,7 +244,7 @@ def test_a_movement_that_nobody_hears_any_more_ends() -> None:
 
 
 def test_nobody_listens() -> None:
-    """A command for a topic that no node subscribes to is KG824 after a moment, and is not sent."""
+    """A command for a topic without a subscriber is KG824 after a moment, and is not sent."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -261,7 +261,7 @@ def test_nobody_listens() -> None:
 
 
 def test_the_later_command_takes_over() -> None:
-    """Of two movements on one topic, and two goals of one action, the later goes on; the first learns it."""
+    """Of two movements on one topic, and two goals of one action, the later replaces the first, which is notified."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -280,7 +280,7 @@ def test_the_later_command_takes_over() -> None:
 
 
 def test_a_stop_ends_what_is_only_being_prepared() -> None:
-    """A command that still waits for a subscriber is ended by `stop` as well, and never sent."""
+    """A command still waiting for a subscriber is also ended by `stop`, and never sent."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -296,7 +296,7 @@ def test_a_stop_ends_what_is_only_being_prepared() -> None:
 
 
 def test_stopping_within_feedback() -> None:
-    """`stop` may be called from what is told of a goal."""
+    """`stop` may be called from the feedback of a goal."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -314,7 +314,7 @@ def test_stopping_within_feedback() -> None:
 
 
 def test_topics_are_not_flooded() -> None:
-    """No topic gets more messages a second than the driver's limit, whoever sends them."""
+    """No topic gets more messages a second than the driver's limit, from all senders together."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -331,7 +331,7 @@ def test_topics_are_not_flooded() -> None:
 
 @pytest.mark.parametrize("always", [True, False])
 def test_a_dry_run_says_what_would_be_sent(*, always: bool) -> None:
-    """It tells the whole message, where to, how often and what comes after; nothing is sent."""
+    """A dry run shows the whole message, its target, its rate and its end; nothing is sent."""
 
     async def scene() -> None:
         async with rover() as robot, Driver(robot.face, CAPABILITIES, dry_run=always) as driver:
@@ -356,7 +356,7 @@ def test_a_dry_run_says_what_would_be_sent(*, always: bool) -> None:
 
 
 def test_constants_and_the_time_are_sent() -> None:
-    """A message has what is always the same in it, and the robot's time in its header."""
+    """A message has its constant fields, and the robot's time in its header."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -387,7 +387,7 @@ def test_constants_and_the_time_are_sent() -> None:
     ],
 )
 def test_what_is_refused_is_not_sent(name: str, arguments: dict[str, float], way: str | None, code: str) -> None:
-    """What a person gets wrong is refused before anything is sent or offered."""
+    """An invalid call is rejected before anything is sent or advertised."""
 
     async def scene() -> None:
         async with rover() as robot:

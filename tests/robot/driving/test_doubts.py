@@ -1,4 +1,4 @@
-"""What is told before something comes to nothing."""
+"""Warnings about commands without effect."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _graph(capability: Capability, role: Role, *problems: GraphProblem) -> Compu
 
 @pytest.mark.parametrize("capability", [DRIVING, COUNTING])
 def test_a_node_that_is_dead_or_missing(capability: Capability) -> None:
-    """A node that does not answer is named with what it would do, unless another lives; without any, the way is."""
+    """A dead node is named with its command, unless another is alive; without any node, the way is named."""
     way = capability.ways[0]
     role, code = ROLES[way.kind]
     assert not list(doubts_of(way, _graph(capability, role), reads=False))
@@ -45,7 +45,7 @@ def test_a_node_that_is_dead_or_missing(capability: Capability) -> None:
 
 
 def test_who_reads_is_told_of_publishers() -> None:
-    """Of what is read the publishers count, and a subscriber that is dead does not."""
+    """A reading depends on publishers; a dead subscriber does not matter."""
     way = WHERE.ways[0]
     assert not list(doubts_of(way, _graph(WHERE, Role.PUBLISHES), reads=True))
     (missing,) = doubts_of(way, _graph(WHERE, Role.SUBSCRIBES, DEAD), reads=True)
@@ -53,9 +53,9 @@ def test_who_reads_is_told_of_publishers() -> None:
 
 
 def test_the_driver_asks_the_graph() -> None:
-    """Nothing is said of a rover that is there; of a topic that nobody, or a mere onlooker, uses it is.
+    """An available rover gives no warning; a topic used by no node, or only by an observer, does.
 
-    A driver that is given the graph does not ask at once again.
+    A driver that is given the graph does not request it again at once.
     """
 
     async def scene() -> None:

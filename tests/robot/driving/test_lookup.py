@@ -20,7 +20,7 @@ def test_a_capability_is_found_by_its_names(name: str) -> None:
 
 
 def test_an_almost_right_name_is_mended() -> None:
-    """A name that is not known is KG821 with those that were meant; without any, with what there is."""
+    """An unknown name is KG821 with suggestions, or without any, with the available ones."""
     with pytest.raises(RobotError) as refused:
         find(CAPABILITIES, "drivingAtVelocty")
     assert refused.value.code == "KG821"
@@ -31,7 +31,7 @@ def test_an_almost_right_name_is_mended() -> None:
 
 
 def test_a_capability_is_read_or_done() -> None:
-    """One that is only there the other way is KG822 with the command that does it."""
+    """A capability available only in the other direction is KG822 with the right command."""
     with pytest.raises(RobotError) as refused:
         find(CAPABILITIES, "laserScanning", "write")
     assert refused.value.code == "KG822"
@@ -54,7 +54,7 @@ def _graph(*topics: str, problem: str | None = None) -> ComputationGraph:
 
 
 def test_the_way_that_is_alive_and_specific() -> None:
-    """A way that lives comes first, then one that takes what is given, then the most specific, then the first."""
+    """Order of ways: live first, then those that take the given arguments, then the most specific, then the first."""
     ways = named(DRIVING, None)
     assert choose(ways, (), _graph("/cmd_vel"), reads=False).name == "/cmd_vel"
     assert choose(ways, (), _graph("/cmd_vel", "/stamped"), reads=False).name == "/stamped"
@@ -68,7 +68,7 @@ def test_the_way_that_is_alive_and_specific() -> None:
 
 
 def test_what_has_no_way_says_what_implies_it() -> None:
-    """A general capability without a way says which specific ones it comes from."""
+    """A general capability without a way names the specific ones that imply it."""
     general = Capability(iri="#f", name="flying", label="Flying", modality="write", implied_by=("takingOff",))
     with pytest.raises(RobotError) as refused:
         named(general, None)

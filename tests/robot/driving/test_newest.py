@@ -1,4 +1,4 @@
-"""Listening to topics, also to those whose publisher does not answer."""
+"""Subscriptions, including those to unresponsive publishers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def test_closing_gives_up_subscribing() -> None:
-    """A driver is closed although a subscription hangs, and who waits for it learns that it is."""
+    """A driver closes despite a hanging subscription, and notifies its waiters."""
 
     async def scene() -> None:
         async with rover() as robot:

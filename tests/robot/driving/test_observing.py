@@ -1,4 +1,4 @@
-"""What becomes of a movement: a robot that does not move, and others that drive it, too."""
+"""Effects of a movement: a robot that does not move, and competing controllers."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_robot_that_does_not_move(
     told: list[dict[str, Any]],
     moved: bool | None,  # noqa: FBT001 - a case
 ) -> None:
-    """A robot that measures no speed while it is told one did not move; without measurements that is not known."""
+    """A robot that measures zero speed during a movement did not move; without measurements that is unknown."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -92,7 +92,7 @@ def test_a_robot_that_does_not_move(
 
 @asynccontextmanager
 async def _contested(*, exclusive: bool) -> AsyncIterator[tuple[Rover, Driver, list[GraphProblem]]]:
-    """Give a rover, a driver that follows the graph, and what that reports."""
+    """Yield a rover, a driver that follows the graph, and the reports of the driver."""
     async with rover() as robot:
         problems: list[GraphProblem] = []
         second = robot.bus.join("/second")
@@ -108,7 +108,7 @@ async def _contested(*, exclusive: bool) -> AsyncIterator[tuple[Rover, Driver, l
 
 
 def test_another_controller_is_reported_at_the_start_and_when_it_appears() -> None:
-    """Each appearance is reported once; the movement goes on."""
+    """Each appearance is reported once; the movement continues."""
 
     async def scene() -> None:
         async with _contested(exclusive=False) as (robot, driver, problems):
@@ -130,7 +130,7 @@ def test_another_controller_is_reported_at_the_start_and_when_it_appears() -> No
 
 @pytest.mark.parametrize("first", [True, False])
 def test_an_exclusive_movement_is_refused_or_ended(first: bool) -> None:  # noqa: FBT001 - a case
-    """With another controller there it is KG829 and nothing is sent; when one appears it ends with zero."""
+    """With another controller present it is KG829 and nothing is sent; when one appears it ends with zero."""
 
     async def scene() -> None:
         async with _contested(exclusive=True) as (robot, driver, problems):
@@ -152,7 +152,7 @@ def test_an_exclusive_movement_is_refused_or_ended(first: bool) -> None:  # noqa
 
 
 def test_who_is_no_other_controller() -> None:
-    """A watchdog of kg, a dead node, navigation, and what DDS has not named yet are none; a second kg is one."""
+    """A watchdog of kg, a dead node, navigation, and unnamed DDS nodes do not count; a second kg does."""
     names = ("/kg_7", "/kg_watchdog_7", "/dead", "/move_base", "/_participant_0a1b")
     nodes = tuple(LiveNode(name, problem="it does not answer" if name == "/dead" else None) for name in names)
     ends = (

@@ -1,4 +1,4 @@
-"""A part of a robot is moved by one thing at a time."""
+"""Only one command moves a part of a robot at a time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LONG = 10**6
 
 
 def _of(*names: str, node: str) -> Capabilities:
-    """Return capabilities of which driving has ways with these names, each of a node `NAME/node`."""
+    """Return capabilities with driving ways of these names, each of a node `NAME/node`."""
     way = DRIVING.ways[0]
     ways = tuple(replace(way, name=f"/{name}/cmd_vel", node=f"/{name}/{node}") for name in names)
     return Capabilities(of="several", capabilities=(replace(DRIVING, moves="base", ways=ways),))
@@ -32,7 +32,7 @@ async def _refused(robot: Rover, name: str, arguments: dict[str, float], way: st
 
 
 def test_a_movement_beside_a_goal_is_refused() -> None:
-    """Who would drive while a goal is carried out is told what moves the robot; nothing is sent, the goal goes on."""
+    """Driving during a goal is rejected with the current command; nothing is sent, the goal continues."""
 
     async def scene() -> None:
         async with rover(capabilities=ONE_PART) as robot:
@@ -53,7 +53,7 @@ def test_a_movement_beside_a_goal_is_refused() -> None:
 
 
 def test_a_goal_beside_a_movement_is_refused() -> None:
-    """So is a goal while the robot is driven, and the same movement by another topic; the former goes on."""
+    """A goal during driving is rejected, and so is driving by another topic; the first command continues."""
 
     async def scene() -> None:
         async with rover(capabilities=ONE_PART) as robot:
@@ -75,7 +75,7 @@ def test_a_goal_beside_a_movement_is_refused() -> None:
 
 
 def test_two_robots_are_driven_at_a_time() -> None:
-    """Nodes of the same name in two namespaces are two robots; two topics into one node are one."""
+    """Nodes of the same name in two namespaces are two robots; two topics of one node belong to one."""
 
     async def together(capabilities: Capabilities) -> list[str]:
         async with rover(capabilities=capabilities) as robot:
@@ -95,7 +95,7 @@ def test_two_robots_are_driven_at_a_time() -> None:
 
 @given(st.lists(st.from_regex(r"(/[ab]){0,2}/[cd]", fullmatch=True)))
 def test_robots_are_told_by_their_nodes(nodes: list[str]) -> None:
-    """A namespace is a robot if, and only if, it has a node that stands in another namespace too."""
+    """A namespace is a robot if, and only if, it has a node whose name occurs in another namespace too."""
     within = {tuple(node[1:].split("/", 1)) for node in nodes if node.count("/") > 1}
     expected = {
         space for space, name in within if any(other != space and (other, name) in within for other, _ in within)
@@ -104,7 +104,7 @@ def test_robots_are_told_by_their_nodes(nodes: list[str]) -> None:
 
 
 def test_what_moves_nothing_is_never_refused() -> None:
-    """What the ontology says moves no part goes beside everything."""
+    """A capability that moves no part according to the ontology is never excluded."""
     beside = replace(COUNTING, moves=None, ways=(*COUNTING.ways, Way(kind="topic", name="/x", type="t/T", node="/n")))
 
     async def scene() -> str:

@@ -29,7 +29,7 @@ paths: st.SearchStrategy[Path] = st.recursive(st.builds(Field, st.none(), names)
 
 @given(paths)
 def test_a_path_is_read_as_it_is_written(path: Path) -> None:
-    """Parsing the text of a path gives the path; its text is the same again."""
+    """The text of a path parses to the path, and is the same when written again."""
     try:
         again = parse(str(path))
     except RobotError as error:
@@ -41,7 +41,7 @@ def test_a_path_is_read_as_it_is_written(path: Path) -> None:
 
 @given(st.text(alphabet="ab._[]()0123,-e \n", max_size=30))
 def test_any_text_is_a_path_or_an_error(text: str) -> None:
-    """Whatever is written is a path, whose text means the same, or is refused with KG826."""
+    """Any text is a path with an equivalent text, or KG826."""
     try:
         path = parse(text)
     except RobotError as error:
@@ -54,7 +54,7 @@ def test_any_text_is_a_path_or_an_error(text: str) -> None:
     "text", ["", ".x", "x.", "x[", "x[1.5]", "f(", "f()", "f(x", "x y", "3", "x..y", "f(x,)", "é", "(" * 99, "a(" * 99]
 )
 def test_what_is_no_path_is_refused(text: str) -> None:
-    """A text that is no path is KG826."""
+    """An invalid path is KG826."""
     with pytest.raises(RobotError) as refused:
         parse(text)
     assert refused.value.code == "KG826"
@@ -116,13 +116,13 @@ ROW = {
     ],
 )
 def test_what_is_at_a_path(text: str, expected: object) -> None:
-    """A path leads to its value; what is not there, and NaN, is None; readings that do not count are left out."""
+    """A path leads to its value; missing values and NaN are None; invalid readings are skipped."""
     found = look(parse(text), ROW)
     assert found == (pytest.approx(expected) if isinstance(expected, float) else expected)
 
 
 def test_scans_from_minus_pi() -> None:
-    """A scan that begins behind the robot is read at the same angles; what it does not cover is nothing."""
+    """A scan starting behind the robot is read at the same angles; uncovered angles give no value."""
     step = math.pi / 2
     scan = {"ranges": [4.0, 3.0, 1.0, 2.0], "angle_min": -math.pi, "angle_increment": step, "range_max": 10.0}
     for text, expected in (("0", 1.0), ("1.5708", 2.0), ("-1.5708", 3.0), ("3.14159", 4.0)):
@@ -134,7 +134,7 @@ def test_scans_from_minus_pi() -> None:
 
 @given(st.floats(-math.pi + 1e-6, math.pi - 1e-6))
 def test_a_heading_is_read_as_it_was_put(heading: float) -> None:
-    """`yaw` puts a quaternion of length one, and reads the heading back."""
+    """`yaw` writes a unit quaternion, and reads the heading back."""
     message: dict[str, dict[str, dict[str, float]]] = {}
     put(parse("yaw(pose.orientation)"), message, heading)
     turned = message["pose"]["orientation"]
@@ -148,7 +148,7 @@ def test_a_heading_is_read_as_it_was_put(heading: float) -> None:
     st.lists(names, min_size=1, max_size=4, unique=True),
 )
 def test_a_number_is_read_as_it_was_put(number: float, factor: float, steps: list[str]) -> None:
-    """A field, scaled or not, is read as it was put, wherever it is."""
+    """A field, scaled or not, is read as it was written, wherever it is."""
     for text in (".".join(steps), f"scaled({'.'.join(steps)},{factor})"):
         message: dict[str, object] = {}
         put(parse(text), message, number)
@@ -157,7 +157,7 @@ def test_a_number_is_read_as_it_was_put(number: float, factor: float, steps: lis
 
 @pytest.mark.parametrize("text", ["minimum(ranges)", "markers[].id", "markers[0]", "markers[-1].id", "at(ranges,0)"])
 def test_what_only_reads_is_not_put(text: str) -> None:
-    """A path that has no one field is KG826 when something is put there."""
+    """Writing to a path that is not a single field is KG826."""
     with pytest.raises(RobotError) as refused:
         put(parse(text), {}, 1.0)
     assert refused.value.code == "KG826"
@@ -165,7 +165,7 @@ def test_what_only_reads_is_not_put(text: str) -> None:
 
 @pytest.mark.parametrize("text", ["yaw(battery)", "distance(header)", "count(battery)", "scaled(header,2)"])
 def test_a_function_of_another_kind_of_field(text: str) -> None:
-    """A function of a field that it cannot be of is KG826, not a crash."""
+    """A function applied to an unsuitable field is KG826, not a crash."""
     with pytest.raises(RobotError) as refused:
         look(parse(text), ROW)
     assert refused.value.code == "KG826"
@@ -186,7 +186,7 @@ def test_a_function_of_another_kind_of_field(text: str) -> None:
     ],
 )
 def test_paths_are_checked_against_the_type(text: str, says: str | None) -> None:
-    """A field that the message type does not have is found before any message comes."""
+    """An unknown field of the message type is reported before any message arrives."""
     types = Types(1)
     if says is None:
         check(parse(text), types, "nav_msgs/Odometry")
@@ -198,7 +198,7 @@ def test_paths_are_checked_against_the_type(text: str, says: str | None) -> None
 
 
 def test_an_element_is_made_on_the_way_to_a_field() -> None:
-    """What lies on the way is created up to the index; fields of one element go into the same."""
+    """Missing elements are created up to the index; fields of one element share it."""
     message: dict[str, Any] = {}
     put(parse("points[0].positions"), message, [1.0])
     put(parse("points[0].time.sec"), message, 2)

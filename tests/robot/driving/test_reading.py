@@ -15,12 +15,12 @@ SCAN = {"ranges": [2.0, 0.5, math.nan], "angle_increment": math.pi / 2, "range_m
 
 
 def odometry(x: float) -> dict[str, Any]:
-    """Return where the rover is."""
+    """Return the odometry of the rover."""
     return {"pose": {"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}}}
 
 
 def test_values_come_by_parameter() -> None:
-    """What is read are the parameters of the capability, of each message in order."""
+    """Values are the parameters of the capability, of each message in order."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -39,7 +39,7 @@ def test_values_come_by_parameter() -> None:
 
 
 def test_what_a_message_does_not_say_is_none() -> None:
-    """NaN is None, a reading that is free is infinite, readings that do not count are left out."""
+    """NaN is None, a free reading is infinite, invalid readings are skipped."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -58,7 +58,7 @@ def test_what_a_message_does_not_say_is_none() -> None:
 
 
 def test_the_newest_value_is_kept() -> None:
-    """`latest` waits for the first message, then gives the newest at once, with one subscription for all who ask."""
+    """`latest` waits for the first message, then returns the newest at once, with one subscription for all callers."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -75,7 +75,7 @@ def test_the_newest_value_is_kept() -> None:
 
 
 def test_nothing_comes() -> None:
-    """When nothing comes in time it is KG825."""
+    """A reading without a value in time is KG825."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -87,7 +87,7 @@ def test_nothing_comes() -> None:
 
 
 def test_no_more_than_asked_for() -> None:
-    """With a rate, values that come too soon after the last one are left out, by the robot's clock."""
+    """With a rate, values too soon after the last one are skipped, by the robot's clock."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -111,7 +111,7 @@ def test_no_more_than_asked_for() -> None:
 
 
 def test_a_service_is_read() -> None:
-    """What only a service tells is asked for once, or at the rate."""
+    """A value available only by service is requested once, or at the rate."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -125,7 +125,7 @@ def test_a_service_is_read() -> None:
 
 
 def test_a_lost_robot_is_told() -> None:
-    """Who reads when the robot is lost gets KG803 with the reason, and so does who asks afterwards."""
+    """When the robot is lost, readers get KG803 with the reason, and so do later callers."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -144,7 +144,7 @@ def test_a_lost_robot_is_told() -> None:
 
 
 def test_reading_ends_with_the_driver() -> None:
-    """Leaving the driver's block ends what is read, without an error."""
+    """Leaving the driver's block ends readings, without an error."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -167,7 +167,7 @@ def test_reading_ends_with_the_driver() -> None:
     [("nonsense", "KG821"), ("drivingAtVelocity", "KG822"), ("flying", "KG822")],
 )
 def test_what_cannot_be_read(name: str, code: str) -> None:
-    """A capability that is not there, is done and not read, or cannot be reached, is told so."""
+    """A missing, write-only or unreachable capability is reported as such."""
 
     async def scene() -> None:
         async with rover() as robot:

@@ -1,4 +1,4 @@
-"""Whatever the sequence of commands, cancellations, stops and losses: the last thing a moved topic gets is zero."""
+"""After any sequence of commands, cancellations, stops and losses, the last message of a moved topic is zero."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ async def _settle() -> None:
 
 
 class _Play:
-    """A sequence that is played on a rover."""
+    """A sequence played on a rover."""
 
     def __init__(self, robot: Rover, clock: SimulatedClock) -> None:
         self.robot = robot
@@ -53,7 +53,7 @@ class _Play:
         self.tasks: list[asyncio.Task[Outcome]] = []
 
     async def step(self, kind: str, *values: object) -> None:
-        """Do one thing, and let what follows from it happen."""
+        """Perform one step, and wait for its effects."""
         driver = self.robot.driver
         if kind == "do":
             topic, forward, seconds = values
@@ -80,24 +80,24 @@ def _fast(robot: Rover) -> dict[str, list[float]]:
 
 
 class _Told(Watchdog):
-    """A watchdog that only knows what it was told to stop."""
+    """A watchdog that only records its registrations."""
 
     def __init__(self) -> None:
         super().__init__("memory://", silence=3600)
         self.moved: set[str] = set()
 
     async def watch_topic(self, topic: str, kind: str, zero: Value) -> None:
-        """Know of a topic that is moved."""
+        """Record a moved topic."""
         assert (kind, zero.get("twist", zero)["linear"]["x"]) == (TOPICS[topic], 0)
         self.moved.add(topic)
 
     async def watch_goal(self, action: str, kind: str, identity: str) -> None:
-        """Know of a goal."""
+        """Record a goal."""
         assert (action, kind) == ("/count", "kg_test/Count")
         self.moved.add(identity)
 
     async def forget(self, key: str) -> None:
-        """Know no more of it."""
+        """Remove a record."""
         self.moved.discard(key)
 
 
@@ -108,9 +108,9 @@ class _Told(Watchdog):
     st.sampled_from([CAPABILITIES, ONE_PART]),
 )
 def test_the_last_thing_is_zero(sequence: list[tuple[object, ...]], end: str, known: Capabilities) -> None:
-    """After any sequence, however the block is left, each topic that was moved got a zero command last.
+    """After any sequence and any exit of the block, each moved topic got a zero command last.
 
-    The watchdog is told of each as long as it moves.
+    The watchdog has a record of each while it moves.
     """
 
     async def scene() -> None:
@@ -153,7 +153,7 @@ def test_a_loss_ends_everything(
     later: bool,  # noqa: FBT001 - as drawn
     known: Capabilities,
 ) -> None:
-    """When the connection is lost in the middle, everything that is done ends, and nothing moves from then on."""
+    """When the connection is lost during a sequence, all work ends, and nothing moves afterwards."""
 
     async def scene() -> None:
         clock = SimulatedClock()
@@ -176,7 +176,7 @@ def test_a_loss_ends_everything(
 
 
 def test_impatience_does_not_cut_stopping_short() -> None:
-    """Who is cancelled again and again leaves a driver with the robot stopped and nothing offered any more."""
+    """Repeated cancellation leaves a driver with the robot stopped and no topic advertised."""
 
     async def scene() -> None:
         async with rover() as robot:

@@ -1,4 +1,4 @@
-"""What a driver does when the robot can do other things: all goes on but what is there no more."""
+"""When the capabilities of a robot change, a driver continues all work except that on removed ones."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ MORE = Capabilities(of="the rover", capabilities=(*CAPABILITIES.capabilities, ms
 
 
 def without(*names: str) -> Capabilities:
-    """Return what the rover can do without some of it."""
+    """Return the capabilities of the rover without some of them."""
     return Capabilities(
         of="the rover", capabilities=tuple(one for one in CAPABILITIES.capabilities if one.name not in names)
     )
 
 
 def where(x: float) -> dict[str, object]:
-    """Return where the rover is."""
+    """Return the odometry of the rover."""
     return {"pose": {"pose": {"position": {"x": x}, "orientation": {"w": 1.0}}}}
 
 
 def test_what_is_there_still_goes_on() -> None:
-    """A movement, a goal and a reading go on when other capabilities come and go, and no zero command is sent."""
+    """A movement, a goal and a reading continue when other capabilities come and go, without a zero command."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -59,7 +59,7 @@ def test_what_is_there_still_goes_on() -> None:
 
 @pytest.mark.parametrize("gone", [DRIVING, COUNTING])
 def test_what_is_there_no_more_ends(gone: object) -> None:
-    """A movement gets its zero command and a goal is cancelled before it is told that its capability is gone: KG822."""
+    """A movement gets its zero command and a goal is cancelled before KG822 reports the removed capability."""
     name = getattr(gone, "name", "")
 
     async def scene() -> None:
@@ -87,7 +87,7 @@ def test_what_is_there_no_more_ends(gone: object) -> None:
 
 
 def test_what_is_read_no_more_ends_and_is_not_old_when_it_is_back() -> None:
-    """A reading ends with KG822, whoever waits for a first value too; what is back has no value of before."""
+    """A reading ends with KG822, even if it waits for its first value; after its return, old values are discarded."""
 
     async def scene() -> None:
         async with rover() as robot:
@@ -114,7 +114,7 @@ def test_what_is_read_no_more_ends_and_is_not_old_when_it_is_back() -> None:
 
 
 def test_what_is_begun_while_others_are_taken_is_not_there_either() -> None:
-    """Who is about to do, or to read, something in the moment in which it goes is told so, and nothing is sent."""
+    """Work started at the moment of the removal gets the same error, and nothing is sent."""
 
     async def scene() -> None:
         async with rover() as robot:

@@ -1,4 +1,4 @@
-"""The process that stops a robot when the one that drives it dies or is silent."""
+"""The watchdog process that stops a robot when its controller dies or is silent."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ NEVER = 3600.0
     ],
 )
 def test_a_broken_pipe_sends_zero(orders: str, expected: int) -> None:
-    """What moves when the pipe ends gets zero commands of now; what stands still, or was said farewell to, none."""
+    """When the pipe closes, moving topics get zero commands with the current time; stopped and released ones do not."""
     stamps: list[int] = []
 
     async def follow(heard: Subscription) -> None:
@@ -73,7 +73,7 @@ def test_a_broken_pipe_sends_zero(orders: str, expected: int) -> None:
 
 
 def test_a_robot_that_was_lost_is_stopped_when_it_is_back() -> None:
-    """A process that outlives the watchdog sends zero once the robot answers again, and then leaves."""
+    """A process that outlives the watchdog sends zero once the robot responds again, and then exits."""
 
     async def scene() -> None:
         async with asyncio.timeout(patient(20)):
@@ -107,7 +107,7 @@ async def _process(address: str, silence: float) -> Process:
 
 
 def test_silence_sends_zero_and_is_reported_once() -> None:
-    """An open pipe without heartbeats stops what moves; the same topic is watched again when it moves again."""
+    """An open pipe without heartbeats stops movements; a topic is watched again when it moves again."""
 
     async def scene() -> None:
         async with Master() as master, asyncio.timeout(patient(20)):
@@ -130,7 +130,7 @@ def test_silence_sends_zero_and_is_reported_once() -> None:
 
 
 def test_heartbeats_keep_a_movement_up() -> None:
-    """As long as the loop of the controller runs nothing is sent, however long the movement takes."""
+    """While the loop of the controller runs nothing is sent, however long the movement takes."""
 
     async def scene() -> None:
         async with Master() as master, asyncio.timeout(patient(20)):
@@ -157,7 +157,7 @@ def test_heartbeats_keep_a_movement_up() -> None:
 def test_a_controller_notices_its_own_pause(
     monkeypatch: pytest.MonkeyPatch, *, moves: bool, pause: float, ends: bool
 ) -> None:
-    """A loop that was blocked while something moves ends that before another velocity is sent."""
+    """After its loop was blocked during a movement, a controller ends it before another velocity is sent."""
     now = 100.0
     monkeypatch.setattr("kg.robot.driving.watchdog.time.clock_gettime", lambda _: now)
 
@@ -181,7 +181,7 @@ def test_a_controller_notices_its_own_pause(
 
 
 def test_a_watchdog_that_is_only_starting_is_not_waited_for() -> None:
-    """A command that is over before its watchdog has begun ends it at once: it does not even ask for the master."""
+    """A command that is over before its watchdog has started ends it at once, before it contacts the master."""
     asked = []
 
     async def scene() -> None:
@@ -199,7 +199,7 @@ def test_a_watchdog_that_is_only_starting_is_not_waited_for() -> None:
 
 
 def test_a_watchdog_ends_with_its_driver() -> None:
-    """It is there from the first movement until it is released, as a node of its own; a robot in memory has none."""
+    """It runs from the first movement until its release, as a separate node; a robot in memory has none."""
 
     async def scene() -> None:
         async with Master() as master, asyncio.timeout(patient(20)):

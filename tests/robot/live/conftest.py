@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    """The settings of a store that is not there yet."""
+    """The settings of a store that does not exist yet."""
     return load({"store": str(tmp_path / ".kg")}, environment={}, folder=tmp_path)
 
 
 @pytest.fixture
 def store(settings: Settings) -> EmbeddedStore:
-    """A store without any content."""
+    """An empty store."""
     assert isinstance(settings.store, Path)
     return EmbeddedStore.create(settings.store)
 
@@ -35,6 +35,6 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def built(workspace: Path, tmp_path: Path) -> Settings:
-    """The settings of a store of the example workspace of the test's own."""
+    """The settings of the test's own copy of a store of the example workspace."""
     shutil.copytree(workspace / ".kg", tmp_path / "built")
     return load({"store": str(tmp_path / "built")}, environment={}, folder=tmp_path)

@@ -1,4 +1,4 @@
-"""Graphs of running systems for tests, as connections give them."""
+"""Graphs of running systems for tests, as returned by connections."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ROVER: Final = ComputationGraph(
 
 
 def without(graph: ComputationGraph, *names: str) -> ComputationGraph:
-    """Return a graph after some nodes have ended."""
+    """Return a graph without some nodes."""
     return ComputationGraph(
         graph.ros,
         tuple(one for one in graph.nodes if one.name not in names),
@@ -46,7 +46,7 @@ def without(graph: ComputationGraph, *names: str) -> ComputationGraph:
 
 
 def graph_of(system: System) -> ComputationGraph:
-    """Return what is seen when a launch file's system runs."""
+    """Return the graph of the running system of a launch file."""
     ends = {
         LiveEnd(node.name, end.declared.role, end.resolved, end.declared.type, end.qos)
         for node in system.instances

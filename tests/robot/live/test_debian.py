@@ -1,4 +1,4 @@
-"""The commands against Debian's ROS 1: its master, and nodes written for rospy."""
+"""The commands with Debian's ROS 1: its master, and nodes written for rospy."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ scan = rospy.Publisher("/scan", LaserScan, queue_size=1)
 
 @pytest.fixture
 def master() -> Iterator[int]:
-    """Give the port of a master with one node."""
+    """Yield the port of a master with one node."""
     with rosmaster() as port, rospy(port, _BASE):
         yield port
 
@@ -60,7 +60,7 @@ def test_a_real_robot_is_asked_what_it_can_do(master: int, tmp_path: Path) -> No
 
 
 def test_a_real_robot_is_kept_in_step(master: int, tmp_path: Path) -> None:
-    """A node that comes and goes is told with what it can do, and Ctrl-C leaves the graph, marked as ended."""
+    """A joining and leaving node is reported with its capabilities; Ctrl-C leaves the graph, marked as ended."""
     command = [sys.executable, "-m", "kg", "robot", "watch", "--name", "debian", "--json"]
     surroundings = {**os.environ, "KG_ROBOT": f"ros1://127.0.0.1:{master}"}
     with subprocess.Popen(command, cwd=tmp_path, env=surroundings, stdout=subprocess.PIPE, text=True) as watching:
@@ -79,7 +79,7 @@ def test_a_real_robot_is_kept_in_step(master: int, tmp_path: Path) -> None:
 
 
 def _wait(watching: subprocess.Popen[str], event: str, what: tuple[str, str] | None) -> None:
-    """Read what is told until something happens."""
+    """Read the output until an event."""
     assert watching.stdout is not None
     for line in watching.stdout:
         told = json.loads(line)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="module")
 def kept(workspace: Path, tmp_path_factory: pytest.TempPathFactory) -> Settings:
-    """The settings of a store of the example workspace, with the rover seen running."""
+    """The settings of a store of the example workspace, with an observation of the running rover."""
     import shutil  # noqa: PLC0415 - of this fixture alone
 
     root = tmp_path_factory.mktemp("kept")
@@ -42,7 +42,7 @@ def kg(kept: Settings, tmp_path: Path) -> Program:
 
 
 def test_instances_are_listed(kg: Program) -> None:
-    """`kg instances` has the running nodes with their code, and where they were seen."""
+    """`kg instances` has the running nodes with their code, and the place of observation."""
     run = kg("instances", "robot/rover", "--json")
     found = {one["name"]: one for one in map(json.loads, run.out.splitlines())}
     base = found["/rover1/base_controller"]
@@ -51,27 +51,27 @@ def test_instances_are_listed(kg: Program) -> None:
 
 
 def test_the_graph_is_drawn(kg: Program) -> None:
-    """`kg graph` draws who talks to whom."""
+    """`kg graph` draws the communication of the nodes."""
     run = kg("graph", "robot/rover")
     assert run.code == 0, run.err
     assert "/rover1/scan_filtered" in run.out
 
 
 def test_lint_says_what_is_wrong(kg: Program) -> None:
-    """`kg lint` finds in the running system what it finds in a launch file, and reaches the line of code."""
+    """`kg lint` has the same findings in the running system as in a launch file, down to the line of code."""
     run = kg("lint", "--launch", "robot/rover")
     assert "KG404" in run.out + run.err
     assert "base_controller.cpp:" in run.out
 
 
 def test_why_ends_in_code_and_in_the_peer(kg: Program) -> None:
-    """The proof of a live capability ends in the line of code, and in the peer that showed the node, with the time."""
+    """The proof of a live capability ends in the line of code, and in the peer that reported the node, with time."""
     run = kg("why", "/rover1/scan_filter", "rnkg:hasCapability", "capability:laserScanning")
     assert "scan_filter_nodelet.cpp:30" in run.out
 
 
 def test_pages_show_it_as_a_system(kept: Settings) -> None:
-    """The views of systems and of one have it, with its nodes and the picture."""
+    """The views of systems and of one system include it, with its nodes and the picture."""
     with reading(kept) as snapshot:
         (row,) = [one for one in systems(snapshot, kept)["systems"] if one["name"] == "robot/rover"]
         found = system(snapshot, kept, name="robot/rover")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def test_the_graph_alone_tells_what_a_robot_can_do(settings: Settings) -> None:
-    """Without any store, what nodes publish can be read, and what they subscribe or serve can be written."""
+    """Without any store, topics that nodes publish are readable, and those they subscribe to or serve are writable."""
     found = {one.name: one for one in infer(ROVER, settings, address=ADDRESS).capabilities}
     drive = found["drivingAtVelocity"]
     assert drive.modality == "write"
@@ -42,14 +42,14 @@ def test_the_graph_alone_tells_what_a_robot_can_do(settings: Settings) -> None:
 
 
 def test_node_topic_and_message_together_tell_what_a_message_alone_does_not(settings: Settings) -> None:
-    """An empty message is a take-off where its topic says so."""
+    """An empty message means take-off if its topic is named so."""
     found = {one.name: one for one in infer(ROVER, settings, address=ADDRESS).capabilities}
     assert [way.name for way in found["takingOff"].ways] == ["/takeoff"]
     assert "landing" not in found
 
 
 def test_general_capabilities_follow_and_have_no_way_of_their_own(settings: Settings) -> None:
-    """A general capability is there with what it follows from."""
+    """A general capability is present with the specific ones that imply it."""
     found = {one.name: one for one in infer(ROVER, settings, address=ADDRESS).capabilities}
     assert found["localizing"].ways == ()
     assert found["localizing"].implied_by == ("sensingPose",)
@@ -57,7 +57,7 @@ def test_general_capabilities_follow_and_have_no_way_of_their_own(settings: Sett
 
 
 def test_capabilities_are_those_of_the_nodes_that_run(settings: Settings) -> None:
-    """Without the node that moves the robot it cannot be moved; nothing is left of an earlier graph."""
+    """Without its node the robot cannot be moved; nothing of an earlier graph remains."""
     names = {one.name for one in infer(without(ROVER, "/base"), settings, address=ADDRESS).capabilities}
     assert "takingOff" in names
     assert "drivingAtVelocity" not in names
@@ -65,7 +65,7 @@ def test_capabilities_are_those_of_the_nodes_that_run(settings: Settings) -> Non
 
 
 def test_a_robot_in_memory_is_looked_at_as_any_other(settings: Settings) -> None:
-    """A connection gives the graph, without our own node, and rules say what the robot can do."""
+    """A connection gives the graph, without our own node, and rules derive the capabilities."""
     with Bus(uuid4().hex, types=types_for_tests(1)) as bus:
 
         async def seen() -> ComputationGraph:

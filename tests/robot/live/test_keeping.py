@@ -43,7 +43,7 @@ def _inferred(store: EmbeddedStore, settings: Settings) -> set[str]:
 
 
 def test_what_runs_is_in_the_store_with_what_follows(store: EmbeddedStore, settings: Settings) -> None:
-    """The store says the same of a running system as inference in memory."""
+    """The store has the same facts about a running system as inference in memory."""
     kept = _keeper(store, settings).keep(ROVER)
     with store.read() as snapshot:
         iri = Iris(settings.base).configuration(RUNNING, _NAME)
@@ -53,7 +53,7 @@ def test_what_runs_is_in_the_store_with_what_follows(store: EmbeddedStore, setti
 
 
 def test_nothing_is_written_where_nothing_changed(store: EmbeddedStore, settings: Settings) -> None:
-    """The same graph again makes no generation, and knows as much."""
+    """The same graph again creates no generation, and the facts are the same."""
     keeper = _keeper(store, settings)
     first, second = keeper.keep(ROVER), keeper.keep(ROVER)
     assert (first.generation, second.generation) == (1, None)
@@ -61,7 +61,7 @@ def test_nothing_is_written_where_nothing_changed(store: EmbeddedStore, settings
 
 
 def test_nodes_that_go_take_their_capabilities_along(store: EmbeddedStore, settings: Settings) -> None:
-    """What followed from a node that has ended follows no more, and comes back with it."""
+    """Triples inferred from an ended node disappear, and return with it."""
     keeper = _keeper(store, settings)
     before = keeper.keep(ROVER).held
     gone = before.keys() - keeper.keep(without(ROVER, "/base")).held.keys()
@@ -70,7 +70,7 @@ def test_nodes_that_go_take_their_capabilities_along(store: EmbeddedStore, setti
 
 
 def test_a_store_that_another_process_wrote_is_read_again(store: EmbeddedStore, settings: Settings) -> None:
-    """A graph that somebody dropped in the meantime is written anew."""
+    """A graph dropped by another process is written again."""
     keeper = _keeper(store, settings)
     keeper.keep(ROVER)
     with store.write("test") as transaction:
@@ -81,7 +81,7 @@ def test_a_store_that_another_process_wrote_is_read_again(store: EmbeddedStore, 
 
 
 def test_the_end_is_marked(store: EmbeddedStore, settings: Settings) -> None:
-    """When watching ends the graph stays, with the time."""
+    """When watching ends the graph remains, with the time."""
     keeper = _keeper(store, settings)
     keeper.keep(ROVER)
     keeper.keep(ROVER, until="2026-05-01T12:00:00Z")
@@ -93,7 +93,7 @@ def test_the_end_is_marked(store: EmbeddedStore, settings: Settings) -> None:
 def test_a_change_that_could_not_be_written_is_written_later(
     store: EmbeddedStore, settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A transaction that fails leaves the keeper knowing that the store has not what it wrote."""
+    """After a failed transaction, the keeper writes the change again."""
     keeper = _keeper(store, settings)
     keeper.keep(ROVER)
     less = without(ROVER, "/drone")
@@ -129,7 +129,7 @@ _GRAPHS = st.dictionaries(st.sampled_from(_NODES), st.sets(_WAYS, max_size=3)).m
 @given(st.lists(_GRAPHS, min_size=2, max_size=4))
 @examples(max_examples=4)
 def test_any_sequence_of_changes_gives_what_the_last_graph_gives(graphs: list[ComputationGraph]) -> None:
-    """What is maintained from change to change is what is inferred from the last graph in a store of its own."""
+    """The result maintained incrementally equals the one inferred from the last graph in a fresh store."""
     with tempfile.TemporaryDirectory() as folder:
         found = []
         for name, sequence in (("maintained", graphs), ("anew", graphs[-1:])):
@@ -144,7 +144,7 @@ def test_any_sequence_of_changes_gives_what_the_last_graph_gives(graphs: list[Co
 
 
 def test_running_nodes_are_told_to_be_of_the_code_of_the_store(built: Settings) -> None:
-    """What runs is recognized by name and interface, so that evidence reaches the code, and findings are found."""
+    """Running nodes are matched with code by name and interface, which links evidence and findings to the code."""
     store = existing(built)
     (rover,) = chosen(built, store, "rover.launch", {}, {})
     keeper = _keeper(store, built)

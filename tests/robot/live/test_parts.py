@@ -49,7 +49,7 @@ _TIMES: Final = st.dictionaries(
 def test_what_came_and_went_adds_up_to_the_whole(
     sequence: list[tuple[ComputationGraph, dict[str, str]]], left_out: set[bytes]
 ) -> None:
-    """After any changes the lines are those of the last graph; what went was there, and what came was not."""
+    """After any changes the lines are those of the last graph; removed lines existed before, added ones did not."""
     parts, instances = Parts(_IRIS, left_out), Instances()
     lines = set[bytes]()
     for graph, times in sequence:
@@ -67,7 +67,7 @@ def test_what_came_and_went_adds_up_to_the_whole(
 
 
 def test_a_change_says_nothing_of_nodes_that_stay() -> None:
-    """When the first of many nodes goes, only what it alone said goes."""
+    """When the first of many nodes leaves, only the lines it alone caused are removed."""
     names = [f"/node{number}" for number in range(9)]
     ends = tuple(LiveEnd(name, Role.PUBLISHES, "/rosout", "rosgraph_msgs/Log") for name in names)
     graph = ComputationGraph(1, tuple(map(LiveNode, names)), ends)

@@ -1,4 +1,4 @@
-"""Capabilities that are kept between commands."""
+"""The cache of capabilities between commands."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ def _cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def settings(tmp_path: Path) -> Settings:
-    """Settings with a folder of rules of one's own."""
+    """Settings with a folder of user rules."""
     (tmp_path / "rules").mkdir()
     return load({"rules": str(tmp_path / "rules")}, environment={})
 
 
 def test_the_second_time_no_rule_runs(settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same robot has the same capabilities, although its nodes have other addresses; nothing is inferred."""
+    """The same robot has the same capabilities without inference, although its nodes have other addresses."""
     first = infer(GRAPH, settings, address="ros1://here:11311")
     monkeypatch.setattr(inference, "infer_system", None)
     again = replace(GRAPH, nodes=(LiveNode("/laser", "http://here:2"),))
@@ -49,7 +49,7 @@ def test_the_second_time_no_rule_runs(settings: Settings, monkeypatch: pytest.Mo
 
 
 def test_another_graph_rule_or_name_is_inferred(settings: Settings, tmp_path: Path) -> None:
-    """What capabilities follow from is part of the key."""
+    """The key covers all input of the capabilities."""
     before = cache_key(GRAPH, settings, ("a",))
     assert cache_key(replace(GRAPH, ends=()), settings, ("a",)) != before
     assert cache_key(GRAPH, settings, ("b",)) != before
@@ -58,7 +58,7 @@ def test_another_graph_rule_or_name_is_inferred(settings: Settings, tmp_path: Pa
 
 
 def test_a_broken_file_is_made_again() -> None:
-    """What is not JSON of capabilities counts as absent, and is replaced."""
+    """A cache file without valid JSON counts as missing, and is replaced."""
     made = Capabilities(of="here")
     remembered("a", lambda: made)
     (cache_folder() / "a.json").write_bytes(b"{")
@@ -67,7 +67,7 @@ def test_a_broken_file_is_made_again() -> None:
 
 
 def test_there_are_so_many_files_at_most() -> None:
-    """The files used least recently go; one that is used stays."""
+    """The least recently used files are removed; one that is used remains."""
     for number in range(MOST):
         remembered(f"{number}", lambda: Capabilities(of="x"))
         os.utime(cache_folder() / f"{number}.json", (number, number))
@@ -80,7 +80,7 @@ def test_there_are_so_many_files_at_most() -> None:
 
 
 def test_several_at_once_leave_whole_files() -> None:
-    """Whoever reads meanwhile gets all or nothing, and no temporary file stays."""
+    """A concurrent reader gets a complete file or none, and no temporary file remains."""
     made = Capabilities(of="x" * 10_000)
     found: list[Capabilities] = []
     threads = [Thread(target=lambda: found.append(remembered("a", lambda: made))) for _ in range(8)]
@@ -93,14 +93,14 @@ def test_several_at_once_leave_whole_files() -> None:
 
 
 def test_without_a_folder_nothing_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A cache that cannot be written costs nothing but time."""
+    """Without a writable cache only time is lost."""
     (tmp_path / "file").write_text("", encoding="utf-8")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     assert remembered("a", lambda: Capabilities(of="here")).of == "here"
 
 
 def test_what_is_kept_looks_the_same(settings: Settings) -> None:
-    """Capabilities that were kept are told as those that were inferred, also as JSON."""
+    """Cached capabilities are shown like inferred ones, also as JSON."""
     first = infer(GRAPH, settings, address="ros1://here:11311")
     again = infer(GRAPH, settings, address="ros1://here:11311")
     assert msgspec.json.encode(again) == msgspec.json.encode(first)

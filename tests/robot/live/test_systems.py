@@ -20,7 +20,7 @@ _SEEN = Seen(ADDRESS, "localhost:11311", "2026-05-01T12:00:00Z")
 
 
 def test_a_running_system_is_read_back_as_it_was_written(settings: Settings, store: EmbeddedStore) -> None:
-    """What is read of the graph of a running system are the facts that it was written from."""
+    """The facts read from the graph of a running system equal those written."""
     from pyoxigraph import NamedNode  # noqa: PLC0415 - of this test alone
 
     iris, seen = Iris(settings.base), system_of(ROVER, _SEEN)
@@ -47,7 +47,7 @@ def test_a_running_system_is_read_back_as_it_was_written(settings: Settings, sto
 
 
 def test_a_node_with_a_problem_is_not_complete() -> None:
-    """A node that is dead is there, with what is wrong, and nothing is concluded from what it lacks."""
+    """A dead node is present, with its problem, and its missing interfaces allow no conclusion."""
     graph = ComputationGraph(1, (LiveNode("/dead", None, "it does not answer"),))
     (instance,) = system_of(graph, _SEEN).instances
     assert (instance.complete, instance.reason) == (False, "it does not answer")
@@ -72,7 +72,7 @@ def test_what_ros_makes_of_every_node_is_implicit(
     ros: int,
     implicit: bool,  # noqa: FBT001 - as above
 ) -> None:
-    """Ends that ROS itself makes of every node are told from those that the code of the node makes."""
+    """Ends that ROS creates for every node are distinguished from those of the node's code."""
     assert is_implicit(role, name, node, ros) is implicit
 
 
@@ -86,5 +86,5 @@ def test_what_ros_makes_of_every_node_is_implicit(
     ],
 )
 def test_a_system_is_named_by_its_address(address: str, name: str) -> None:
-    """The name of a system is its address, without the scheme where that is ROS 1's."""
+    """The name of a system is its address, without the scheme for ROS 1."""
     assert name_of(address) == name

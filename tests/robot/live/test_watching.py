@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def bus() -> Iterator[Bus]:
-    """Give a system in memory."""
+    """Yield a system in memory."""
     with Bus(uuid4().hex, types=types_for_tests(1)) as made:
         yield made
 
 
 async def _until(events: AsyncIterator[Event], true: Callable[[Event], bool]) -> list[Event]:
-    """Return the events up to the first for which something holds."""
+    """Return the events up to the first that satisfies a condition."""
     found: list[Event] = []
     async with asyncio.timeout(patient(20)):
         async for event in events:
@@ -53,7 +53,7 @@ def _kept(event: Event) -> bool:
 
 
 def test_what_comes_and_goes_is_told_and_kept(bus: Bus, store: EmbeddedStore, settings: Settings) -> None:
-    """Nodes, ends and capabilities are told as they come and go, and the store is in step."""
+    """Changes of nodes, ends and capabilities are reported, and the store is up to date."""
 
     async def run() -> tuple[list[Event], list[Event], list[Event]]:
         watching = Watching(store, settings, address=bus.address, name="office")
@@ -85,7 +85,7 @@ def test_what_comes_and_goes_is_told_and_kept(bus: Bus, store: EmbeddedStore, se
 
 
 def test_one_look_is_enough_for_a_snapshot(bus: Bus, store: EmbeddedStore, settings: Settings) -> None:
-    """`once` takes the system into the store as it is."""
+    """`once` writes the current system to the store."""
     watching = Watching(store, settings, address=bus.address)
 
     async def run() -> list[Event]:
@@ -99,7 +99,7 @@ def test_one_look_is_enough_for_a_snapshot(bus: Bus, store: EmbeddedStore, setti
 
 
 def test_a_robot_that_is_lost_is_waited_for(bus: Bus, store: EmbeddedStore, settings: Settings) -> None:
-    """A connection that breaks is told, the graph stays, and when the robot is there again it goes on."""
+    """A lost connection is reported, the graph remains, and watching resumes when the robot is back."""
 
     async def run() -> list[Event]:
         watching = Watching(store, settings, address=bus.address)
@@ -116,7 +116,7 @@ def test_a_robot_that_is_lost_is_waited_for(bus: Bus, store: EmbeddedStore, sett
 
 
 def test_without_a_robot_it_is_said_how_to_have_one(store: EmbeddedStore, settings: Settings) -> None:
-    """Where nothing answers at the beginning it is an error, with the way to a simulated robot."""
+    """No response at the start is an error, with the way to a simulated robot."""
 
     async def run() -> None:
         watching = Watching(store, settings, address="memory://nobody")
@@ -130,7 +130,7 @@ def test_without_a_robot_it_is_said_how_to_have_one(store: EmbeddedStore, settin
 
 
 def test_a_store_that_another_process_writes_is_waited_for(bus: Bus, store: EmbeddedStore, settings: Settings) -> None:
-    """While somebody else writes, that is told once, and what was seen is kept afterwards."""
+    """A lock by another writer is reported once, and the observation is stored afterwards."""
 
     async def run() -> list[Event]:
         watching = Watching(store, settings, address=bus.address)
@@ -147,7 +147,7 @@ def test_a_store_that_another_process_writes_is_waited_for(bus: Bus, store: Embe
 def test_who_stops_while_the_store_is_written_leaves_it_whole(
     bus: Bus, store: EmbeddedStore, settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Watching that is ended in the middle of a change keeps that change, and marks the graph as seen last."""
+    """Watching that is interrupted during a change completes it, and marks the graph as seen last."""
     keep = Keeper.keep
     writing, go = threading.Event(), threading.Event()
 
@@ -181,7 +181,7 @@ def test_who_stops_while_the_store_is_written_leaves_it_whole(
 
 
 def test_states_of_managed_nodes_are_told() -> None:
-    """A node that is in another state than before is told with it; one that has none is not."""
+    """A changed state of a managed node is reported; a node without one is not."""
     before = ComputationGraph(2, (LiveNode("/base", state="inactive"), LiveNode("/laser")))
     after = ComputationGraph(2, (LiveNode("/base", state="active"), LiveNode("/laser")))
     kept = Kept(None, {})

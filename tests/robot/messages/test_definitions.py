@@ -1,4 +1,4 @@
-"""Types that are known beforehand, and those that a peer tells."""
+"""Types known in advance, and types learned from peers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SEPARATOR = "=" * 80
 @pytest.mark.ros
 @pytest.mark.skipif(not (DEBIAN / "std_msgs" / "msg").is_dir(), reason="Debian's ROS 1 messages are not installed")
 def test_sums_are_those_of_debian() -> None:
-    """The MD5 sum of every message and service type that Debian installs is that of kg, which knows them all."""
+    """The MD5 sums of all message and service types installed by Debian equal those of kg."""
     environment = {"PATH": "/usr/bin:/bin", "PYTHONDONTWRITEBYTECODE": "1", "LC_ALL": "C.UTF-8"}
     answer = subprocess.run(
         ["/usr/bin/python3", "-c", SUMS, str(DEBIAN)],
@@ -69,13 +69,13 @@ def test_sums_are_those_of_debian() -> None:
     ],
 )
 def test_sorts(name: str, ros: int, sort: str | None) -> None:
-    """Common messages, services and actions are known, and told apart."""
+    """Common messages, services and actions are known, and distinguished."""
     assert Types(ros).sort(name) == sort
 
 
 @pytest.mark.parametrize("ros", [1, 2])
 def test_every_text_of_the_library_is_a_definition(ros: int) -> None:
-    """Every type that comes with kg has fields, a definition and an encoding of its default value."""
+    """Every type shipped with kg has fields, a definition and an encoding of its default value."""
     types = Types(ros)
     for index, name in enumerate(types.names()):
         if index % 8:
@@ -85,7 +85,7 @@ def test_every_text_of_the_library_is_a_definition(ros: int) -> None:
 
 
 def test_names_of_parts_of_actions_of_ros_1() -> None:
-    """The goal of an action has the name of ROS 1, and the one that is the same in ROS 1 and 2."""
+    """The goal of an action has the name of ROS 1, and the one shared by ROS 1 and 2."""
     types = Types(1)
     assert types.md5("move_base_msgs/MoveBase_Goal") == types.md5("move_base_msgs/MoveBaseGoal")
     types.define("a/Walk", "int32 steps\n---\nbool arrived\n---\nint32 step", "action")
@@ -98,7 +98,7 @@ def test_names_of_parts_of_actions_of_ros_1() -> None:
 
 
 def test_definition_of_a_peer_counts_more_than_the_library() -> None:
-    """A robot may have another version of a package than kg; the first definition that is told is taken."""
+    """A robot may have another version of a package than kg; the first definition received wins."""
     types = Types(1)
     before = types.md5("ardrone_autonomy/Navdata")
     types.define("ardrone_autonomy/Navdata", "Header header\nfloat32 batteryPercent\n")
@@ -110,7 +110,7 @@ def test_definition_of_a_peer_counts_more_than_the_library() -> None:
 
 
 def test_definition_of_a_peer_does_not_change_a_standard_type() -> None:
-    """What every distribution has cannot be told otherwise."""
+    """Types of every distribution cannot be redefined."""
     types = Types(1)
     with pytest.raises(RobotError) as caught:
         types.define("a/A", f"std_msgs/String s\n{SEPARATOR}\nMSG: std_msgs/String\nint8 data")
@@ -119,7 +119,7 @@ def test_definition_of_a_peer_does_not_change_a_standard_type() -> None:
 
 
 def test_sum_keeps_the_text_of_constants() -> None:
-    """Constants are summed as they are written, and comments are not: the rule of ROS."""
+    """Constants are summed as written, and comments are not: the rule of ROS."""
     types = Types(1)
     types.define("a/Hex", "# words\nuint8 A = 0x10 # more\nstring B= text # of it \nuint8[] data # last\n")
     assert types.definition("a/Hex") == "uint8 A=0x10\nstring B=text # of it\nuint8[] data\n"
@@ -146,7 +146,7 @@ def test_sum_keeps_the_text_of_constants() -> None:
     ],
 )
 def test_bad_definitions(text: str) -> None:
-    """A text that is no definition, or that asks for more than anyone could keep, is refused with KG810."""
+    """An invalid definition, or one with excessive sizes, is rejected with KG810."""
     with pytest.raises(RobotError) as caught:
         Types(1).define("a/A", text)
     assert caught.value.code == "KG810"
@@ -154,7 +154,7 @@ def test_bad_definitions(text: str) -> None:
 
 @pytest.mark.parametrize("name", ["", "a", "/a/b", "a/b/c", "a/b'", "a b/c", 'a/b"""', "ä/b"])
 def test_names_that_are_none(name: str) -> None:
-    """A name that is no `package/Type` is refused, and never becomes code."""
+    """A name other than `package/Type` is rejected, and never becomes code."""
     types = Types(1)
     with pytest.raises(RobotError) as caught:
         types.define(name, "int8 a")
@@ -167,7 +167,7 @@ def test_names_that_are_none(name: str) -> None:
 @given(st.text(alphabet=st.sampled_from("int8 []<=/#aZ_\n\r\t=MSG:string 0193\"'\\;()"), max_size=200))
 @settings(max_examples=150, deadline=None)
 def test_any_text_is_refused_or_learned(text: str) -> None:
-    """Whatever a peer tells is learned, or refused with a code."""
+    """Any text from a peer is learned, or rejected with a code."""
     types = SHARED
     name = f"fuzz/T{len(types.names())}"
     try:
@@ -184,13 +184,13 @@ SHARED = Types(1)
 
 
 def test_an_action_of_the_library_has_its_topics() -> None:
-    """The message of a goal's topic is known whichever part of its action is asked for first."""
+    """The message of a goal's topic is known whichever part of its action is requested first."""
     assert Types(1).md5("move_base_msgs/MoveBaseActionGoal") == "660d6895a1b9a16dce51fbdd9a64a56b"
 
 
 @pytest.mark.parametrize("field", ["wstring words", "wstring[] words"])
 def test_texts_of_wide_characters_are_named(field: str) -> None:
-    """A definition with a `wstring` is refused with what it is, not as a type that nobody knows."""
+    """A definition with a `wstring` is rejected by that name, not as an unknown type."""
     with pytest.raises(RobotError) as wide:
         Types(2).define("a_msgs/Words", field)
     assert (wide.value.code, "16-bit characters" in wide.value.message) == ("KG804", True)

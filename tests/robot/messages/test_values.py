@@ -1,4 +1,4 @@
-"""Values to bytes and back, in both encodings."""
+"""Encoding and decoding of values, in both encodings."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def messages(draw: st.DrawFn, depth: int = 0) -> tuple[str, dict[str, Any], list
 @given(message=messages())
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_round_trip(ros: int, message: tuple[str, dict[str, Any], list[tuple[str, str]]]) -> None:
-    """Any value of any type is what comes back from its bytes."""
+    """Any value of any type equals its decoded bytes."""
     text, value, used = message
     types = TYPES[ros]
     if len({kind for kind, _ in used}) < len(used):
@@ -82,7 +82,7 @@ def test_round_trip(ros: int, message: tuple[str, dict[str, Any], list[tuple[str
 @given(content=st.binary(max_size=64), cut=st.integers(0, 900))
 @settings(max_examples=40, deadline=None)
 def test_any_bytes_are_a_value_or_refused(ros: int, name: str, content: bytes, cut: int) -> None:
-    """Bytes that are no value are refused with KG810, whatever lengths they promise."""
+    """Invalid bytes are rejected with KG810, whatever lengths they declare."""
     types = TYPES[ros]
     whole = types.encode(name, {})
     for bad in (content, whole[:cut] + content, whole[: max(4, cut)] + b"\xff" * 8):
@@ -117,7 +117,7 @@ def test_any_bytes_are_a_value_or_refused(ros: int, name: str, content: bytes, c
     ],
 )
 def test_values_that_do_not_fit(name: str, value: dict[str, Any], field: str) -> None:
-    """A value that does not fit is refused with KG805, and the message names its field."""
+    """An unsuitable value is rejected with KG805, and the message names its field."""
     for types in TYPES.values():
         with pytest.raises(RobotError) as caught:
             types.encode(name, value)
@@ -127,7 +127,7 @@ def test_values_that_do_not_fit(name: str, value: dict[str, Any], field: str) ->
 
 @pytest.mark.parametrize("value", [{"data": "\ud800"}, {"other": 1}, {3: 1}, [], "text"])
 def test_odd_values(value: Any) -> None:
-    """What is no dict of the fields, or no text of Unicode, is refused with KG805."""
+    """A value other than a dict of the fields, or invalid Unicode, is rejected with KG805."""
     with pytest.raises(RobotError) as caught:
         TYPES[1].encode("std_msgs/String", value)
     assert caught.value.code == "KG805"

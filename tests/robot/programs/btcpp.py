@@ -1,4 +1,4 @@
-"""The rules of BehaviorTree.CPP 4 for its XML, and sound programs made at random that have behaviour trees."""
+"""The rules of BehaviorTree.CPP 4 for its XML, and random valid programs that have behaviour trees."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["programs", "violations"]
 
-# For each standard node that kg writes: its ports, those it needs, and the least and most children it has.
+# For each standard node written by kg: its ports, the required ones, and the least and most children.
 NODES: Final[dict[str, tuple[set[str], set[str], int, int]]] = {
     "AlwaysFailure": (set(), set(), 0, 0),
     "AlwaysSuccess": (set(), set(), 0, 0),
@@ -44,7 +44,7 @@ _CONDITIONS: Final = {"_skipIf", "_successIf", "_failureIf", "_while", "_onSucce
 
 
 def violations(root: _Element) -> Iterator[str]:
-    """Yield what BehaviorTree.CPP 4 would refuse in a file, or take for something else."""
+    """Yield the parts of a file that BehaviorTree.CPP 4 would reject or misinterpret."""
     if root.tag != "root" or root.get("BTCPP_format") != "4":
         yield "no root of version 4"
     models = root.findall("TreeNodesModel")

@@ -25,7 +25,7 @@ SYSTEM = "/usr/bin/python3"
 
 @cache
 def has_ros() -> bool:
-    """Tell whether Debian's ROS 1 is installed."""
+    """Whether Debian's ROS 1 is installed."""
     modules = "import rospy, actionlib, move_base_msgs.msg, nav_msgs.msg, std_srvs.srv"
     found = Path(SYSTEM).exists() and shutil.which("rosmaster", path="/usr/bin:/bin") is not None
     return found and subprocess.run([SYSTEM, "-c", modules], capture_output=True, check=False).returncode == 0
@@ -33,7 +33,7 @@ def has_ros() -> bool:
 
 @contextmanager
 def ros(folder: Path) -> Iterator[tuple[dict[str, str], Path]]:
-    """Run a master and the trolley; once it is ready, give the environment of further nodes and what it says."""
+    """Run a master and the trolley; once it is ready, yield the environment of further nodes and its output file."""
     with own_port() as port:
         yield from _running(port, folder)
 
@@ -70,7 +70,7 @@ def _listening(port: int) -> None:
 
 
 def _ready(said: Path) -> None:
-    """Wait until the trolley has offered and asked for all its topics: who looked before would find a part of it."""
+    """Wait until the trolley has registered all its topics: an earlier observer would see only some."""
     end = time.monotonic() + patient(20)
     while "ready" not in said.read_text(encoding="utf-8"):
         assert time.monotonic() < end, "the trolley does not start"

@@ -1,10 +1,10 @@
-"""What code for rclpy needs, without ROS 2: modules that publish to lists, and messages that are as strict as ROS 2's.
+"""A stand-in for rclpy without ROS 2: modules that publish to lists, and messages as strict as ROS 2's.
 
     python -m robot.programs.rclpy_standin PROGRAM MESSAGE...
 
-runs a program and prints what reaches the robot. As with rclpy, the setters of messages assert that a float is a float
-and a whole number an int (`rosidl_generator_py`), nothing is sent once `rclpy.shutdown` was called, callbacks come from
-the executor's thread, and a process that ends while that thread still spins aborts.
+runs a program and prints the commands of the robot. As with rclpy, the setters of messages assert that a float is a
+float and a whole number an int (`rosidl_generator_py`), nothing is sent after `rclpy.shutdown`, callbacks run in the
+executor's thread, and a process that exits while that thread is spinning aborts.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ __all__ = ["Node", "message", "modules"]
 TYPES = Types(2)
 SUCCEEDED = 4
 _TEARDOWN = 0.1
-"""Seconds that `spin` goes on after the end of its context: it is then within the library, not in Python."""
+"""Seconds that `spin` continues after the end of its context, inside the library and not in Python."""
 
 
 def message(name: str) -> type:
@@ -60,28 +60,28 @@ def _tell(what: str, value: object = None) -> None:
 
 
 class Library:
-    """What is between `rclpy.init` and `rclpy.shutdown`: it is running, and an executor spins."""
+    """The state between `rclpy.init` and `rclpy.shutdown`: running, with a spinning executor."""
 
     def __init__(self) -> None:
-        """Run, with nothing to do."""
+        """Start running, with no work."""
         self.running = True
         self.spinning = 0
         self.tasks: list[Callable[[], object]] = []
 
     def ok(self) -> bool:
-        """Tell whether it is running."""
+        """Whether it is running."""
         return self.running
 
     def init(self, **_: object) -> None:
-        """Abort the process where it ends too early."""
+        """Register the abort of a process that exits too early."""
         atexit.register(lambda: os.abort() if self.spinning else None)
 
     def shutdown(self) -> None:
-        """Send nothing any more."""
+        """Stop sending."""
         self.running = False
 
     def executor(self) -> SimpleNamespace:
-        """Return an executor, which does what is to be done until it is shut down."""
+        """Return an executor, which performs pending work until it is shut down."""
         over = threading.Event()
 
         def spin() -> None:
@@ -100,42 +100,42 @@ LIBRARY = Library()
 
 
 class Future:
-    """What is to come; callbacks are called by the executor."""
+    """A future result; the executor calls its callbacks."""
 
     def __init__(self) -> None:
-        """Wait."""
+        """Start waiting."""
         self.callbacks: list[Callable[[Future], object]] = []
         self._result: list[Any] = []
 
     def done(self) -> bool:
-        """Tell whether it has come."""
+        """Whether the result is available."""
         return bool(self._result)
 
     def result(self) -> Any:
-        """Return what has come."""
+        """Return the result."""
         return self._result[0]
 
     def set_result(self, result: object) -> None:
-        """Let it come."""
+        """Set the result."""
         self._result.append(result)
         LIBRARY.tasks += [partial(callback, self) for callback in self.callbacks]
 
     def add_done_callback(self, callback: Callable[[Future], object]) -> None:
-        """Have something called when it has come."""
+        """Register a callback for the result."""
         self.callbacks.append(callback)
         if self.done():
             LIBRARY.tasks.append(partial(callback, self))
 
 
 class ActionClient:
-    """A client of a server that takes goals and never reaches them; of `/late` it takes those that were given up."""
+    """A client of a server whose goals never finish; `/late` accepts them only after they were given up."""
 
     def __init__(self, _: object, __: type, name: str) -> None:
-        """Be connected."""
+        """Connect."""
         self.name = name
 
     def wait_for_server(self, _: float) -> bool:
-        """Tell that there is a server."""
+        """Report an available server."""
         return True
 
     def send_goal_async(self, goal: object) -> Future:
@@ -161,15 +161,15 @@ class ActionClient:
 
 
 class Node:
-    """A node whose publishers keep what they publish, by topic."""
+    """A node whose publishers store their messages by topic."""
 
     def __init__(self, name: str) -> None:
-        """Publish nothing yet."""
+        """Start without messages."""
         self.name = name
         self.published: dict[str, list[Any]] = {}
 
     def create_publisher(self, _: type, topic: str, __: int) -> SimpleNamespace:
-        """Return a publisher that somebody listens to."""
+        """Return a publisher with a subscriber."""
         kept = self.published.setdefault(topic, [])
 
         def publish(sent: object) -> None:
@@ -189,7 +189,7 @@ class Node:
 
 
 def modules(*names: str) -> dict[str, ModuleType]:
-    """Return the modules that code imports, with messages and actions (`nav2_msgs/action/NavigateToPose`) by name."""
+    """Return the modules imported by code, with messages and actions (`nav2_msgs/action/NavigateToPose`) by name."""
     found: dict[str, dict[str, object]] = {
         "rclpy": {"ok": LIBRARY.ok, "init": LIBRARY.init, "shutdown": LIBRARY.shutdown},
         "rclpy.action": {"ActionClient": ActionClient},

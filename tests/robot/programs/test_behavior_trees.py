@@ -43,7 +43,7 @@ def test_a_tree_is_read_as_the_program_that_it_was_written_for(program: Program)
 @settings(max_examples=examples(60, 300))
 @given(programs)
 def test_without_hints_a_tree_still_means_the_same(program: Program) -> None:
-    """What is read of the nodes alone has the same tree again; units of what is logged are hints, too."""
+    """A program read from the nodes alone has the same tree; units of logged values are hints, too."""
     _sound(program)
     plain = _HINTS.sub("", behavior_tree(program, CAPABILITIES))
     again = program_of(plain, CAPABILITIES)
@@ -54,7 +54,7 @@ def test_without_hints_a_tree_still_means_the_same(program: Program) -> None:
 @settings(max_examples=examples(100, 400))
 @given(programs)
 def test_a_tree_follows_the_rules_of_version_4(program: Program) -> None:
-    """Attributes, ports, children and the model of nodes are as BehaviorTree.CPP 4 wants them."""
+    """Attributes, ports, children and the model of nodes follow the rules of BehaviorTree.CPP 4."""
     _sound(program)
     assert list(violations(_root(behavior_tree(program, CAPABILITIES)))) == []
 
@@ -88,12 +88,12 @@ def _imported(body: str) -> str:
     ],
 )
 def test_trees_of_others_are_read_as_far_as_nodes_mean_statements(body: str, text: str) -> None:
-    """Nodes that kg did not write become statements, too."""
+    """Nodes written by other tools become statements, too."""
     assert _imported(body) == text
 
 
 def test_a_subtree_is_read_in_its_place() -> None:
-    """Statements of a SubTree stand where it is named; values of its ports are variables."""
+    """Statements of a SubTree replace its reference; values of its ports are variables."""
     text = (
         '<root BTCPP_format="4" main_tree_to_execute="A"><BehaviorTree ID="A"><SubTree ID="B" far="2"/></BehaviorTree>'
         '<BehaviorTree ID="B"><goingToPose x="{far}"/></BehaviorTree></root>'
@@ -117,7 +117,7 @@ def test_a_subtree_is_read_in_its_place() -> None:
     ],
 )
 def test_what_no_statement_means_is_named(body: str, message: str) -> None:
-    """A node without a statement is KG842, with its line."""
+    """A node without an equivalent statement is KG842, with its line."""
     with pytest.raises(RobotError, match=re.escape(message)) as error:
         _imported(body)
     assert error.value.code == "KG842"
@@ -146,14 +146,14 @@ def test_what_is_no_tree_is_refused(text: str) -> None:
     ],
 )
 def test_what_no_tree_says_is_named(text: str, message: str) -> None:
-    """A statement without nodes is KG841."""
+    """A statement without equivalent nodes is KG841."""
     with pytest.raises(RobotError, match=re.escape(message)) as error:
         behavior_tree(parse(text), CAPABILITIES)
     assert error.value.code == "KG841"
 
 
 def test_a_hint_that_the_nodes_contradict_is_left_alone() -> None:
-    """Who edits a port gets what it says now, not what was written once."""
+    """An edited port takes precedence over its outdated hint."""
     tree = behavior_tree(parse("go to a pose  x: 300 cm"), CAPABILITIES)
     edited = tree.replace('x="3"', 'x="4"')
     assert write(program_of(edited, CAPABILITIES)) == "goingToPose  x: 4\n"

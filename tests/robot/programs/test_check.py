@@ -1,4 +1,4 @@
-"""What is wrong with programs: each in cases/check with the problems that stand beside it."""
+"""Problems of programs: each program in cases/check with its expected problems."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CASES = Path(__file__).parent / "cases" / "check"
 
 
 def told(text: str) -> list[str]:
-    """Return what is wrong with a program as lines."""
+    """Return the problems of a program as lines."""
     try:
         program, places = parse_with_places(text, "p")
     except RobotError as error:
@@ -37,20 +37,20 @@ def told(text: str) -> list[str]:
 
 @pytest.mark.parametrize("case", sorted(CASES.glob("*.kgp")), ids=lambda path: path.stem)
 def test_what_is_wrong_is_found(case: Path) -> None:
-    """Every problem is told at its line and column, with the way out."""
+    """Every problem is reported at its line and column, with instructions."""
     text = case.read_text(encoding="utf-8")
     assert told(text) == case.with_suffix(".problems").read_text(encoding="utf-8").splitlines()
 
 
 @pytest.mark.parametrize("case", sorted((CASES.parent / "run").glob("*.kgp")), ids=lambda path: path.stem)
 def test_sound_programs_pass(case: Path) -> None:
-    """Programs that are carried out have no errors, but those that show what happens with one."""
+    """Programs that run have no errors, except those that demonstrate one."""
     found = [line for line in told(case.read_text(encoding="utf-8")) if " error " in line]
     assert bool(found) == (case.stem in {"break", "spin"})
 
 
 def test_a_problem_is_at_its_block() -> None:
-    """The id is that of the statement that the path leads to, however deep."""
+    """The id is that of the statement at the path, however deep."""
     (problem,) = check(parse('if true then @"a"\n log 1 m + 2 s @"b"\nend'), CAPABILITIES)
     assert (problem.id, problem.path) == ("b", "/body/0/then/0/message")
 
@@ -58,7 +58,7 @@ def test_a_problem_is_at_its_block() -> None:
 @settings(max_examples=100, deadline=None)
 @given(programs)
 def test_any_tree_can_be_checked(program: Program) -> None:
-    """Whatever a tree says, its problems lie at parts that it has."""
+    """For any tree, the problems are located at existing parts."""
     tree = msgspec.to_builtins(program)
     for problem in check(program, CAPABILITIES):
         part = tree

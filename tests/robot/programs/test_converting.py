@@ -1,4 +1,4 @@
-"""Programs as experts' code: it is sound Python that linters pass, and it runs in ROS 1."""
+"""Programs as experts' code: valid Python that passes linters and runs in ROS 1."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ CLASHING = "D203,D213"
 
 @pytest.fixture(scope="module")
 def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """All cases, converted to both libraries, in a folder."""
+    """Convert all cases to both libraries, in a folder."""
     folder = tmp_path_factory.mktemp("converted")
     for case in SOUND:
         for to in LIBRARIES:
@@ -52,19 +52,19 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_code_passes_the_linter(converted: Path) -> None:
-    """Every converted program is sound for ruff: errors, docstrings, order of imports, names, modern syntax, bugs."""
+    """Converted programs pass ruff: errors, docstrings, order of imports, names, modern syntax, bugs."""
     lint(converted)
 
 
 def lint(folder: Path) -> None:
-    """Let ruff look at the code in a folder."""
+    """Run ruff on the code in a folder."""
     command = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", RULES, "--ignore", CLASHING, "."]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stdout
 
 
 def test_examples_pass_the_linter(tmp_path: Path) -> None:
-    """The exercises have sound code too, for the robots that they are for."""
+    """The code of the exercises passes, too, for their robots."""
     pytest.importorskip("pybullet", reason="robots are simulated by pybullet")
     hosting = pytest.importorskip("kg.robot.simulation.running")
 
@@ -83,14 +83,14 @@ def test_examples_pass_the_linter(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("to", LIBRARIES)
 def test_code_stays_as_it_is(to: Literal["rospy", "rclpy"]) -> None:
-    """The code for one program is as it stands in cases/convert."""
+    """The code for each program equals the one in cases/convert."""
     text = (CASES.parent / "convert" / "patrol.kgp").read_text(encoding="utf-8")
     expected = (CASES.parent / "convert" / f"patrol_{to}.txt").read_text(encoding="utf-8")
     assert convert(parse(text), CAPABILITIES, to=to) == expected
 
 
 def test_figures_are_those_of_the_code() -> None:
-    """Blocks and capabilities of a program, lines, components and message types of its code."""
+    """The counts are blocks and capabilities of a program, and lines, components and message types of its code."""
     program = parse((CASES / "drive.kgp").read_text(encoding="utf-8"))
     counted_blocks = metrics(program, CAPABILITIES)
     assert (counted_blocks.blocks, counted_blocks.capabilities) == (5, 4)
@@ -101,12 +101,12 @@ def test_figures_are_those_of_the_code() -> None:
 
 
 def test_what_is_no_code_is_not_counted() -> None:
-    """Comments, docstrings and blank lines are no lines of code."""
+    """Comments, docstrings and blank lines are not counted as code."""
     assert code_metrics('"""Text.\n\nMore."""\n\n# comment\nx = (\n    1,\n)\n').lines == 3
 
 
 def test_messages_of_ros_2_get_what_their_fields_take(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """A real number is a float and a whole one an int, also where the ontology's defaults have no point."""
+    """Real fields get floats and integer fields ints, even if the ontology's defaults have no point."""
     speeds = tuple(replace(one, default=0) for one in CAPABILITIES.capabilities[0].parameters)
     by_motors = Way(kind="topic", name="/pwm", type="std_msgs/Int16", node="/motors", fields={"value": "data"})
     motors = Capability(
@@ -136,7 +136,7 @@ def test_messages_of_ros_2_get_what_their_fields_take(monkeypatch: pytest.Monkey
 
 
 def test_types_that_only_the_other_version_has_are_told() -> None:
-    """The goals of a ROS 1 robot are none in ROS 2; what both have, and what nobody knows, is not told."""
+    """ROS 1 goal types unknown in ROS 2 are reported; shared and unknown types are not."""
     code = "from move_base_msgs.action import MoveBase\nfrom geometry_msgs.msg import Twist\nfrom own.msg import Own\n"
     assert foreign_types(code, 2) == ["move_base_msgs/MoveBase"]
     assert foreign_types("from nav2_msgs.msg import NavigateToPoseAction\n", 1) == ["nav2_msgs/NavigateToPose"]
@@ -144,13 +144,13 @@ def test_types_that_only_the_other_version_has_are_told() -> None:
 
 
 def test_what_cannot_be_reached_is_refused() -> None:
-    """A capability without ways has no code."""
+    """A capability without ways cannot be converted."""
     with pytest.raises(RobotError, match="KG839"):
         convert(parse("fly"), CAPABILITIES)
 
 
 def test_programs_with_errors_are_refused() -> None:
-    """What is wrong with a program is told before any code is made."""
+    """Errors of a program are reported before conversion."""
     with pytest.raises(RobotError, match="KG833"):
         convert(parse("log 1 m + 2 s"), CAPABILITIES)
 
@@ -173,7 +173,7 @@ def test_code_runs_in_ros(tmp_path: Path) -> None:
         )
         end = time.monotonic() + patient(10)
         while (told := said.read_text(encoding="utf-8").splitlines())[-1] != "speed 0" and time.monotonic() < end:
-            time.sleep(0.05)  # the trolley says what it was told when it has its turn
+            time.sleep(0.05)  # the trolley reports a command when its turn comes
     logged = [line.rpartition(": ")[2] for line in run.stdout.splitlines() if "[INFO]" in line]
     assert run.returncode == 0, run.stderr
     assert logged == ["a wall", "over the line", "in vain", "round 1", "round 2", "arrived"], run.stdout

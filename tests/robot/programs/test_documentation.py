@@ -1,4 +1,4 @@
-"""What docs/programs.md shows is what the language is."""
+"""docs/programs.md describes the actual language."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ PROGRAMS = [one for one in BLOCKS if one.strip() and not re.match(r"\s*(kg |prog
 
 @pytest.mark.parametrize("text", PROGRAMS, ids=[one.split("\n")[1][:40] for one in PROGRAMS])
 def test_examples_are_programs(text: str) -> None:
-    """Every example can be read; three dots stand for anything."""
+    """Every example can be parsed, with three dots for omitted parts."""
     assert parse(re.sub(r"^(\s*)\.\.\.$", r'\1log "..."', text, flags=re.MULTILINE)).body
 
 
 def test_every_unit_is_named() -> None:
-    """The table has all units that there are."""
+    """The table lists all units."""
     assert [unit for unit in UNITS if f"`{unit}`" not in PAGE] == []

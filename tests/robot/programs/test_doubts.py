@@ -1,4 +1,4 @@
-"""What is told at the blocks of a program that may come to nothing on a robot."""
+"""Warnings at the blocks of a program that may have no effect on a robot."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ ENDS = (
 
 
 def told(*ends: LiveEnd, problems: tuple[GraphProblem, ...] = ()) -> list[str]:
-    """Return what is doubted of the program in a graph."""
+    """Return the warnings about the program in a graph."""
     found = doubts(parse(PROGRAM), CAPABILITIES, ComputationGraph(1, ends=ends, problems=problems))
     assert all(msgspec.to_builtins(one)["severity"] == "warning" for one in found)
     return [f"{one.path} {one.code} {one.message}" for one in found]
 
 
 def test_who_is_there_and_fits_is_not_doubted() -> None:
-    """Nothing is told of nodes that are there, nor of what others do not fit."""
+    """Available nodes give no warning, and neither do mismatches of unrelated ones."""
     elsewhere = GraphProblem("KG815", "/image", "/eye receives nothing from /camera")
     assert told(*ENDS, problems=(elsewhere,)) == []
 
 
 def test_a_topic_without_anybody_is_told_at_the_first_block() -> None:
-    """What nobody listens to, or nobody publishes, is told once, at the block and in the condition that need it."""
+    """A topic without subscriber or publisher is reported once, at the block and the condition that need it."""
     topics = DRIVING.ways[0].name, POSE.ways[0].name
     pose = f"`{POSE.label}` may have no effect: {topics[1]}: no node publishes `{topics[1]}`"
     assert told() == [
@@ -50,14 +50,14 @@ def test_a_topic_without_anybody_is_told_at_the_first_block() -> None:
 
 
 def test_one_of_several_nodes_that_is_dead_is_not_doubted() -> None:
-    """As long as a live node listens to what a block moves, others may be dead."""
+    """While a live node subscribes to a block's topic, others may be dead."""
     dead = GraphProblem("KG811", "/recorder", "nothing listens")
     recorder = LiveEnd("/recorder", Role.SUBSCRIBES, DRIVING.ways[0].name, DRIVING.ways[0].type)
     assert told(*ENDS, recorder, problems=(dead,)) == []
 
 
 def test_dead_nodes_and_ends_that_do_not_fit_are_told() -> None:
-    """A node that does not answer is named with why; so are two ends whose quality of service clashes."""
+    """A dead node is named with the reason; so are two ends with incompatible quality of service."""
     dead = GraphProblem("KG811", "/trolley", "nothing listens")
     clash = GraphProblem("KG815", POSE.ways[0].name, "/nav receives nothing from /trolley: it offers best effort")
     first, second, third = told(*ENDS, problems=(dead, clash))

@@ -1,6 +1,6 @@
 """Converted programs stop the robot however they end: signals, errors, the end of the program, `rosnode kill`.
 
-Those for rospy run in Debian's ROS 1, those for rclpy on a stand-in that aborts where rclpy does.
+Those for rospy run in Debian's ROS 1, those for rclpy on a stand-in that aborts in the same cases as rclpy.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ WAITING = Capability(
 
 
 AS_IN_A_TERMINAL = "--default-signal=INT,TERM,HUP"
-"""Programs get signals whatever the tests themselves ignore."""
+"""Programs get signals even if the tests ignore them."""
 
 
 @contextmanager
 def started(command: list[str], environment: dict[str, str]) -> Iterator[subprocess.Popen[str]]:
-    """Run a program, and kill it if it does not end."""
+    """Run a program, and kill it if it does not exit."""
     pipe = subprocess.PIPE
     process = subprocess.Popen(command, env=environment, text=True, stdout=pipe, stderr=pipe)
     try:
@@ -66,13 +66,13 @@ def started(command: list[str], environment: dict[str, str]) -> Iterator[subproc
 
 @pytest.fixture(scope="module")
 def trolley(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, str], Path]]:
-    """A trolley in ROS 1: the environment of further nodes, and the file of what it is told."""
+    """A trolley in ROS 1: the environment of further nodes, and the file of its received commands."""
     with ros(tmp_path_factory.mktemp("ros")) as running:
         yield running
 
 
 def told(said: Path, since: int, line: str) -> list[str]:
-    """Wait until the trolley has been told something; return what it was told so far."""
+    """Wait until the trolley has received a command; return the commands so far."""
     end = time.monotonic() + patient(15)
     while line not in (lines := said.read_text(encoding="utf-8").splitlines()[since:]):
         assert time.monotonic() < end, lines
@@ -84,7 +84,7 @@ def told(said: Path, since: int, line: str) -> list[str]:
 def rospy_program(
     text: str, trolley: tuple[dict[str, str], Path], folder: Path
 ) -> Iterator[tuple[subprocess.Popen[str], Path, int]]:
-    """Run a program; give its process, and what the trolley was told so far."""
+    """Run a program; yield its process, and the commands of the trolley so far."""
     environment, said = trolley
     known = replace(CAPABILITIES, capabilities=(*CAPABILITIES.capabilities, WAITING))
     file = folder / "program.py"
@@ -101,7 +101,7 @@ def rospy_program(
 def test_a_signal_stops_the_robot_in_ros_1(
     number: signal.Signals, text: str, trolley: tuple[dict[str, str], Path], tmp_path: Path
 ) -> None:
-    """The last thing that the robot is told is a zero; the exit code is the signal's, and nothing is traced."""
+    """The last command of the robot is zero; the exit code is the signal's, without a traceback."""
     with rospy_program(text, trolley, tmp_path) as (process, said, since):
         told(said, since, "speed 1")
         process.send_signal(number)
@@ -117,7 +117,7 @@ def test_a_signal_stops_the_robot_in_ros_1(
 def test_a_signal_cancels_the_goal_in_ros_1(
     number: signal.Signals, trolley: tuple[dict[str, str], Path], tmp_path: Path
 ) -> None:
-    """A goal that is under way is cancelled."""
+    """A running goal is cancelled."""
     with rospy_program(GOING, trolley, tmp_path) as (process, said, since):
         told(said, since, "going")
         process.send_signal(number)
@@ -130,7 +130,7 @@ def test_a_signal_cancels_the_goal_in_ros_1(
 @pytest.mark.ros
 @needs_ros
 def test_a_signal_ends_the_wait_for_a_service(trolley: tuple[dict[str, str], Path], tmp_path: Path) -> None:
-    """A service that does not answer keeps no program alive."""
+    """A program waiting for an unresponsive service can be interrupted."""
     with rospy_program("have it wait", trolley, tmp_path) as (process, said, since):
         told(said, since, "called")
         process.send_signal(signal.SIGTERM)
@@ -181,7 +181,7 @@ def rclpy_program(
 
 
 def until(process: subprocess.Popen[str], begin: str) -> None:
-    """Wait until a program prints a line that begins in some way."""
+    """Wait until a program prints a line with one of these beginnings."""
     assert process.stdout is not None
     assert process.stderr is not None
     for line in process.stdout:
@@ -191,7 +191,7 @@ def until(process: subprocess.Popen[str], begin: str) -> None:
 
 
 def speeds(output: str) -> list[float]:
-    """Return the speeds that the robot was told."""
+    """Return the speeds received by the robot."""
     lines = (line.partition(" ") for line in output.splitlines())
     return [json.loads(value)["linear"]["x"] for topic, _, value in lines if topic == "/cmd_vel"]
 
@@ -199,7 +199,7 @@ def speeds(output: str) -> list[float]:
 @pytest.mark.parametrize("text", [MOVING, TOGETHER])
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_stops_the_robot_in_ros_2(number: signal.Signals, text: str, tmp_path: Path) -> None:
-    """The last thing that the robot is told is a zero; the exit code is the signal's: rclpy does not abort."""
+    """The last command of the robot is zero; the exit code is the signal's: rclpy does not abort."""
     with rclpy_program(text, tmp_path) as process:
         until(process, "/cmd_vel")
         process.send_signal(number)
@@ -212,7 +212,7 @@ def test_a_signal_stops_the_robot_in_ros_2(number: signal.Signals, text: str, tm
 @pytest.mark.parametrize(("name", "seen"), [("/go", "accepted"), ("/late", "goal")])
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_cancels_the_goal_in_ros_2(number: signal.Signals, name: str, seen: str, tmp_path: Path) -> None:
-    """A goal is cancelled that is under way, and one that the server accepts only when the program has given it up."""
+    """A running goal is cancelled, and so is one that the server accepts after the program has given it up."""
     with rclpy_program(GOING, tmp_path, name) as process:
         until(process, seen)
         process.send_signal(number)
@@ -223,7 +223,7 @@ def test_a_signal_cancels_the_goal_in_ros_2(number: signal.Signals, name: str, s
 
 
 def test_the_end_of_a_program_is_no_abort(tmp_path: Path) -> None:
-    """A program that comes to its end returns 0."""
+    """A program that finishes exits with 0."""
     with rclpy_program(f"{MOVING} for 100 ms", tmp_path) as process:
         output, errors = process.communicate(timeout=patient(10))
     assert speeds(output)[-1] == 0
@@ -232,7 +232,7 @@ def test_the_end_of_a_program_is_no_abort(tmp_path: Path) -> None:
 
 
 def test_an_error_is_no_abort(tmp_path: Path) -> None:
-    """A program that fails tells the error, stops the robot, and returns 1."""
+    """A program that fails reports the error, stops the robot, and exits with 1."""
     with rclpy_program(f"{MOVING} for 100 ms\n{GOING} within 100 ms", tmp_path) as process:
         output, errors = process.communicate(timeout=patient(10))
     assert speeds(output)[-1] == 0
@@ -241,7 +241,7 @@ def test_an_error_is_no_abort(tmp_path: Path) -> None:
 
 
 def test_a_signal_that_the_caller_ignores_is_ignored(tmp_path: Path) -> None:
-    """Under `nohup` a program goes on when the terminal is closed."""
+    """Under `nohup` a program continues when the terminal is closed."""
     with rclpy_program(f"{MOVING} for 300 ms", tmp_path, signals="--ignore-signal=HUP") as process:
         until(process, "/cmd_vel")
         process.send_signal(signal.SIGHUP)

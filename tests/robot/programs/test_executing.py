@@ -1,4 +1,4 @@
-"""A program on the robot at an address: what happens before it begins."""
+"""A program on the robot at an address: preparation before it starts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def test_a_capability_that_is_gone_ends_the_program_at_its_block() -> None:
-    """Nodes that a program does not use come and go; when the one that it moves is gone, it fails where it moves."""
+    """Unrelated nodes come and go; when the moved one is gone, the program fails at its movement."""
 
     async def scene() -> tuple[list[str], Execution]:
         with Bus(uuid4().hex) as bus:
@@ -53,7 +53,7 @@ def test_a_capability_that_is_gone_ends_the_program_at_its_block() -> None:
 
 
 def test_time_goes_on_while_it_is_inferred_what_a_robot_can_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Messages, such as the time of a simulation, are taken meanwhile; else a movement could be over at once."""
+    """Messages, such as the time of a simulation, are received during inference; no movement ends prematurely."""
 
     async def scene() -> None:
         loop = asyncio.get_running_loop()

@@ -25,7 +25,7 @@ def test_json_is_read_as_the_same_tree(program: Program) -> None:
 
 
 def test_the_published_schema_is_that_of_the_tree() -> None:
-    """docs/program.schema.json is what the tree says."""
+    """docs/program.schema.json matches the tree."""
     published = json.loads((ROOT / "docs/program.schema.json").read_text(encoding="utf-8"))
     assert published == schema()
 
@@ -46,7 +46,7 @@ def test_the_published_schema_is_that_of_the_tree() -> None:
     ],
 )
 def test_other_json_is_refused(text: str, message: str) -> None:
-    """JSON that is no program is an error with the path to the part."""
+    """JSON that is not a program is an error with the path to the part."""
     with pytest.raises(RobotError, match="KG831") as raised:
         decode(text)
     assert message in str(raised.value)

@@ -1,4 +1,4 @@
-"""What errors of the text form advise."""
+"""Hints of errors of the text form."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_set_without_to() -> None:
     ],
 )
 def test_words_of_other_languages(text: str, hint: str) -> None:
-    """What other languages write is not taken for a capability; it is said what is written here."""
+    """Keywords of other languages are not taken for a capability; the hint gives the equivalent."""
     with pytest.raises(RobotError) as refused:
         parse(text)
     assert (refused.value.code, refused.value.hint) == ("KG830", hint)
@@ -37,6 +37,6 @@ def test_words_of_other_languages(text: str, hint: str) -> None:
 
 @pytest.mark.parametrize("name", ["else", "print", "let go"])
 def test_a_capability_of_such_a_name(name: str) -> None:
-    """In quotes it is one, and it is written so."""
+    """In quotes such a name is a capability, and it is printed so."""
     program = parse(f"do '{name}'")
     assert parse(write(program)) == program

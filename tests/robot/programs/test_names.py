@@ -27,18 +27,18 @@ end
 
 
 def test_labels_become_names_and_names_labels() -> None:
-    """Programs can be shown with either; what is unknown stays."""
+    """Programs can be shown with either; unknown ones remain unchanged."""
     assert write(named(parse(BY_LABEL), CAPABILITIES)) == BY_NAME
     assert write(labelled(parse(BY_NAME), CAPABILITIES)) == BY_LABEL.replace("'forward speed'", "forward")
 
 
 @pytest.mark.parametrize("name", ["laserScanning", "laser scanning", "LaserScanning", "Scan with a laser"])
 def test_names_are_found_however_they_are_written(name: str) -> None:
-    """Capitals and blanks do not matter, nor does whether it is the name or the label."""
+    """Case and spaces are ignored, in names and in labels."""
     assert Known(CAPABILITIES).read(name).name == "laserScanning"
 
 
 def test_the_other_way_is_told() -> None:
-    """What can only be sensed is not done."""
+    """KG834 for writing a capability that can only be sensed."""
     with pytest.raises(RobotError, match="KG834"):
         Known(CAPABILITIES).write("laserScanning")

@@ -26,14 +26,14 @@ TOKENS = [*" ".join(WORDS).split(" "), '"t"', "\n", "\n", "\n"]
 
 @pytest.mark.parametrize("case", sorted(CASES.glob("*.kgp")), ids=lambda path: path.stem)
 def test_programs_are_forgiving(case: Path) -> None:
-    """However a program is laid out, it is the one that stands beside it as the printer writes it."""
+    """A program in any layout equals the expected one of the printer."""
     assert write(parse(case.read_text(encoding="utf-8"))) == case.with_suffix(".printed").read_text(encoding="utf-8")
 
 
 @settings(max_examples=150, deadline=None)
 @given(st.lists(st.sampled_from(TOKENS), max_size=30).map(" ".join) | st.text(max_size=40))
 def test_any_text_is_read_or_refused(text: str) -> None:
-    """What is no program is an error with a place in the text; what is one survives."""
+    """Invalid text is an error with a place; valid text survives."""
     try:
         program = parse(text)
     except RobotError as error:
@@ -58,13 +58,13 @@ def test_any_text_is_read_or_refused(text: str) -> None:
     ids=["parentheses", "signs", "not", "chain", "blocks", "otherwise"],
 )
 def test_nothing_stands_too_deep(text: str) -> None:
-    """A bound on how deep parts stand is an error, before Python's."""
+    """Excessive nesting is an error, before Python's own limit."""
     with pytest.raises(RobotError, match="nested"):
         parse(text)
 
 
 def test_json_stands_no_deeper() -> None:
-    """The bound is the same for JSON."""
+    """The limit is the same for JSON."""
     deep = '{"expression": "value", "value": true}'
     for _ in range(60):
         deep = f'{{"expression": "unary", "operator": "not", "of": {deep}}}'
@@ -102,7 +102,7 @@ def test_words_of_the_language_are_told_from_capabilities() -> None:
 
 
 def test_times_of_programs_are_seconds() -> None:
-    """Whatever the unit, the tree has seconds."""
+    """The tree has seconds, whatever the unit."""
     assert parse('program "p" within 5 min').seconds == 300
     (do,) = parse("go to a pose  x: 1 within 2 minutes").body
     assert isinstance(do, Do)

@@ -1,4 +1,4 @@
-"""Places with names: read from files, told by simulated robots, and put into programs for their names."""
+"""Named places: read from files, received from simulated robots, and substituted in programs."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ z = 0.5
 
 
 def test_a_file_of_places_is_read(tmp_path: Path) -> None:
-    """Lengths are in metres, headings in degrees; what is not said is missing."""
+    """Lengths are in metres, headings in degrees; unspecified values are missing."""
     (tmp_path / "places.toml").write_text(FILE, encoding="utf-8")
     found = read_places(str(tmp_path / "places.toml"))
     assert set(found) == {"kitchen", "meeting room"}
@@ -43,7 +43,7 @@ def test_a_file_of_places_is_read(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["kitchen = 1", "kitchen = { x = 1 }", "[a]\nx=1\ny=1\nw=1", "x", b"\xff"])
 def test_what_is_no_file_of_places(text: str | bytes, tmp_path: Path) -> None:
-    """What cannot be read, or is no place, is KG003 with how a place is written."""
+    """An unreadable file or an invalid place is KG003 with the syntax of places."""
     file = tmp_path / "places.toml"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(UsageError) as error:
@@ -55,7 +55,7 @@ def test_what_is_no_file_of_places(text: str | bytes, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("said", "why"), [("{ x = 1 }", "`y`"), ("{ x = nan, y = 1 }", "`nan`"), ("1", "`int`")])
 def test_of_a_file_of_places_the_wrong_one_is_named(said: str, why: str) -> None:
-    """Which of many places is none is told, with what is wrong with it."""
+    """The invalid one of many places is named, with the reason."""
     with pytest.raises(ValueError, match=f"^`desk`: .*{why}"):
         places_of(f"kitchen = {{ x = 3, y = 1 }}\ndesk = {said}")
 
@@ -69,7 +69,7 @@ def test_the_file_of_the_office_is_what_its_robot_tells() -> None:
 
 
 def test_places_stand_for_their_names() -> None:
-    """Wherever a name of a place stands it is that place, paths stay, and a variable of the program is its own."""
+    """A name is replaced with its place everywhere except in paths; a variable of the program takes precedence."""
     places = places_of(FILE)
     text = "if kitchen = there then\n  go to a pose  at: kitchen within 60 s\nend\n"
     program = parse("set there to (x: 1 m, y: 1 m)\n" + text)
@@ -83,7 +83,7 @@ def test_places_stand_for_their_names() -> None:
 
 
 def test_a_place_that_is_misspelt_is_offered_as_it_is_called() -> None:
-    """Of the places that are known the one alike is asked for; without one it is said how a place gets known."""
+    """A similar known place is suggested; without one, the hint explains how to define a place."""
     places = places_of(FILE)
     for name, hint in (("kitchn", "Did you mean `kitchen`?"), ("attic", "name the robot that defines it (`--robot`)")):
         program = placed(parse(f"go to a pose  at: {name} within 60 s"), places)
@@ -93,7 +93,7 @@ def test_a_place_that_is_misspelt_is_offered_as_it_is_called() -> None:
 
 @pytest.mark.parametrize(("told", "names"), [(FILE, {"kitchen", "meeting room"}), ("no = places", set())])
 def test_a_simulated_robot_tells_its_places(told: str, names: set[str]) -> None:
-    """What is published for that is taken; what is none of places, or is published by nobody, gives none."""
+    """A valid published file of places is used; invalid or missing data gives no places."""
 
     async def ask() -> list[set[str]]:
         with Bus(uuid4().hex) as bus:
@@ -107,7 +107,7 @@ def test_a_simulated_robot_tells_its_places(told: str, names: set[str]) -> None:
 
 
 def test_a_place_stands_for_arguments() -> None:
-    """It gives what a capability has of it, in the units of that; what is given by its own name counts before it."""
+    """A place provides arguments of a capability, in its units; explicit arguments take precedence."""
     going, places = find(CAPABILITIES, "goingToPose", "write"), places_of(FILE)
     found = at_place(going, {"at": "kitchen"}, places)
     assert found == pytest.approx({"x": 3.2, "y": 1.0, "heading": math.pi / 2})

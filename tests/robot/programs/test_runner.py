@@ -1,4 +1,4 @@
-"""Programs carried out: each program in cases/run with the events that stand beside it, and what cases cannot say."""
+"""Running programs: each program in cases/run with its expected events, and behaviour beyond the cases."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TOLD = {"enter", "log", "set", "event", "error", "done", "stopped", "failed", "c
 
 
 def line(event: dict[str, Any]) -> str:
-    """Return an event as cases write it."""
+    """Return an event in the notation of the cases."""
     told = [event[key] for key in ("path", "message", "variable", "shown", "code") if event.get(key)]
     return " ".join([event["event"], *told])
 
@@ -36,7 +36,7 @@ def line(event: dict[str, Any]) -> str:
 async def carried_out(
     text: str, meanwhile: Callable[[Runner, Trolley], Awaitable[None]] | None = None
 ) -> tuple[Ended, list[dict[str, Any]], Trolley]:
-    """Run a program on a trolley, with something done beside it."""
+    """Run a program on a trolley, with a concurrent action."""
     events: list[dict[str, Any]] = []
     async with trolley() as (robot, driver), asyncio.timeout(patient(15)):
         runner = Runner(driver, parse(text), events.append)
@@ -51,14 +51,14 @@ async def carried_out(
 
 @pytest.mark.parametrize("case", sorted(CASES.glob("*.kgp")), ids=lambda path: path.stem)
 def test_a_program_is_carried_out(case: Path) -> None:
-    """Statements are entered in order, with the values, the log and the end that stand beside the program."""
+    """Statements are entered in order, with the expected values, log and result."""
     _, events, _ = asyncio.run(carried_out(case.read_text(encoding="utf-8")))
     told = [line(event) for event in events if event["event"] in TOLD]
     assert told == case.with_suffix(".events").read_text(encoding="utf-8").splitlines()
 
 
 def test_why_the_robot_is_lost_is_told() -> None:
-    """A program whose robot is lost fails with the reason that the connection tells."""
+    """A program whose robot is lost fails with the reason given by the connection."""
 
     async def scene() -> Ended:
         with Bus(uuid4().hex) as bus:
@@ -74,7 +74,7 @@ def test_why_the_robot_is_lost_is_told() -> None:
 
 
 def test_a_pause_stops_what_moves() -> None:
-    """A paused movement stands still, and is continued for the rest of its time."""
+    """A paused movement stops, and is continued for the rest of its time."""
 
     async def pause(runner: Runner, robot: Trolley) -> None:
         while robot.place < 0.4:  # noqa: ASYNC110 - the test looks from outside
@@ -94,7 +94,7 @@ def test_a_pause_stops_what_moves() -> None:
 
 
 def test_a_goal_is_given_again_after_a_pause() -> None:
-    """A goal is cancelled when the program is paused, and sent anew when it goes on."""
+    """A goal is cancelled when the program is paused, and sent again when it resumes."""
 
     async def pause(runner: Runner, robot: Trolley) -> None:
         while robot.place < 0.3:  # noqa: ASYNC110 - the test looks from outside
@@ -109,7 +109,7 @@ def test_a_goal_is_given_again_after_a_pause() -> None:
 
 
 def test_waiting_stands_still_in_a_pause() -> None:
-    """The time of a pause is not a time of a wait, nor of the program."""
+    """A pause does not count for the time of a wait, or of the program."""
 
     async def pause(runner: Runner, robot: Trolley) -> None:
         await asyncio.sleep(0.01)
@@ -125,7 +125,7 @@ def test_waiting_stands_still_in_a_pause() -> None:
 
 
 def test_a_program_can_be_cancelled() -> None:
-    """`cancel` ends a program wherever it is; the robot is stopped."""
+    """`cancel` ends a program anywhere; the robot is stopped."""
 
     async def cancel(runner: Runner, robot: Trolley) -> None:
         while robot.place < 0.3:  # noqa: ASYNC110 - the test looks from outside
@@ -154,7 +154,7 @@ def test_who_is_cancelled_stops_the_robot() -> None:
 
 
 def test_who_is_cancelled_twice_stops_the_robot_before_it_ends(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A second cancellation, while the robot is stopped after the first, ends nothing before it stands still."""
+    """A second cancellation, while the robot is being stopped, does not interrupt that."""
 
     async def work() -> list[str]:
         stopping, go = asyncio.Event(), asyncio.Event()
@@ -193,7 +193,7 @@ def test_events_name_blocks() -> None:
 
 
 class _Late:
-    """Subscribes: where the newest message alone is kept, those behind the first wait for a gate."""
+    """Subscribes; among subscriptions to only the newest message, all but the first wait for a gate."""
 
     def __init__(self, subscribe: Callable[..., Awaitable[Subscription]]) -> None:
         self.go = asyncio.Event()
@@ -221,7 +221,7 @@ class _Held:
 
 
 def test_a_condition_is_looked_at_with_what_has_come() -> None:
-    """A value that is told once makes a condition true, however late it comes to who keeps the newest values."""
+    """A value published once makes a condition true, however late the cache of newest values receives it."""
     feeling = Capability(
         iri="#feeling",
         name="feeling",
@@ -254,7 +254,7 @@ def test_a_condition_is_looked_at_with_what_has_come() -> None:
 
 
 def test_a_service_is_asked_again_while_it_is_waited_for() -> None:
-    """A condition over what a service tells comes true when the service tells another thing."""
+    """A condition on a service's value becomes true when the service returns another value."""
     asking = Capability(
         iri="#asking",
         name="asking",
@@ -287,6 +287,6 @@ def test_steps_without_end_are_an_error() -> None:
 
 
 def test_a_short_movement_is_begun() -> None:
-    """A movement for a hundredth of a second is sent, although it would not be begun again after a pause."""
+    """A movement for a hundredth of a second is sent, although too short to be resumed after a pause."""
     _, _, robot = asyncio.run(carried_out("move at a velocity  forward: 1 m/s for 0.01 s"))
     assert robot.fastest == 1.0

@@ -24,12 +24,12 @@ SYMBOLS = st.sampled_from(sorted(UNITS))
     ],
 )
 def test_units_convert(value: float, unit: str, to: str | None, expected: float) -> None:
-    """A value is the same in another unit of what it measures."""
+    """A value can be converted to any unit of the same quantity."""
     assert convert(value, unit, to) == pytest.approx(expected)
 
 
 def test_what_measures_something_else_does_not_convert() -> None:
-    """Metres are no seconds, and words are no units."""
+    """Metres do not convert to seconds, and words are not units."""
     with pytest.raises(ValueError, match="m is not s"):
         convert(1, "m", "s")
     with pytest.raises(LookupError):
@@ -38,14 +38,14 @@ def test_what_measures_something_else_does_not_convert() -> None:
 
 @given(SYMBOLS, SYMBOLS)
 def test_quotients_undo_products(one: str, other: str) -> None:
-    """What is multiplied and divided by a unit measures what it did."""
+    """Multiplying and dividing by a unit preserves the dimension."""
     left, right = UNITS[one].dimension, UNITS[other].dimension
     assert divided(multiplied(left, right), right) == left
     assert divided(left, left) == PLAIN
 
 
 def test_dimensions_are_described_by_units() -> None:
-    """Speed times time is a length; what has no unit is a product of those there are."""
+    """Speed times time is a length; a dimension without a unit is a product of the known ones."""
     assert described(multiplied(UNITS["km/h"].dimension, UNITS["min"].dimension)) == "m"
     assert described(multiplied(UNITS["m"].dimension, UNITS["m"].dimension)) == "m^2"
     assert described(PLAIN) == "a plain number"

@@ -26,7 +26,7 @@ def test_what_is_written_is_read_as_the_same_tree(program: Program) -> None:
 @settings(max_examples=100)
 @given(programs)
 def test_what_is_written_stays_as_it_is(program: Program) -> None:
-    """Reading and writing again changes nothing."""
+    """Parsing and writing again changes nothing."""
     text = write(program)
     assert write(parse(text)) == text
 
@@ -34,13 +34,13 @@ def test_what_is_written_stays_as_it_is(program: Program) -> None:
 @settings(max_examples=examples(100, 300))
 @given(expressions)
 def test_expressions_keep_their_structure(expression: Expression) -> None:
-    """Parentheses stand where they have to."""
+    """Parentheses are written if they are needed."""
     (log,) = parse(f"log {written(expression)}").body
     assert isinstance(log, Log)
     assert log.message == expression
 
 
 def test_an_identity_begins_no_time() -> None:
-    """A capability may end with `for`, and the identity behind it be a parenthesis."""
+    """A capability may end with `for`, followed by a parenthesised identity."""
     program = Program(body=(Do(id="(", capability="look for"),))
     assert parse(write(program, ids=True)) == program

@@ -1,4 +1,4 @@
-"""Programs made at random, for what has to hold for every tree."""
+"""Random programs, for properties of every tree."""
 
 from __future__ import annotations
 

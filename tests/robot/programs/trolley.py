@@ -1,4 +1,4 @@
-"""A trolley that rolls towards a wall, in memory: what programs in tests are carried out on, faster than real time."""
+"""A trolley that rolls towards a wall, in memory, to run programs of tests faster than real time."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ CAPABILITIES = Capabilities(
 
 
 class Trolley:
-    """Where the trolley is, how fast it rolls, and what it was told."""
+    """Position and speed of the trolley, and its commands."""
 
     def __init__(self, node: Connection, clock: SimulatedClock) -> None:
         self.place = 0.0
@@ -138,7 +138,7 @@ class Trolley:
         self.clock = clock
 
     async def live(self) -> None:
-        """Roll, publish where it is, and let time pass, twenty times as fast as real."""
+        """Roll, publish the position, and advance time, twenty times as fast as real time."""
         odometry = await self._node.advertise("/odom", "nav_msgs/Odometry")
         scan = await self._node.advertise("/scan", "sensor_msgs/LaserScan")
         listening = [asyncio.ensure_future(self._drive()), asyncio.ensure_future(self._say())]
@@ -166,7 +166,7 @@ class Trolley:
             self.said.append(received.value["data"])
 
     async def go(self, accepted: Accepted) -> Value:
-        """Carry out a goal at 1 m/s; places behind the wall cannot be reached."""
+        """Execute a goal at 1 m/s; places behind the wall cannot be reached."""
         target = accepted.goal["target_pose"]["pose"]["position"]["x"]
         self.goals.append(target)
         if target > _WALL:
@@ -184,7 +184,7 @@ class Trolley:
 
 @asynccontextmanager
 async def trolley(capabilities: Capabilities = CAPABILITIES) -> AsyncIterator[tuple[Trolley, Driver]]:
-    """Give a trolley that lives, with an open driver."""
+    """Yield a running trolley, with an open driver."""
     clock = SimulatedClock()
     clock.tell(100.0)
     with Bus(uuid4().hex, clock=clock, types=Types(1)) as bus:

@@ -1,9 +1,9 @@
-"""A robot as users of ROS 2 write one: a node of rclpy in a process of its own, which knows nothing of kg.
+"""A robot as users of ROS 2 write one: a node of rclpy in a process of its own, independent of kg.
 
     python peer.py
 
-It publishes `/odom` (best effort) and `/words` (kept for those that come later), prints the velocities that it gets,
-serves `/enable` and carries out `/count`. It runs until its standard input ends.
+It publishes `/odom` (best effort) and `/words` (transient local), prints the velocities it receives, serves `/enable`
+and executes `/count`. It runs until its standard input is closed.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from test_msgs.action import Fibonacci
 
 
 def say(line: str) -> None:
-    """Print a line at once."""
+    """Print a line and flush it."""
     sys.stdout.write(f"{line}\n")
     sys.stdout.flush()
 
 
 def enable(request: Any, response: Any) -> Any:
-    """Answer what was asked."""
+    """Answer the request."""
     response.success, response.message = request.data, "on" if request.data else "off"
     return response
 
 
 def count(handle: Any) -> Any:
-    """Give feedback until the order is reached, or the goal is cancelled; a negative order aborts."""
+    """Send feedback until the order is reached, or the goal is cancelled; a negative order aborts."""
     sequence = [0, 1]
     for _ in range(handle.request.order):
         if handle.is_cancel_requested:

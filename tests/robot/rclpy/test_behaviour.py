@@ -1,4 +1,4 @@
-"""A connection through rclpy does what any connection does, and understands a robot of rclpy."""
+"""A connection through rclpy passes the suite of every connection, and works with a robot of rclpy."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FOREVER = {"order": 10**6}
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> str:
-    """Give the address of a domain that only this machine sees."""
+    """Yield the address of a domain visible only to this machine."""
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     return f"rclpy://{100 + os.getpid() % 100}?settle=1"
 
@@ -50,7 +50,7 @@ OWN_TYPES = {
     "test_a_goal_is_lost_with_its_server",
     "test_nobody_carries_out_a_goal",
 }
-"""Tests of the suite with types that no package defines. Those below have their counterparts."""
+"""Tests of the suite with types that no package defines. Their counterparts are below."""
 
 
 class TestRclpy(Behaviour):
@@ -63,7 +63,7 @@ class TestRclpy(Behaviour):
 
     @pytest.fixture
     def system(self, domain: str) -> System:
-        """Give a domain of our own."""
+        """Yield a domain of our own."""
         return System(2, lambda name: connect(domain, name=name, types=Types(2)), seconds=5)
 
 
@@ -98,7 +98,7 @@ def beside_robot(address: str, scene: Any) -> None:
 
 
 def test_its_graph_is_that_of_the_robot(domain: str) -> None:
-    """Node, topics with QoS, service and action of the robot are in the graph, and not our own node."""
+    """Node, topics with QoS, service and action of the robot are in the graph, without our own node."""
 
     async def scene(_: Any, node: Connection) -> None:
         graph = await node.graph()
@@ -118,7 +118,7 @@ def test_its_graph_is_that_of_the_robot(domain: str) -> None:
 
 
 def test_topics_pass_in_both_directions(domain: str) -> None:
-    """Best effort and kept messages are received, and a velocity arrives at the robot."""
+    """Best effort and latched messages are received, and a velocity arrives at the robot."""
 
     async def scene(process: Any, node: Connection) -> None:
         await node.graph()
@@ -137,7 +137,7 @@ def test_topics_pass_in_both_directions(domain: str) -> None:
 
 
 def test_a_service_of_the_robot_answers(domain: str) -> None:
-    """A call with and without a type returns the response; nobody is KG807."""
+    """A call with and without a type returns the response; without a server it is KG807."""
 
     async def scene(_: Any, node: Connection) -> None:
         call = node.call("/enable", ENABLE, {"data": True}, seconds=patient(5))
@@ -155,7 +155,7 @@ def test_a_service_of_the_robot_answers(domain: str) -> None:
 
 
 def test_goals_of_the_robot_end_as_it_says(domain: str) -> None:
-    """A goal is carried out with feedback, another is aborted, a third is cancelled."""
+    """A goal is executed with feedback, another is aborted, a third is cancelled."""
 
     async def scene(_: Any, node: Connection) -> None:
         goal = await node.send_goal("/count", COUNT, {"order": 5}, seconds=patient(5))
@@ -175,7 +175,7 @@ def test_goals_of_the_robot_end_as_it_says(domain: str) -> None:
 
 
 def test_our_services_and_actions_serve_others(domain: str) -> None:
-    """Another node of kg calls a service and gives goals to an action of ours, and a failure is silence."""
+    """Another node of kg calls a service and sends goals to an action of ours; a failure has no response."""
 
     async def enable(request: Value) -> Value:
         if not request["data"]:
@@ -220,7 +220,7 @@ def test_our_services_and_actions_serve_others(domain: str) -> None:
 
 
 def test_a_type_is_learned_from_its_package(domain: str) -> None:
-    """A type that kg does not know is read off the installed package, with arrays and those it uses."""
+    """An unknown type is read from the installed package, with arrays and nested types."""
 
     async def scene() -> None:
         node = await connect(domain, name="/one")

@@ -1,4 +1,4 @@
-"""Debian's ROS 1: its master, nodes that are written for rospy, and programs, each in a process of its own."""
+"""Debian's ROS 1: its master, nodes written for rospy, and programs, each in a process of its own."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ os._exit(0)
 
 
 def needs(*paths: str) -> pytest.MarkDecorator:
-    """Skip where a file of Debian's packages is missing."""
+    """Skip if a file of Debian's packages is missing."""
     missing = [path for path in paths if not Path(path).exists()]
     return pytest.mark.skipif(bool(missing), reason=f"Debian's ROS 1 is not installed: {', '.join(missing)}")
 
@@ -78,7 +78,7 @@ def process(port: int, *command: str, stop: int = signal.SIGINT) -> Iterator[sub
 
 @contextmanager
 def rospy(port: int, code: str) -> Iterator[subprocess.Popen[str]]:
-    """Run a node of rospy until its input ends, which is at the end; it has to say `ready`."""
+    """Run a node of rospy until its input is closed on exit; it has to print `ready`."""
     with process(port, "/usr/bin/python3", "-c", code + _END, stop=0) as started:
         assert started.stdout is not None
         assert started.stdout.readline().strip() == "ready"
@@ -87,7 +87,7 @@ def rospy(port: int, code: str) -> Iterator[subprocess.Popen[str]]:
 
 @contextmanager
 def rosmaster() -> Iterator[int]:
-    """Run a master, and give its port."""
+    """Run a master, and yield its port."""
     with own_port() as port, process(port, "/usr/bin/rosmaster", "--core", "-p", str(port)) as started:
         until = time.monotonic() + patient(5)
         while time.monotonic() < until and started.poll() is None:

@@ -1,4 +1,4 @@
-"""A connection on our own master and on Debian's rosmaster: the behaviour that is asked of every middleware."""
+"""A connection on our own master and on Debian's rosmaster: the suite of every middleware."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TestOnOwnMaster(Behaviour):
 
     @pytest.fixture
     def system(self) -> System:
-        """Return a system whose master begins with its first node."""
+        """Return a system whose master starts with its first node."""
         masters: list[Master] = []
 
         async def join(name: str) -> Connection:
@@ -62,7 +62,7 @@ class TestOnRosmaster(Behaviour):
 
 
 def test_a_goal_that_nobody_waits_for_is_cancelled() -> None:
-    """A goal of which the server says nothing is cancelled when its time is over, and when who gave it gives up."""
+    """A goal without a response of the server is cancelled at its time limit, and when its client gives up."""
 
     async def scene() -> tuple[list[str], list[str]]:
         async with Master() as master:
@@ -73,7 +73,7 @@ def test_a_goal_that_nobody_waits_for_is_cancelled() -> None:
                     await two.advertise(f"/count/{part.name}", part.type)
             goals = aiter(await two.subscribe("/count/goal", "kg_test/CountActionGoal"))
             cancels = aiter(await two.subscribe("/count/cancel", "actionlib_msgs/GoalID"))
-            one.node.clock = clock = SimulatedClock()  # so that nothing is late because the machine is busy
+            one.node.clock = clock = SimulatedClock()  # so a busy machine causes no delay
             late = asyncio.ensure_future(one.send_goal("/count", "kg_test/Count", {"until": 1}, seconds=2))
             sent = [(await asyncio.wait_for(anext(goals), patient(10))).value["goal_id"]["id"]]
             clock.tell(3.0)
@@ -93,7 +93,7 @@ def test_a_goal_that_nobody_waits_for_is_cancelled() -> None:
 
 
 def test_feedback_right_behind_a_result_is_told() -> None:
-    """Feedback that comes just after the result, which has a connection of its own, is not lost."""
+    """Feedback just after the result, which has a separate connection, is not lost."""
 
     async def scene() -> tuple[list[Value], Value]:
         async with Master() as master:
@@ -122,7 +122,7 @@ def test_feedback_right_behind_a_result_is_told() -> None:
 
 
 def test_a_goal_that_is_cancelled_before_it_comes() -> None:
-    """A goal whose cancellation has come before it, over another connection, is not carried out."""
+    """A goal whose cancellation arrives first, over another connection, is not executed."""
 
     async def scene() -> int:
         async with Master() as master:
@@ -152,7 +152,7 @@ def test_a_goal_that_is_cancelled_before_it_comes() -> None:
 
 
 def test_goals_that_are_given_at_a_time_are_two() -> None:
-    """The first two goals of an action, given at a time while the clock stands still, are told apart by the server."""
+    """Two concurrent first goals of an action have different identities, even if the clock does not advance."""
 
     async def scene() -> None:
         async with Master() as master:
@@ -181,7 +181,7 @@ def test_goals_that_are_given_at_a_time_are_two() -> None:
 
 
 def test_what_waits_for_a_slow_subscriber_is_sent_before_the_topic_ends() -> None:
-    """The last message of a topic comes, also to who read nothing while so much was sent that it had to wait."""
+    """The last message of a topic reaches even a slow subscriber with a long send queue."""
 
     async def scene() -> bytes:
         async with Master() as master:
@@ -208,7 +208,7 @@ def test_what_waits_for_a_slow_subscriber_is_sent_before_the_topic_ends() -> Non
 
 
 def test_a_topic_is_offered_after_an_offer_was_given_up() -> None:
-    """Who offers a topic is found by subscribers, also when somebody gave up offering it just before."""
+    """An advertised topic is found by subscribers, even if another advertisement was just cancelled."""
 
     async def scene() -> None:
         async with Master() as master:
@@ -229,7 +229,7 @@ def test_a_topic_is_offered_after_an_offer_was_given_up() -> None:
 
 
 def test_connecting_can_be_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A connection that is cancelled while it is made leaves no node behind."""
+    """A connection cancelled while connecting leaves no node."""
     begun = asyncio.Event()
 
     async def never(*_: object, **__: object) -> None:

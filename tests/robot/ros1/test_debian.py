@@ -1,4 +1,4 @@
-"""Peers that others wrote: nodes of rospy and roscpp and the tools of ROS, on rosmaster and on our own master."""
+"""Independent peers: nodes of rospy and roscpp and the tools of ROS, on rosmaster and on our own master."""
 
 from __future__ import annotations
 
@@ -122,7 +122,7 @@ def master() -> Iterator[int]:
 
 @asynccontextmanager
 async def joined(port: int, name: str = "/kg") -> AsyncIterator[Connection]:
-    """Give a node of ours on a master."""
+    """Yield a node of ours on a master."""
     connection = await connect(f"ros1://127.0.0.1:{port}", name=name)
     try:
         yield connection
@@ -131,7 +131,7 @@ async def joined(port: int, name: str = "/kg") -> AsyncIterator[Connection]:
 
 
 async def soon(work: Awaitable[Any], seconds: float = 5) -> Any:
-    """Return what is awaited, or fail when it takes too long."""
+    """Return the awaited result, or fail at the time limit."""
     return await asyncio.wait_for(work, patient(seconds))
 
 
@@ -142,7 +142,7 @@ async def until(true: Callable[[], bool]) -> None:
 
 
 async def seen(connection: Connection, true: Callable[[ComputationGraph], bool]) -> ComputationGraph:
-    """Return the first graph that a condition holds of."""
+    """Return the first graph that satisfies a condition."""
 
     async def wait() -> ComputationGraph:
         async for graph in connection.changes():
@@ -155,12 +155,12 @@ async def seen(connection: Connection, true: Callable[[ComputationGraph], bool])
 
 
 async def first(messages: Any) -> Any:
-    """Return the first of what comes."""
+    """Return the first item."""
     return await anext(aiter(messages))
 
 
 def tool(port: int, *command: str) -> str:
-    """Return what a tool of ROS prints."""
+    """Return the output of a tool of ROS."""
     with tempfile.TemporaryDirectory() as home:
         ran = subprocess.run(
             command, env=environment(port, home), capture_output=True, text=True, timeout=patient(20), check=False
@@ -169,7 +169,7 @@ def tool(port: int, *command: str) -> str:
 
 
 def test_messages_and_services_with_rospy(master: int) -> None:
-    """Topics go both ways, a latched message is got, the service of a rospy node answers and fails as it should."""
+    """Messages pass in both directions, a latched one is received, a rospy service answers and fails as expected."""
 
     async def scene() -> None:
         async with joined(master) as kg:
@@ -202,13 +202,13 @@ def test_messages_and_services_with_rospy(master: int) -> None:
 
 async def _walk(accepted: Accepted, heard: AsyncIterator[Received]) -> Value:
     x, until = 0.0, accepted.goal["target_pose"]["pose"]["position"]["x"]
-    await soon(anext(heard), 20)  # actionlib's client drops what comes before its own call has returned
+    await soon(anext(heard), 20)  # actionlib's client drops messages that arrive before its own call has returned
     if until < 0:
         accepted.abort("behind the wall")
     while x < until and not accepted.cancelled:
         x += 0.5
         await accepted.feedback({"base_position": {"pose": {"position": {"x": x}}}})
-        await soon(anext(heard), 20)  # the result, over a connection of its own, may not come before it
+        await soon(anext(heard), 20)  # the result, over a connection of its own, may not arrive before it
     return {}
 
 
@@ -219,7 +219,7 @@ async def _ours(request: Value) -> Value:
 
 
 def test_actions_of_actionlib(master: int) -> None:
-    """The SimpleActionServer of actionlib carries out our goals, tells feedback, and ends what is cancelled."""
+    """The SimpleActionServer of actionlib executes our goals, sends feedback, and ends cancelled ones."""
 
     async def scene() -> None:
         async with joined(master) as kg:
@@ -250,7 +250,7 @@ def _to(x: float) -> Value:
 
 
 def test_our_action_and_service_for_rospy(master: int) -> None:
-    """The SimpleActionClient of actionlib and a ServiceProxy of rospy use what we serve."""
+    """The SimpleActionClient of actionlib and a ServiceProxy of rospy use our servers."""
 
     async def scene() -> tuple[str, str]:
         async with joined(master) as kg:
@@ -263,7 +263,7 @@ def test_our_action_and_service_for_rospy(master: int) -> None:
             )
 
     client, caller = asyncio.run(scene())
-    # What actionlib's client logs where an answer comes before its own call has returned, is none of what it prints.
+    # Ignore actionlib's log about responses that arrive before its own call has returned.
     printed = [line for line in client.splitlines() if "not tracking" not in line]
     assert printed == ["ready", "3 [0.5, 1.0, 1.5, 2.0]", "2", "4 behind the wall"]
     assert caller.splitlines()[:3] == ["ready", "from kg", "from kg"]
@@ -272,7 +272,7 @@ def test_our_action_and_service_for_rospy(master: int) -> None:
 
 @needs("/usr/lib/topic_tools/relay", "/usr/lib/robot_state_publisher/robot_state_publisher")
 def test_messages_with_roscpp(master: int) -> None:
-    """A relay of roscpp passes our messages on, and the services of its node are seen with their types."""
+    """A relay of roscpp forwards our messages, and the services of its node have their types."""
 
     async def scene() -> None:
         async with joined(master) as kg:
@@ -281,13 +281,13 @@ def test_messages_with_roscpp(master: int) -> None:
 
             async def around() -> Any:
                 await until(lambda: sent.peers > 0)
-                await sent.publish({"data": "a"})  # the relay offers /out when it knows the type
+                await sent.publish({"data": "a"})  # the relay advertises /out when it knows the type
                 await seen(kg, lambda graph: any(end.name == "/out" for end in graph.ends))
                 out = await kg.subscribe("/out", "std_msgs/String")
                 await until(lambda: bool(out.connected))  # type: ignore[attr-defined]  # of ROS 1
                 await sent.publish({"data": "b"})
                 told = [(await first(out)).value["data"]]
-                if told == ["a"]:  # the relay passes it on when it has offered /out, to who has come by then
+                if told == ["a"]:  # the relay forwards it to the subscribers of /out at that time
                     told.append((await first(out)).value["data"])
                 return told
 
@@ -304,7 +304,7 @@ def test_messages_with_roscpp(master: int) -> None:
 
 
 def test_unknown_type_is_learned(master: int) -> None:
-    """A type that is not known is taken from the header of the publisher, and one of another version too."""
+    """An unknown type is learned from the header of the publisher, and so is one of another version."""
     code = """
 import genpy.dynamic, rospy
 kind = genpy.dynamic.generate_dynamic("odd_msgs/Odd", "Header header\\nInner[] inner\\n" + "=" * 80 +
@@ -330,7 +330,7 @@ publisher.publish(message)
 
 
 def test_simulated_time(master: int) -> None:
-    """Where /use_sim_time is set, the clock is what /clock tells; rospy's publisher tells it."""
+    """With /use_sim_time the clock follows /clock, published by rospy."""
     code = """
 import rospy
 from rosgraph_msgs.msg import Clock
@@ -357,7 +357,7 @@ publisher.publish(Clock(rospy.Time(42, 500000000)))
 
 
 def test_dead_node_is_reported(master: int) -> None:
-    """A node that was killed is still listed by the master: it is reported as dead, and its ends remain."""
+    """A killed node still listed by the master is reported as dead, and its ends remain."""
 
     async def scene() -> None:
         async with joined(master) as kg:
@@ -377,7 +377,7 @@ def _problem(graph: ComputationGraph, node: str) -> str | None:
 
 
 def test_taken_name(master: int) -> None:
-    """Who comes with a name that a living node has gets another, and that node goes on."""
+    """A node with the name of a living node gets another name, and the living node continues."""
 
     async def scene() -> None:
         async with joined(master) as one, joined(master) as two:

@@ -1,4 +1,4 @@
-"""How often a master is asked what has changed."""
+"""The polling rate of a master."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from kg.robot.ros1.graph import pause
 
 
 def test_a_master_that_answers_quickly_is_asked_more_often() -> None:
-    """Up to twenty times a second, for a tenth of its time; one that takes long is asked after a fifth of a second."""
+    """At most twenty times a second and for a tenth of its time; a slow master is polled after a fifth of a second."""
     assert pause(0.001) == 0.05
     assert pause(0.01) == 9 * 0.01
     assert pause(0.5) == 0.2

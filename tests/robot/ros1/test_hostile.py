@@ -1,4 +1,4 @@
-"""Peers that break the protocol: each is reported with a code, and nothing crashes, hangs or grows without bound."""
+"""Peers that violate the protocol: each is reported with a code, without crash, hang or unbounded growth."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ GREETING = {"callerid": "/bad", "type": "std_msgs/String", "md5sum": STRING_SUM,
 
 
 def body(content: bytes, length: int | None = None) -> bytes:
-    """Return a response of HTTP."""
+    """Return an HTTP response."""
     return b"HTTP/1.1 200 OK\r\nContent-Length: %d\r\n\r\n" % (len(content) if length is None else length) + content
 
 
 @asynccontextmanager
 async def listening(talk: Talk) -> AsyncIterator[int]:
-    """Give the port of a server that talks as it is told, and then ends the connection."""
+    """Yield the port of a server that follows a script, and then closes the connection."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:
@@ -59,7 +59,7 @@ async def listening(talk: Talk) -> AsyncIterator[int]:
 
 
 def saying(content: bytes, *, linger: float = 0) -> Talk:
-    """Talk: hear a little, say something, and stay."""
+    """Return a script: read a little, send some bytes, and stay."""
 
     async def talk(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.read(1 << 12)
@@ -72,7 +72,7 @@ def saying(content: bytes, *, linger: float = 0) -> Talk:
 
 @asynccontextmanager
 async def system() -> AsyncIterator[tuple[Master, Ros1Connection]]:
-    """Give a master and a node of ours."""
+    """Yield a master and a node of ours."""
     async with Master() as master:
         connection: Any = await connect(master.address, name="/kg")
         try:
@@ -116,7 +116,7 @@ async def until(true: Callable[[], bool], seconds: float = 5) -> None:
     ],
 )
 def test_answers_that_are_none(content: bytes, code: str) -> None:
-    """What is no answer of XML-RPC is refused: broken HTTP and XML, document types, lengths that lie, faults."""
+    """Invalid XML-RPC is rejected: broken HTTP and XML, document types, wrong lengths, faults."""
 
     async def scene() -> None:
         async with listening(saying(content)) as port:
@@ -128,7 +128,7 @@ def test_answers_that_are_none(content: bytes, code: str) -> None:
 
 
 def test_peers_that_do_not_answer() -> None:
-    """A peer that takes its time, or drips, is given up in time; one that is not there at once."""
+    """A slow peer, or one that sends byte by byte, times out; an absent one fails at once."""
 
     async def drip(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         while True:
@@ -151,7 +151,7 @@ def test_peers_that_do_not_answer() -> None:
 @given(st.binary(max_size=300) | st.text(alphabet="<>/valuestringarydonmbic 019&;", max_size=200).map(str.encode))
 @settings(max_examples=200, deadline=None)
 def test_any_bytes_are_xml_rpc_or_refused(content: bytes) -> None:
-    """Whatever bytes come, they are a call or an answer, or refused with a code."""
+    """Any bytes are a call or a response, or rejected with a code."""
     code = None
     for wrapped in (content, b"<params><param><value>%s</value></param></params>" % content):
         try:
@@ -164,7 +164,7 @@ def test_any_bytes_are_xml_rpc_or_refused(content: bytes) -> None:
 @given(st.binary(max_size=200))
 @settings(max_examples=200, deadline=None)
 def test_any_bytes_are_a_header_or_refused(content: bytes) -> None:
-    """Whatever bytes come, they are a connection header or refused; and a header comes back as it was packed."""
+    """Any bytes are a connection header or rejected; and a packed header is parsed back."""
     code = None
     try:
         header.unpack(content)
@@ -198,7 +198,7 @@ def test_any_bytes_are_a_header_or_refused(content: bytes) -> None:
     ],
 )
 def test_publishers_that_break_the_protocol(content: bytes, code: str) -> None:
-    """A publisher with a broken header, another sum, or a message that is cut or too long is reported."""
+    """A publisher with a broken header, another checksum, or a truncated or oversized message is reported."""
 
     async def scene() -> None:
         async with system() as (master, kg), listening(saying(content, linger=0.05)) as port:
@@ -224,7 +224,7 @@ def test_publishers_that_break_the_protocol(content: bytes, code: str) -> None:
     "protocol", [0, "TCPROS", ["TCPROS"], ["UDPROS", "h", 1], ["TCPROS", "h", "1"], ["TCPROS", "127.0.0.1", 1 << 20]]
 )
 def test_publishers_that_offer_nothing(protocol: Any) -> None:
-    """A publisher that offers no way to read a topic is reported."""
+    """A publisher without a transport for its topic is reported."""
 
     async def scene() -> None:
         async with system() as (master, kg):
@@ -255,7 +255,7 @@ def test_publishers_that_offer_nothing(protocol: Any) -> None:
     ],
 )
 def test_masters_that_tell_nonsense(state: Any) -> None:
-    """A state that is none is KG802; names that are none are left out of the graph and reported with KG812."""
+    """An invalid state is KG802; invalid names are left out of the graph and reported with KG812."""
 
     async def answer(method: str, _: list[Any]) -> Any:
         return [1, "", {"getSystemState": state, "getTopicTypes": [["/ok", "no type"]], "getParam": 0}.get(method, [])]
@@ -282,7 +282,7 @@ def test_masters_that_tell_nonsense(state: Any) -> None:
 
 
 def test_dead_and_mute_nodes() -> None:
-    """Nodes that are dead, mute or answer nonsense are reported, and the graph is told in time."""
+    """Dead, silent or invalid nodes are reported, and the graph arrives in time."""
 
     async def scene() -> None:
         async with (
@@ -320,7 +320,7 @@ def test_dead_and_mute_nodes() -> None:
     ],
 )
 def test_services_that_break_the_protocol(content: bytes, code: str) -> None:
-    """A service that answers with what is no header or response fails with a code."""
+    """A service with an invalid header or response fails with a code."""
 
     async def scene() -> None:
         async with system() as (master, kg), listening(saying(content)) as port:
@@ -350,7 +350,7 @@ def test_services_that_break_the_protocol(content: bytes, code: str) -> None:
     ],
 )
 def test_clients_that_break_the_protocol(content: bytes) -> None:
-    """Whoever connects to our node with nonsense gets an error, and those who come after it are served."""
+    """An invalid client of our node gets an error, and later clients are served."""
 
     async def trigger(_: Any) -> Any:
         return {"success": True}
@@ -393,7 +393,7 @@ def test_clients_that_break_the_protocol(content: bytes) -> None:
     ],
 )
 def test_calls_that_do_not_fit(method: str, arguments: list[Any]) -> None:
-    """Calls of our node with wrong types, or of what it does not have, are answered; the node goes on."""
+    """Calls of our node with wrong types, or to unknown methods, get a response; the node continues."""
 
     async def scene() -> None:
         async with system() as (_, kg):
@@ -429,7 +429,7 @@ def test_calls_that_do_not_fit(method: str, arguments: list[Any]) -> None:
     ],
 )
 def test_calls_that_our_master_refuses(method: str, arguments: list[Any]) -> None:
-    """Our master refuses names, types and addresses that are none, and says what it does not have."""
+    """Our master rejects invalid names, types and addresses, and reports unknown ones."""
 
     async def scene() -> None:
         async with Master() as master:
@@ -444,7 +444,7 @@ def test_calls_that_our_master_refuses(method: str, arguments: list[Any]) -> Non
 
 
 def test_lost_master() -> None:
-    """When the master is gone the connection is lost, says why, and refuses what is asked of it then."""
+    """When the master is gone the connection is lost, has the reason, and rejects later calls."""
 
     async def scene() -> None:
         master = await Master().__aenter__()
@@ -464,7 +464,7 @@ def test_lost_master() -> None:
 
 
 def test_master_that_comes_back() -> None:
-    """A master that was started anew is told again who we are."""
+    """Our node registers again at a restarted master."""
 
     async def scene() -> None:
         first = await Master().__aenter__()
@@ -486,7 +486,7 @@ def test_master_that_comes_back() -> None:
 
 
 def test_publisher_that_comes_back() -> None:
-    """When a publisher ends the connection it is made again as long as the publisher is listed."""
+    """A connection closed by a publisher is reopened while the publisher is listed."""
     count = 0
 
     async def talk(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -523,14 +523,14 @@ def test_publisher_that_comes_back() -> None:
     ],
 )
 def test_addresses_without_a_master(address: str, code: str) -> None:
-    """An address that is none, or where nobody answers, is refused."""
+    """An invalid address, or one without a listener, is rejected."""
     with pytest.raises(RobotError) as caught:
         asyncio.run(connect(address))
     assert caught.value.code == code
 
 
 def test_own_name_that_is_none() -> None:
-    """Our node cannot have a name that is none."""
+    """Our node cannot have an invalid name."""
 
     async def scene() -> None:
         async with Master() as master:
@@ -542,7 +542,7 @@ def test_own_name_that_is_none() -> None:
 
 
 def test_own_address_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where $ROS_HOSTNAME is no host, nobody could reach our node: KG814."""
+    """If $ROS_HOSTNAME is not a host, our node would be unreachable: KG814."""
     monkeypatch.setenv("ROS_HOSTNAME", "no.such.host.invalid")
 
     async def scene() -> None:
@@ -556,7 +556,7 @@ def test_own_address_that_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("host", ["a" * 100, "a..b", ".", "-" * 64, "ä" * 70, "a b", "a\0b", ""])
 def test_hosts_that_are_none(host: str) -> None:
-    """A host that no resolver takes is no address of a node."""
+    """A host that resolvers reject is not an address of a node."""
     with pytest.raises(RobotError) as caught:
         asyncio.run(call(f"http://{host}:11311/", "getPid", "/kg"))
     assert caught.value.code == "KG812"
@@ -564,7 +564,7 @@ def test_hosts_that_are_none(host: str) -> None:
 
 @given(st.text(max_size=30) | st.integers() | st.none())
 def test_names_and_addresses(value: Any) -> None:
-    """Whatever it is, it is a name, type or address, or it is none."""
+    """Any text is a valid name, type or address, or is rejected."""
     assert is_name(value) in {True, False}
     assert is_type(value) in {True, False}
     code = None

@@ -31,7 +31,7 @@ needs_ipv6 = pytest.mark.skipif(not _loopback(), reason="this machine has no IPv
 @needs_ipv6
 @pytest.mark.parametrize("setting", [None, "on"])
 def test_nodes_meet_over_ipv6(monkeypatch: pytest.MonkeyPatch, setting: str | None) -> None:
-    """A master and two nodes that have but addresses of IPv6 exchange messages, services and the graph."""
+    """A master and two nodes with only IPv6 addresses exchange messages, services and the graph."""
     for name in ("ROS_HOSTNAME", "ROS_IP", "ROS_IPV6"):
         monkeypatch.delenv(name, raising=False)
     if setting:
@@ -64,14 +64,14 @@ async def _answered(_: dict[str, object]) -> dict[str, object]:
 
 @given(st.ip_addresses(), st.integers(1, 65535))
 def test_an_address_is_read_as_it_was_written(address: object, port: int) -> None:
-    """Host and port come back from an address, also from that of rospy, which leaves the brackets out."""
+    """Host and port are parsed from an address, including that of rospy, which omits the brackets."""
     host = str(address)
     assert peer(f"http://{netloc(host, port)}/") == (host, port)
     assert peer(f"http://{host}:{port}/") == (host, port)
 
 
 def test_brackets_that_do_not_fit() -> None:
-    """What looks like IPv6 and is none is no address of a node."""
+    """Text that resembles IPv6 without being valid is not an address of a node."""
     for text in ("http://[::1:11311/", "http://::1]:11311/", "http://[::1]/", "http://::/", "http://[zz]:1/"):
         with pytest.raises(RobotError) as wrong:
             peer(text)
@@ -79,7 +79,7 @@ def test_brackets_that_do_not_fit() -> None:
 
 
 def test_where_a_node_listens(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On the loopback interface alone for a host there; over both protocols where IPv6 is asked for."""
+    """For a host on loopback, only that interface; for IPv6, both protocols."""
     monkeypatch.delenv("ROS_IPV6", raising=False)
     every = "0.0.0.0"  # noqa: S104 - nothing is bound to it here
     expected = {"localhost": "127.0.0.1", "127.0.1.1": "127.0.0.1", "::1": "::1", "10.0.0.7": every, "fe80::7": "::"}
@@ -89,7 +89,7 @@ def test_where_a_node_listens(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_our_own_address_is_of_the_protocol_of_the_master(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The address on the way to the master is one of its own protocol; the environment says otherwise."""
+    """The address towards the master has the master's protocol, unless the environment overrides it."""
     for name in ("ROS_HOSTNAME", "ROS_IP", "ROS_IPV6"):
         monkeypatch.delenv(name, raising=False)
     assert own_host("::1", 11311) == "::1"

@@ -1,4 +1,4 @@
-"""Our own master: where it cannot listen."""
+"""Our own master on unavailable ports."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from kg.robot.ros1 import Master
 
 
 def test_a_port_that_is_taken() -> None:
-    """A port where somebody listens is KG814, with another one as the way out."""
+    """A port in use is KG814, with the hint to use another one."""
 
     async def scene() -> None:
         async with Master() as master:

@@ -1,4 +1,4 @@
-"""What our master tells subscribers, and what our node registers."""
+"""Updates from our master to subscribers, and registrations of our node."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @asynccontextmanager
 async def system() -> AsyncIterator[tuple[Master, Ros1Connection]]:
-    """Give a master and a node of ours."""
+    """Yield a master and a node of ours."""
     async with Master() as master:
         connection: Any = await connect(master.address, name="/kg")
         try:
@@ -33,7 +33,7 @@ async def system() -> AsyncIterator[tuple[Master, Ros1Connection]]:
 
 
 def test_slow_subscribers_are_told_in_order() -> None:
-    """A subscriber that is slow is told of publishers one after the other, and last of those that there are."""
+    """A slow subscriber is notified of publishers one after the other, and of the current ones last."""
     told: list[list[str]] = []
     first, go, again = asyncio.Event(), asyncio.Event(), asyncio.Event()
 
@@ -60,7 +60,7 @@ def test_slow_subscribers_are_told_in_order() -> None:
 
 
 def test_a_loop_that_ends_says_nothing_of_who_was_being_answered() -> None:
-    """Ctrl-C may end the loop while a peer has a connection open: no traceback is logged of that."""
+    """Ctrl-C may end the loop while a peer has an open connection, without a logged traceback."""
     logged: list[dict[str, Any]] = []
 
     async def scene() -> None:
@@ -82,7 +82,7 @@ def test_a_loop_that_ends_says_nothing_of_who_was_being_answered() -> None:
 
 
 def test_more_publishers_than_there_can_be(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a list of publishers without measure only the first are read, and that is told."""
+    """An excessive list of publishers is truncated, and that is reported."""
     noted: list[tuple[str, str, str]] = []
 
     async def scene() -> None:
@@ -97,7 +97,7 @@ def test_more_publishers_than_there_can_be(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_is_not_registered_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What the master refuses, or somebody gave up before it answered, is not registered later on either."""
+    """A rejected registration, or one cancelled before the response, is not repeated later."""
     refusing = True
     asked = asyncio.Event()
     handle = Master._handle
@@ -140,7 +140,7 @@ def test_what_is_not_registered_is_not_there(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_what_the_master_tells_before_it_answers_counts(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The answer to a registration that comes after a newer list of publishers does not take these away again."""
+    """A late response to a registration does not override a newer list of publishers."""
     handle = Master._handle
     registered, go = asyncio.Event(), asyncio.Event()
 
@@ -170,7 +170,7 @@ def test_what_the_master_tells_before_it_answers_counts(monkeypatch: pytest.Monk
 
 
 def test_the_master_hears_of_a_topic_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A topic that is offered again at once is registered when the master has taken it off, not before."""
+    """A topic advertised again at once is registered only after the master has removed it."""
     handle = Master._handle
     leaving, go = asyncio.Event(), asyncio.Event()
     heard: list[str] = []
@@ -191,7 +191,7 @@ def test_the_master_hears_of_a_topic_in_order(monkeypatch: pytest.MonkeyPatch) -
             closing = asyncio.ensure_future(publication.aclose())
             await asyncio.wait_for(leaving.wait(), patient(5))
             again = asyncio.ensure_future(kg.advertise("/topic", "std_msgs/String"))
-            await ask(master.uri, "getSystemState", "/x")  # an answer comes as soon as that of the registration could
+            await ask(master.uri, "getSystemState", "/x")  # an answer arrives as soon as that of the registration could
             go.set()
             await asyncio.wait_for(asyncio.gather(closing, again), patient(5))
             assert ["/topic", ["/kg"]] in (await ask(master.uri, "getSystemState", "/x"))[0]
@@ -201,7 +201,7 @@ def test_the_master_hears_of_a_topic_in_order(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_things_come_and_go_while_a_master_is_told_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What is opened and closed while a master that was started anew is told who we are keeps nothing of it back."""
+    """Ends opened and closed while our node registers at a restarted master leave nothing registered."""
     handle = Master._handle
     telling, go, told_again = asyncio.Event(), asyncio.Event(), asyncio.Event()
     forgotten = kg_is_there = False

@@ -1,4 +1,4 @@
-"""The address that the environment of ROS 2 names."""
+"""The default address in the environment of ROS 2."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from kg.robot.connecting import default_address
     ],
 )
 def test_the_environment_names_it(environment: dict[str, str], address: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Domain, middleware and distribution are those that a terminal of ROS 2 is set up for."""
+    """Domain, middleware and distribution are those of a configured ROS 2 terminal."""
     for name in ("ROS_DOMAIN_ID", "ROS_DISTRO", "RMW_IMPLEMENTATION"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("ROS_VERSION", "2")

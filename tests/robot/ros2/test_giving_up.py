@@ -1,4 +1,4 @@
-"""Goals of ROS 2 that are given up before the server has said a word of them."""
+"""ROS 2 goals that are given up before the first response of the server."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ async def _until(true: Callable[[], bool]) -> None:
 
 
 def test_a_goal_that_nobody_waits_for_is_cancelled() -> None:
-    """A goal of which the server says nothing is cancelled when its time is over, and when who gave it gives up."""
+    """A goal without a response of the server is cancelled at its time limit, and when its client gives up."""
 
     async def scene(address: str) -> tuple[list[bytes], list[bytes]]:
         one = await connect(address, name="/one", types=types_for_tests(2))

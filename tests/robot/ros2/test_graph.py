@@ -1,4 +1,4 @@
-"""Graphs from ends, and what does not fit in them."""
+"""Graphs built from ends, and mismatches among them."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ _FULL = Qos("reliable", "transient_local", "keep_last", 1, 0.1, None, "manual_by
     ],
 )
 def test_what_is_asked_for_has_to_be_offered(offer: Qos, ask: Qos, fits: bool) -> None:  # noqa: FBT001 - a case
-    """An offer does when it is at least what is asked for."""
+    """An offer matches if it is at least as strong as the request."""
     assert (misfit(offer, ask) is None) is fits
 
 
 def test_problems_of_a_topic_are_told_once() -> None:
-    """However many ends are alike, what does not fit between them is one problem."""
+    """A mismatch is one problem, however many similar ends have it."""
     ends = [LiveEnd(f"/a{one}", Role.PUBLISHES, "/rosout", "rcl_interfaces/Log", OFFERED) for one in range(300)]
     ends += [LiveEnd(f"/b{one}", Role.SUBSCRIBES, "/rosout", "rcl_interfaces/Log", LATCHED) for one in range(300)]
     ends.append(LiveEnd("/c", Role.SUBSCRIBES, "/rosout", "std_msgs/String", OFFERED))
@@ -45,7 +45,7 @@ def test_problems_of_a_topic_are_told_once() -> None:
 
 
 def test_nodes_of_one_name_are_one_with_a_problem() -> None:
-    """Two nodes of the same name are one, which says so."""
+    """Two nodes of the same name are one, with a problem."""
     told = Neighbourhood(nodes=(LiveNode("/a", "one"), LiveNode("/a", "two"), LiveNode("/b", "one")))
     first, second = computation_graph(told, complete=False).nodes
     assert (first.name, first.problem) == ("/a", "2 nodes have this name")
@@ -53,7 +53,7 @@ def test_nodes_of_one_name_are_one_with_a_problem() -> None:
 
 
 def test_actions_are_folded() -> None:
-    """The services and topics of an action are one end; one that only listens to feedback is none."""
+    """The services and topics of an action are one end; a mere subscription to feedback is not an action."""
     parts = {
         "send_goal": ("m/Spin_SendGoal", Role.SERVICES, Role.CLIENTS),
         "get_result": ("m/Spin_GetResult", Role.SERVICES, Role.CLIENTS),

@@ -1,4 +1,4 @@
-"""Type hashes are those that ROS 2 computes."""
+"""Type hashes equal those computed by ROS 2."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from kg.errors import RobotError
 from kg.robot.messages import Types
 from kg.robot.ros2.types import type_hash
 
-# what distributions of ROS 2 say: `ros2 topic info -v`, docs/design.md of rmw_zenoh
+# as printed by distributions of ROS 2: `ros2 topic info -v`, docs/design.md of rmw_zenoh
 _MESSAGES = {
     "std_msgs/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
     "std_msgs/Header": "f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01",
@@ -39,18 +39,18 @@ def types() -> Types:
 
 @pytest.mark.parametrize(("kind", "digest"), _MESSAGES.items())
 def test_messages(types: Types, kind: str, digest: str) -> None:
-    """A message has the hash that ROS 2 tells."""
+    """A message has the hash printed by ROS 2."""
     assert type_hash(types, kind) == f"RIHS01_{digest}"
 
 
 @pytest.mark.parametrize(("kind", "digest"), _SERVICES.items())
 def test_services(types: Types, kind: str, digest: str) -> None:
-    """A service, also one of an action, has the hash that ROS 2 tells."""
+    """A service, also one of an action, has the hash printed by ROS 2."""
     assert type_hash(types, kind, service=True) == f"RIHS01_{digest}"
 
 
 def test_a_type_that_is_not_known(types: Types) -> None:
-    """What is not known has no hash: KG804."""
+    """An unknown type has no hash: KG804."""
     with pytest.raises(RobotError) as unknown:
         type_hash(types, "nowhere_msgs/Thing")
     assert unknown.value.code == "KG804"

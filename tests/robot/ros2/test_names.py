@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 class RefusedError(Exception):
-    """KG801, and nothing else."""
+    """KG801 and no other code."""
 
 
 def refusing(call: Callable[[], T]) -> T:
-    """Return what a call gives; RefusedError when that is KG801."""
+    """Return the result of a call; RefusedError for KG801."""
     try:
         return call()
     except RobotError as error:
@@ -46,14 +46,14 @@ _WORD = st.from_regex(r"[a-zA-Z][a-zA-Z0-9]{0,10}", fullmatch=True)
     ],
 )
 def test_types(kind: str, service: bool, mangled: str) -> None:  # noqa: FBT001 - a case
-    """A type is in the folder of its package that its name tells, and is read back."""
+    """A type name on the wire includes its package and folder, and is parsed back."""
     assert dds_type(kind, service=service) == mangled
     assert ros_type(mangled) == kind
 
 
 @given(st.lists(_WORD, min_size=1, max_size=4), _WORD, _WORD)
 def test_ends_are_read_back(parts: list[str], package: str, kind: str) -> None:
-    """The DDS topics of a topic and of a service are those of the same name and type."""
+    """The DDS topics of a topic and of a service parse to the same name and type."""
     name = "/" + "/".join(parts)
     whole = f"{package}/{kind}"
     told = ros_end(dds_topic(name, Role.PUBLISHES), dds_type(whole), writer=True)
@@ -65,7 +65,7 @@ def test_ends_are_read_back(parts: list[str], package: str, kind: str) -> None:
 
 @given(st.text(max_size=40), st.text(max_size=40), st.booleans())
 def test_any_topic_is_read(topic: str, kind: str, writer: bool) -> None:  # noqa: FBT001 - a case
-    """Whatever others call their topics and types is an end of ROS, or none."""
+    """Any foreign topic and type is an end of ROS, or none."""
     found = ros_end(topic, kind, writer=writer)
     assert found is None or topic.startswith(("rt/", "rq/"))
 
@@ -79,14 +79,14 @@ def test_names_are_names(text: str) -> None:
 
 @given(st.text(max_size=40))
 def test_addresses_are_read(text: str) -> None:
-    """Any address is read, or it is KG801."""
+    """Any address is parsed, or it is KG801."""
     for scheme in ("dds", "zenoh"):
         with contextlib.suppress(RefusedError):
             assert 0 <= refusing(lambda: Address.read(f"{scheme}://{text}")).domain <= 232  # noqa: B023 - called at once
 
 
 def test_what_an_address_says() -> None:
-    """The domain stands in the address, or behind it; so do clock and settling time."""
+    """The domain is part of the address or an option; clock and settling time are options."""
     assert Address.read("dds://7?clock=simulated").domain == 7
     assert Address.read("dds://7?clock=simulated").simulated
     assert Address.read("dds://").domain == 0

@@ -1,4 +1,4 @@
-"""Readers that follow what publishers offer, and writers that follow what subscribers ask for."""
+"""Readers that adapt to the offers of publishers, and writers that adapt to the requests of subscribers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class _Wire:
-    """A middleware with one publisher, which refuses to open the second reader."""
+    """A middleware with one publisher, which rejects the second reader."""
 
     def __init__(self) -> None:
         self.types = Types(2)
@@ -52,7 +52,7 @@ class _Wire:
 
 
 def test_a_reader_that_cannot_be_opened_is_told_and_tried_again() -> None:
-    """Where a reader cannot follow what is offered, the graph has the problem, and the next graph opens it."""
+    """If a reader cannot adapt to an offer, the graph has the problem, and the next graph retries."""
 
     async def scene() -> tuple[list[str], list[str]]:
         wire = _Wire()
@@ -74,7 +74,7 @@ def test_a_reader_that_cannot_be_opened_is_told_and_tried_again() -> None:
 
 
 def test_a_subscriber_that_asks_for_earlier_messages_is_offered_them() -> None:
-    """A writer that keeps none would not be connected to it; others get what is offered by default."""
+    """A volatile writer would not match it; other subscribers get the default offer."""
 
     async def scene() -> list[Qos]:
         wire = _Wire()

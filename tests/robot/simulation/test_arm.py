@@ -45,7 +45,7 @@ async def driven(ros: int = 1) -> AsyncIterator[tuple[World, Arm, Driver]]:
 
 
 def moved_to(x: float, y: float, z: float) -> Arm:
-    """Return the arm of a world of its own six seconds after its hand got a target."""
+    """Return the arm of a fresh world six seconds after its hand got a target."""
     with World("arm") as world:
         arm = world.robot
         assert isinstance(arm, Arm)
@@ -57,7 +57,7 @@ def moved_to(x: float, y: float, z: float) -> Arm:
 
 @both
 def test_its_interfaces_show_what_it_can_do(ros: int) -> None:
-    """Hand, joints, gripper and camera are recognized; no pose of the hand is taken for that of the robot."""
+    """Hand, joints, gripper and camera are recognised; no pose of the hand is taken for that of the robot."""
 
     async def see() -> set[str]:
         async with hosted_in_memory("arm", ros=ros) as (_, address):
@@ -70,7 +70,7 @@ def test_its_interfaces_show_what_it_can_do(ros: int) -> None:
 
 @both
 def test_the_program_puts_the_cube_into_the_tray(ros: int) -> None:
-    """The red cube ends in the left tray, the green one where it was, and the gripper is open."""
+    """The red cube ends in the left tray, the green one stays in place, and the gripper is open."""
 
     async def run() -> None:
         async with hosted_in_memory("arm", ros=ros) as (simulation, address):
@@ -85,13 +85,13 @@ def test_the_program_puts_the_cube_into_the_tray(ros: int) -> None:
 
 
 def test_a_place_of_the_arm_is_above_the_table() -> None:
-    """Its places have all that a target of the hand needs, so that a page can send the hand there."""
+    """A place has all values of a hand target, so a page can send the hand there."""
     places = places_of(read_plan("arm").places())
     assert [one.z for one in places.values()] == [Written(value=0.2, unit="m")] * 4
 
 
 def test_joints_follow_a_trajectory() -> None:
-    """The joints that are named get to their positions, the others stay."""
+    """The named joints reach their positions, the others stay."""
 
     async def run() -> None:
         async with driven() as (world, arm, driver):
@@ -116,7 +116,7 @@ def test_joints_follow_a_trajectory() -> None:
     ],
 )
 def test_a_trajectory_that_is_impossible_is_aborted(names: list[str], positions: list[float], why: str) -> None:
-    """An unknown joint, a wrong number of positions, and a position beyond the limit of a joint abort the goal."""
+    """An unknown joint, a wrong number of positions, and a position beyond a joint's limit abort the goal."""
 
     async def run() -> None:
         async with driven() as (_, _arm, driver):
@@ -128,7 +128,7 @@ def test_a_trajectory_that_is_impossible_is_aborted(names: list[str], positions:
 
 
 def test_a_stopped_trajectory_holds_the_joints() -> None:
-    """After Stop the arm stays where it is, far from the end of the trajectory."""
+    """After Stop the arm stays in place, far from the end of the trajectory."""
 
     async def run() -> None:
         async with driven() as (_, arm, driver):
@@ -147,7 +147,7 @@ def test_a_stopped_trajectory_holds_the_joints() -> None:
 
 
 def test_a_grip_on_a_thing_stalls() -> None:
-    """The gripper tells that it stalled on the cube, and opens again."""
+    """The gripper reports stalling on the cube, and opens again."""
 
     async def run() -> None:
         async with driven() as (world, arm, driver):
@@ -182,6 +182,6 @@ def test_a_target_out_of_reach_is_approached(x: float, y: float, z: float) -> No
 
 
 def test_a_target_that_is_not_a_number_is_ignored() -> None:
-    """The hand stays where it is."""
+    """The hand stays in place."""
     arm = moved_to(math.nan, 0.5, 0.3)
     assert arm.pose.z == pytest.approx(0.437, abs=0.01)

@@ -1,4 +1,4 @@
-"""The code that programs are converted to, run by Debian's rospy on the simulated robots."""
+"""Code converted from programs, run by Debian's rospy on the simulated robots."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ async def run(code: str, port: int, home: str) -> int | None:
 @needs_messages
 @pytest.mark.parametrize(("number", "robot"), [(1, "office")])
 def test_the_code_reaches_the_goal_of_the_program(number: int, robot: Robot) -> None:
-    """An expert's node in rospy, written by kg, makes the robot do what the program does."""
+    """A rospy node written by kg makes the robot do the same as the program."""
     variant = exercises()[number - 1].of(robot)
 
     async def carried_out(port: int, home: str) -> list[str]:

@@ -31,7 +31,7 @@ ACTION = {1: ("/move_base", "move_base_msgs/MoveBase"), 2: ("/navigate_to_pose",
 
 @asynccontextmanager
 async def simulated(world: str, ros: int = 1) -> AsyncIterator[tuple[Simulation, Connection]]:
-    """Run a world in memory as fast as can be, with a node to look at it."""
+    """Run a world in memory at maximum speed, with a node that observes it."""
     async with hosted_in_memory(world, ros=ros) as (simulation, address):
         yield simulation, await connect(address, name="/kg")
 
@@ -53,7 +53,7 @@ def goal(ros: int, x: float, y: float) -> dict[str, Any]:
 
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_goal_is_reached(ros: int) -> None:
-    """The action drives the robot into the kitchen, tells how far it is, and succeeds."""
+    """The action drives the robot into the kitchen, sends feedback, and succeeds."""
 
     async def drive() -> None:
         async with simulated("office", ros) as (simulation, face):
@@ -68,7 +68,7 @@ def test_a_goal_is_reached(ros: int) -> None:
 
 @pytest.mark.parametrize(("x", "y"), [(11.3, 0.7), (-5.0, 2.0), (4.0, 1.0), (float("nan"), 1.0)])
 def test_a_goal_that_cannot_be_reached_is_aborted(x: float, y: float) -> None:
-    """A room without a door, a place outside, one within a wall and one that is not a number are refused."""
+    """A room without a door, a place outside, one within a wall and one that is not a number are rejected."""
 
     async def drive() -> None:
         async with simulated("office") as (simulation, face):
@@ -82,7 +82,7 @@ def test_a_goal_that_cannot_be_reached_is_aborted(x: float, y: float) -> None:
 
 
 def test_a_goal_that_is_cancelled_stops_the_robot() -> None:
-    """After the cancellation the robot stands."""
+    """After the cancellation the robot stops."""
 
     async def drive() -> None:
         async with simulated("office") as (simulation, face):
@@ -101,7 +101,7 @@ def test_a_goal_that_is_cancelled_stops_the_robot() -> None:
 
 
 def test_a_simple_goal_is_driven_to() -> None:
-    """Whatever is sent to the topic for simple goals is a goal."""
+    """A message on the topic for simple goals is a goal."""
 
     async def drive() -> None:
         async with simulated("office") as (simulation, face):
@@ -135,7 +135,7 @@ def test_the_office_tells_what_it_senses(ros: int) -> None:
 
 
 def test_tags_are_found_in_the_frame_of_the_robot() -> None:
-    """Tag 7 at the end of the corridor is ahead, as far as it is."""
+    """Tag 7 at the end of the corridor is ahead, at the right distance."""
 
     async def look() -> None:
         async with simulated("office") as (simulation, face):
@@ -156,7 +156,7 @@ def test_tags_are_found_in_the_frame_of_the_robot() -> None:
 
 @pytest.mark.parametrize("ros", [1, 2])
 def test_the_drone_flies_and_lands(ros: int) -> None:
-    """It is told by topics to take off, to fly and to land, and tells its altitude and the tag below."""
+    """Topics make it take off, fly and land, and it publishes its altitude and the tag below."""
 
     async def fly() -> None:
         async with simulated("drone", ros) as (simulation, face):
@@ -182,7 +182,7 @@ def test_the_drone_flies_and_lands(ros: int) -> None:
 
 @pytest.mark.parametrize("ros", [1, 2])
 def test_a_landed_drone_does_not_move(ros: int) -> None:
-    """A velocity that a drone ignores on the ground is reported as KG820; in the air it flies."""
+    """A velocity ignored by a drone on the ground is reported as KG820; in the air it flies."""
 
     async def fly() -> None:
         async with simulated("drone", ros) as (_, face):
@@ -216,7 +216,7 @@ def test_the_world_is_shown_from_above(world: str) -> None:
 
 
 def test_a_message_that_fails_does_not_deafen(caplog: pytest.LogCaptureFixture) -> None:
-    """A node goes on to hear a topic after a message that it failed on, which is reported."""
+    """After failing on a message, which is reported, a node still receives the next ones."""
 
     async def scene() -> list[str]:
         heard: list[str] = []
@@ -242,7 +242,7 @@ def test_a_message_that_fails_does_not_deafen(caplog: pytest.LogCaptureFixture) 
 
 
 def test_a_simulation_that_fails_ends_who_waits_for_it() -> None:
-    """Nobody waits for a time that stands still; what happened is raised in the place of the wait."""
+    """If the simulation fails, a wait for its time raises that error."""
 
     async def wait() -> None:
         async with hosted_in_memory("office") as (simulation, address):

@@ -19,13 +19,13 @@ GRID = Grid(OFFICE, 0.1)
 
 
 def blocked(x: float, y: float) -> bool:
-    """Whether a robot that stands at a point touches something."""
+    """Whether a robot at a point touches an obstacle."""
     return bool(COARSE[GRID.cell(x, y)])
 
 
 @pytest.mark.parametrize("name", PLANS)
 def test_plans_are_sound(name: str) -> None:
-    """Names of rooms and numbers of tags are unique, and everything lies within the walls."""
+    """Names of rooms and numbers of tags are unique, and everything is within the walls."""
     plan = read_plan(name)
     assert len({one.name for one in plan.rooms}) == len(plan.rooms)
     assert len({one.id for one in plan.tags}) == len(plan.tags)
@@ -35,7 +35,7 @@ def test_plans_are_sound(name: str) -> None:
 
 
 def test_every_room_but_the_archive_can_be_reached() -> None:
-    """There is a way from the start to every place; the archive has no door."""
+    """Every place can be reached from the start; the archive has no door."""
     start = OFFICE.start.x, OFFICE.start.y
     lost = [one.name for one in OFFICE.rooms if PLANNER.way(start, (one.place.x, one.place.y)) is None]
     assert lost == ["archive"]
@@ -47,7 +47,7 @@ def test_every_room_but_the_archive_can_be_reached() -> None:
     goal=some.tuples(some.floats(-1, 13), some.floats(-1, 10)),
 )
 def test_ways_are_free(start: tuple[float, float], goal: tuple[float, float]) -> None:
-    """A way ends at the goal, and nothing stands on it."""
+    """A way ends at the goal, without obstacles."""
     way = PLANNER.way(start, goal)
     if way is None:
         return
@@ -59,7 +59,7 @@ def test_ways_are_free(start: tuple[float, float], goal: tuple[float, float]) ->
 
 
 def test_the_map_has_walls_and_doors() -> None:
-    """A square of a wall is taken, one of a door and one of the floor are free."""
+    """A square of a wall is occupied, one of a door and one of the floor are free."""
     taken = GRID.taken
     assert taken[GRID.cell(4.0, 1.0)]
     assert not taken[GRID.cell(2.0, 3.6)]
@@ -68,7 +68,7 @@ def test_the_map_has_walls_and_doors() -> None:
 
 
 def test_a_wall_ahead_stops_the_follower() -> None:
-    """With something close in front the follower asks for no speed, whatever the way says."""
+    """With an obstacle in front the follower requests no speed, whatever the way."""
     ranges = [0.25] * 120
     assert free_ahead(ranges) < 0.1
     command = Follower([(5.0, 0.0)], 0.0).next(Pose(0.0, 0.0, 0.0), ranges)

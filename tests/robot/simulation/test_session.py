@@ -38,13 +38,13 @@ pytest.importorskip("cv2", reason="tags need OpenCV")
 
 @pytest.fixture(scope="module")
 def master() -> Iterator[int]:
-    """Give the port of Debian's rosmaster."""
+    """Yield the port of Debian's rosmaster."""
     with rosmaster() as port:
         yield port
 
 
 async def wrong_of(variant: Variant, simulation: Simulation, address: str) -> list[str]:
-    """Carry a variant of an exercise out; return what went wrong."""
+    """Run a variant of an exercise; return its failures."""
     wrong = await carry_out(program_of(variant), address, Settings())
     # The program ends when the drone is near the ground, a moment before its rotors are off.
     async with asyncio.timeout(patient(10)):
@@ -57,7 +57,7 @@ async def wrong_of(variant: Variant, simulation: Simulation, address: str) -> li
 @needs_debian
 @pytest.mark.parametrize("robot", ["office", "drone"])
 def test_an_exercise_on_a_real_master(master: int, robot: Robot) -> None:
-    """Nodes, messages and actions go through ROS 1, whose time is that of the simulation, three times as fast."""
+    """Nodes, messages and actions use ROS 1, with the time of the simulation, three times as fast."""
     variant = exercises()[1].of(robot)
 
     async def carried_out() -> list[str]:
@@ -83,7 +83,7 @@ def test_an_exercise_over_dds() -> None:
 
 
 def test_a_simulation_that_fails_at_the_end_of_what_uses_it() -> None:
-    """A simulation that fails in the very turn in which its user is done is an error, and cancels nobody."""
+    """If the simulation fails at the moment its user finishes, that is an error, and cancels no task."""
 
     class Failing:
         def __init__(self) -> None:
@@ -104,7 +104,7 @@ def test_a_simulation_that_fails_at_the_end_of_what_uses_it() -> None:
 
 
 def test_a_master_of_our_own_ends_with_the_simulation() -> None:
-    """Who connects meanwhile finds the robot; afterwards nothing answers, and simulated seconds are told."""
+    """A connection in between finds the robot; afterwards the port is closed, and simulated seconds are reported."""
 
     async def look() -> None:
         begun: asyncio.Future[str] = asyncio.get_running_loop().create_future()
@@ -126,7 +126,7 @@ def test_a_master_of_our_own_ends_with_the_simulation() -> None:
 
 
 def test_the_time_of_a_master_is_given_back() -> None:
-    """A master that was there before takes its time from the wall again when the simulation has ended."""
+    """An existing master uses real time again when the simulation has ended."""
 
     async def look() -> None:
         async with Master() as master:
@@ -137,7 +137,7 @@ def test_the_time_of_a_master_is_given_back() -> None:
 
 
 def test_a_master_that_is_not_there() -> None:
-    """It is said, and nothing is simulated."""
+    """The missing master is reported, and nothing is simulated."""
     with pytest.raises(RobotError) as nobody:
         asyncio.run(simulate(Choice("drone", "ros1://127.0.0.1:9", speed=1.0), lambda _: None))
     assert nobody.value.code == "KG802"
@@ -145,7 +145,7 @@ def test_a_master_that_is_not_there() -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_and_a_kill_end_it_quietly(number: signal.Signals) -> None:
-    """The address and what to type next are said, and Ctrl-C, or a polite kill, ends with 130 and no word of errors."""
+    """The address and the next command are printed; Ctrl-C and SIGTERM exit with 130 without error messages."""
     command = [sys.executable, "-m", "kg", "robot", "simulate", "drone"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert process.stderr is not None
@@ -161,7 +161,7 @@ def test_ctrl_c_and_a_kill_end_it_quietly(number: signal.Signals) -> None:
 
 
 def test_without_pybullet_the_extra_is_named() -> None:
-    """KG840 says what to install."""
+    """KG840 names the extra to install."""
     hidden = "import sys; sys.modules['pybullet'] = None; from kg.cli.main import run; run()"
     command = [sys.executable, "-c", hidden, "robot", "simulate", "office"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | {"KG_COLOR": "never"})
@@ -171,14 +171,14 @@ def test_without_pybullet_the_extra_is_named() -> None:
 
 
 def chosen_with(world: str = "office", **given: str | bool | None) -> Choice:
-    """Return what options choose."""
+    """Return the result of options."""
     options = {"master": None, "port": "0", "ros2": False, "speed": "1", "seconds": None, "seed": "0"} | given
     return chosen(world, **options)  # type: ignore[arg-type] # texts and truth values as typer gives them
 
 
 @pytest.mark.parametrize("master", ["http://localhost:11311/", "robot:11311", "robot"])
 def test_a_master_is_written_as_a_robot_is(master: str) -> None:
-    """What --robot refuses is refused by --master too, with what to write."""
+    """Values rejected by --robot are rejected by --master, too, with the right syntax."""
     assert chosen_with(master="ros1://robot:11311").address == "ros1://robot:11311"
     assert chosen_with(master="dds://3").address == "dds://3"
     with pytest.raises(RobotError) as refused:
@@ -188,13 +188,13 @@ def test_a_master_is_written_as_a_robot_is(master: str) -> None:
 
 @pytest.mark.parametrize("speed", ["0", "abc", "inf", "-1"])
 def test_a_speed_is_a_factor(speed: str) -> None:
-    """A speed that is none is told to be no factor, not to be no time."""
+    """An invalid speed is reported as a factor, not as a time."""
     with pytest.raises(UsageError, match=f"`--speed {speed}` is not a factor"):
         chosen_with(speed=speed)
 
 
 def test_the_robot_begins_where_an_exercise_does() -> None:
-    """The drone of the third exercise hovers; a number that is no exercise is refused."""
+    """The drone of the third exercise starts hovering; an unknown number is rejected."""
     assert chosen_with().start is None
     assert chosen_with("office", exercise="1").start is None
     start = chosen_with("drone", exercise="3").start
@@ -205,14 +205,14 @@ def test_the_robot_begins_where_an_exercise_does() -> None:
 
 
 def test_the_arm_has_no_exercise() -> None:
-    """An exercise of a world without exercises is refused, with the worlds that have some."""
+    """An exercise of a world without exercises is rejected, with the worlds that have some."""
     with pytest.raises(UsageError, match="--exercise does not go with the world `arm`") as refused:
         chosen_with("arm", exercise="1")
     assert refused.value.hint == "Exercises are of office and drone."
 
 
 def test_the_port_is_of_our_own_master() -> None:
-    """Where no master of our own is started, a port that was asked for is refused and not passed over."""
+    """Without a master of our own, a requested port is rejected instead of ignored."""
     assert chosen_with(port="3").port == 3
     assert chosen_with(port="0", ros2=True).port == 0
     for other in ({"ros2": True}, {"master": "dds://3"}):
@@ -221,7 +221,7 @@ def test_the_port_is_of_our_own_master() -> None:
 
 
 def test_options_that_cannot_be_meant() -> None:
-    """An unknown world, a speed that is none, and --ros2 with a master of ROS 1 are refused."""
+    """An unknown world, an invalid speed, and --ros2 with a master of ROS 1 are rejected."""
     for options in (
         {"world": "ofice"},
         {"speed": "fast"},
@@ -234,7 +234,7 @@ def test_options_that_cannot_be_meant() -> None:
 
 
 def seen(address: str) -> str:
-    """Return what an address answers, once it does."""
+    """Return the response of an address, once it responds."""
     until = time.monotonic() + patient(20)
     while True:
         try:

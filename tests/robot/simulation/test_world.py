@@ -20,14 +20,14 @@ pytest.importorskip("cv2", reason="tags need OpenCV")
 
 @pytest.fixture
 def office() -> Iterator[World]:
-    """Give the office with its robot."""
+    """Yield the office with its robot."""
     with World("office") as world:
         yield world
 
 
 @pytest.fixture
 def field() -> Iterator[World]:
-    """Give the field with its drone."""
+    """Yield the field with its drone."""
     with World("drone") as world:
         yield world
 
@@ -45,17 +45,17 @@ def drone(world: World) -> Drone:
 
 
 def touches(world: World) -> bool:
-    """Return whether the robot touches something now."""
+    """Whether the robot touches an obstacle now."""
     return world.robot.bumped if isinstance(world.robot, Wheeled | Drone) else False
 
 
 def state(craft: Drone) -> State:
-    """Return what a drone does now."""
+    """Return the current state of a drone."""
     return craft.state
 
 
 def drive(world: World, seconds: float, command: Command | None = None) -> None:
-    """Let time pass, with a command that is renewed in every step if one is given."""
+    """Advance time, with an optional command renewed in every step."""
     end = world.time + seconds
     while world.time < end:
         if command and isinstance(world.robot, Wheeled | Drone):
@@ -64,7 +64,7 @@ def drive(world: World, seconds: float, command: Command | None = None) -> None:
 
 
 def test_the_robot_drives_as_it_is_told(office: World) -> None:
-    """It comes as far as its speed says, and a turn turns it."""
+    """The distance matches the speed, and a turn rotates it."""
     drive(office, 5, Command(forward=0.5))
     assert office.robot.pose.x == pytest.approx(1 + 5 * 0.5, abs=0.15)
     drive(office, 2, Command(turn=math.pi / 4))
@@ -82,13 +82,13 @@ def test_a_command_that_is_not_renewed_ends(office: World) -> None:
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_speed_that_is_no_number_is_none(office: World, value: float) -> None:
-    """What is not finite does not reach the physics."""
+    """A non-finite speed does not reach the physics."""
     drive(office, 0.5, Command(forward=value, turn=value))
     assert office.robot.pose.x == pytest.approx(1)
 
 
 def test_walls_stop_the_robot(office: World) -> None:
-    """It touches the wall at the end of the corridor and stays there, and can drive back."""
+    """It touches the wall at the end of the corridor, stays there, and can drive back."""
     drive(office, 20, Command(forward=0.8))
     assert touches(office)
     assert office.robot.pose.x == pytest.approx(12 - 0.05 - RADIUS, abs=0.02)
@@ -98,7 +98,7 @@ def test_walls_stop_the_robot(office: World) -> None:
 
 
 def test_the_laser_measures_the_walls(office: World) -> None:
-    """Behind, to the left and to the right it sees the walls of the corridor."""
+    """It sees the walls of the corridor behind, to the left and to the right."""
     ranges = wheeled(office).scan()
     quarter = len(ranges) // 4
     assert ranges[0] == pytest.approx(1 - 0.05, abs=0.03)
@@ -120,7 +120,7 @@ def test_the_same_seed_makes_the_same_world() -> None:
 
 
 def test_the_camera_shows_tags_where_they_are(office: World) -> None:
-    """At the end of the corridor hangs tag 7; its distance is read off the picture."""
+    """Tag 7 is at the end of the corridor; its distance is measured from the picture."""
     drive(office, 8, Command(forward=0.8))
     robot = wheeled(office)
     (seen,) = find_tags(robot.picture(), robot.camera.matrix, TAG_SIZE)
@@ -130,7 +130,7 @@ def test_the_camera_shows_tags_where_they_are(office: World) -> None:
 
 
 def test_the_drone_takes_off_and_lands(field: World) -> None:
-    """It hovers at 1.2 m and comes down where it began."""
+    """It hovers at 1.2 m and lands at its start."""
     craft = drone(field)
     craft.take_off()
     drive(field, 5)
@@ -143,7 +143,7 @@ def test_the_drone_takes_off_and_lands(field: World) -> None:
 
 
 def test_the_drone_flies_at_a_velocity_and_holds_its_place(field: World) -> None:
-    """It flies as far as its speed says, sideways too, and hovers when the command ends."""
+    """It flies as far as its speed, also sideways, and hovers when the command ends."""
     craft = drone(field)
     craft.take_off()
     drive(field, 4)
@@ -177,7 +177,7 @@ def test_an_emergency_lets_the_drone_fall(field: World) -> None:
 
 
 def test_the_drone_sees_the_tag_below(field: World) -> None:
-    """Hovering above the base it finds tag 10 in the picture of the camera that looks down."""
+    """Hovering above the base it finds tag 10 in the picture of its downward camera."""
     craft = drone(field)
     craft.take_off()
     drive(field, 4)

@@ -1,4 +1,4 @@
-"""What tests of both protocols do as clients of a bridge."""
+"""Shared by tests of both protocols, as clients of a bridge."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["first", "joined", "seen", "until"]
 
 @asynccontextmanager
 async def joined(address: str) -> AsyncIterator[Connection]:
-    """Be a client of a bridge."""
+    """Join as a client of a bridge."""
     connection = await connect(address, name="/kg")
     try:
         yield connection
@@ -36,7 +36,7 @@ async def until(true: Callable[[], bool]) -> None:
 
 
 async def first(subscription: Subscription, number: int) -> list[Received]:
-    """Return so many messages."""
+    """Return the first messages, up to a number."""
     found = []
     async with asyncio.timeout(patient(5)):
         async for one in subscription:
@@ -47,7 +47,7 @@ async def first(subscription: Subscription, number: int) -> list[Received]:
 
 
 async def seen(connection: Connection, true: Callable[[ComputationGraph], bool]) -> ComputationGraph:
-    """Return the first graph that a condition holds of."""
+    """Return the first graph that satisfies a condition."""
     async with asyncio.timeout(patient(5)):
         async for graph in connection.changes():
             if true(graph):

@@ -1,4 +1,4 @@
-"""A robot behind a bridge of Foxglove: the server is that of `foxglove-sdk`, on which `foxglove_bridge` stands."""
+"""A robot behind a bridge of Foxglove, with the server of `foxglove-sdk`, which `foxglove_bridge` uses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Peer", "peer"]
 
 
 class Peer:
-    """The robot: what it publishes, and what came from clients, by topic."""
+    """The robot: its publications, and the data received from clients, by topic."""
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
@@ -35,7 +35,7 @@ class Peer:
         self.listening: list[str] = []
 
     def channel(self, topic: str, kind: str) -> None:
-        """Offer a topic."""
+        """Advertise a topic."""
         schema = self._schema(kind)
         encoding = "ros1" if self.ros == 1 else "cdr"
         made = foxglove.Channel(topic, schema=schema, message_encoding=encoding, context=self.context)
@@ -50,7 +50,7 @@ class Peer:
         return kind if self.ros == 1 else f"{package}/{family(kind)}/{name}"
 
     def close_channel(self, topic: str) -> None:
-        """Offer a topic no more."""
+        """Remove a topic."""
         self._channels.pop(topic)[1].close()
 
     def publish(self, topic: str, value: dict[str, Any]) -> None:
@@ -64,7 +64,7 @@ class Peer:
         subscribed: dict[str, list[str]],
         served: dict[str, list[str]] | None = None,
     ) -> None:
-        """Tell clients which nodes there are."""
+        """Send the list of nodes to clients."""
         made = foxglove.ConnectionGraph()
         for topic, nodes in published.items():
             made.set_published_topic(topic, nodes)
@@ -75,7 +75,7 @@ class Peer:
         self.server.publish_connection_graph(made)
 
     def serve(self, name: str, kind: str, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
-        """Offer a service."""
+        """Advertise a service."""
         encoding = "ros1" if self.ros == 1 else "cdr"
 
         def handler(request: Any) -> bytes:
@@ -91,36 +91,36 @@ class Peer:
         self.server.add_services([Service(name=name, schema=schema, handler=handler)])
 
     def until(self, true: Callable[[], bool]) -> None:
-        """Return when a condition holds; what comes from clients may make it so."""
+        """Return when a condition holds, which data from clients may fulfil."""
         with self._news:
             assert self._news.wait_for(true, patient(5)), self.came
 
     def on_subscribe(self, _client: Any, channel: Any) -> None:
-        """Note that somebody listens."""
+        """Record a subscription."""
         with self._news:
             self.listening.append(channel.topic)
             self._news.notify_all()
 
     def on_unsubscribe(self, _client: Any, channel: Any) -> None:
-        """Note that nobody does any more."""
+        """Remove a subscription."""
         with self._news:
             self.listening.remove(channel.topic)
             self._news.notify_all()
 
     def on_client_advertise(self, client: Any, channel: Any) -> None:
-        """Note what a client offers."""
+        """Record a client's topic."""
         with self._news:
             self.offered[client.id, channel.id] = channel
             self._news.notify_all()
 
     def on_client_unadvertise(self, client: Any, number: int) -> None:
-        """Forget it."""
+        """Remove a client's topic."""
         with self._news:
             del self.offered[client.id, number]
             self._news.notify_all()
 
     def on_message_data(self, client: Any, number: int, data: bytes) -> None:
-        """Take a message of a client."""
+        """Record a client's message."""
         with self._news:
             channel = self.offered[client.id, number]
             kind = channel.schema_name.replace("/msg/", "/")
@@ -130,9 +130,9 @@ class Peer:
 
 @contextmanager
 def peer(ros: int = 2, *, takes: bool = True, tells: bool = True) -> Iterator[Peer]:
-    """Run a robot behind a bridge that takes messages, and tells the graph, or does not."""
+    """Run a robot behind a bridge that accepts messages, and optionally sends the graph."""
     made = Peer(ros)
-    listener: Any = made  # it has what a listener of ROS topics needs
+    listener: Any = made  # it has the interface of a listener of ROS topics
     capabilities = [Capability.Services]
     capabilities += [Capability.ClientPublish] * takes + [Capability.ConnectionGraph] * tells
     made.server = foxglove.start_server(

@@ -1,9 +1,9 @@
-"""A robot behind rosbridge, made by hand, since no server of rosbridge runs without an installation of ROS.
+"""A robot behind a handwritten rosbridge, since every rosbridge server needs an installation of ROS.
 
 It follows the text of the protocol (rosbridge_suite, ROSBRIDGE_PROTOCOL.md, version 2): the operations subscribe,
-unsubscribe, advertise, unadvertise, publish and call_service, with the services of `rosapi` that kg asks. Messages are
-the JSON of the protocol, written by hand in tests. `roslibpy`, a client that others wrote, speaks with it in
-`test_rosbridge.py`, so that kg and this server do not share a mistake.
+unsubscribe, advertise, unadvertise, publish and call_service, with the services of `rosapi` used by kg. Messages are
+the JSON of the protocol, handwritten in tests. `roslibpy`, an independent client, connects to it in
+`test_rosbridge.py`, which rules out a mistake shared by kg and this server.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = ["Peer", "peer"]
 
 
 class Peer:
-    """The robot: nodes with their ends, types of topics, and what came from clients."""
+    """The robot: nodes with their ends, types of topics, and the data received from clients."""
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
@@ -49,7 +49,7 @@ class Peer:
     def node(
         self, name: str, publishing: dict[str, str] | None = None, subscribing: dict[str, str] | None = None
     ) -> None:
-        """Run a node that publishes and subscribes topics of types."""
+        """Run a node that publishes and subscribes to topics of types."""
         topics = {**(publishing or {}), **(subscribing or {})}
         self.types |= {topic: self.full(kind) for topic, kind in topics.items()}
         self.nodes[name] = {
@@ -59,7 +59,7 @@ class Peer:
         }
 
     def publish(self, topic: str, message: dict[str, Any]) -> None:
-        """Send a message to the clients that subscribe."""
+        """Send a message to its subscribers."""
         assert self._loop is not None
         asyncio.run_coroutine_threadsafe(self._publish(topic, message), self._loop).result(patient(5))
 
@@ -70,13 +70,13 @@ class Peer:
                 await client.send(text)
 
     def say(self, text: str) -> None:
-        """Send something else to all clients."""
+        """Send other data to all clients."""
         assert self._loop is not None
         for client in list(self._clients):
             asyncio.run_coroutine_threadsafe(client.send(text), self._loop).result(patient(5))
 
     def until(self, true: Callable[[], bool]) -> None:
-        """Return when a condition holds; what comes from clients may make it so."""
+        """Return when a condition holds, which data from clients may fulfil."""
         with self._news:
             assert self._news.wait_for(true, patient(5)), self.came
 
@@ -141,7 +141,7 @@ class Peer:
         raise KeyError(service)
 
     def stop(self) -> None:
-        """End the server, and with it all connections; ending again is nothing."""
+        """Stop the server and all connections; stopping again has no effect."""
         if self._loop is not None and self._end is not None:
             with suppress(RuntimeError):  # the loop is closed
                 self._loop.call_soon_threadsafe(self._end.set)

@@ -28,7 +28,7 @@ both = pytest.mark.parametrize("ros", [1, 2])
 
 @both
 def test_it_says_who_and_where_it_is(ros: int) -> None:
-    """The version of ROS is that of the encoding which the bridge supports."""
+    """The version of ROS is that of the encoding supported by the bridge."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -40,7 +40,7 @@ def test_it_says_who_and_where_it_is(ros: int) -> None:
 
 @both
 def test_messages_arrive_in_order(ros: int) -> None:
-    """What the robot publishes arrives, whole and in order, with the type that the bridge tells."""
+    """Messages of the robot arrive, complete and in order, with the type given by the bridge."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -61,7 +61,7 @@ def test_messages_arrive_in_order(ros: int) -> None:
 
 
 def test_two_subscriptions_of_one_topic_both_get_it() -> None:
-    """A bridge sends a topic once to a client, which gives it to all that asked; others stay when one is closed."""
+    """The bridge sends a topic once to a client, which passes it to all its subscriptions, even after one is closed."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -79,7 +79,7 @@ def test_two_subscriptions_of_one_topic_both_get_it() -> None:
 
 
 def test_a_publisher_that_comes_again_is_heard_again() -> None:
-    """A node that starts anew is another channel, which is subscribed, too."""
+    """A restarted node is another channel, which is subscribed to, too."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -99,7 +99,7 @@ def test_a_publisher_that_comes_again_is_heard_again() -> None:
 
 @both
 def test_messages_are_sent(ros: int) -> None:
-    """What is published arrives at the robot, in the encoding of its ROS; what does not fit is KG805."""
+    """A published message arrives at the robot, in the encoding of its ROS; an invalid one is KG805."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -124,7 +124,7 @@ def test_messages_are_sent(ros: int) -> None:
 
 @both
 def test_the_graph_is_that_of_the_bridge(ros: int) -> None:
-    """Nodes, their ends and types are told; the bridge's own node is not one of the robot's; changes are seen."""
+    """Nodes, their ends and types are listed, without the bridge's own node; changes are seen."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -145,7 +145,7 @@ def test_the_graph_is_that_of_the_bridge(ros: int) -> None:
 
 
 def test_a_bridge_that_tells_no_graph_has_one_node() -> None:
-    """Where the bridge does not tell nodes, one stands for all, and says so."""
+    """If the bridge sends no nodes, a single one represents all, and is marked so."""
 
     async def scene() -> None:
         with peer(tells=False) as robot:
@@ -160,7 +160,7 @@ def test_a_bridge_that_tells_no_graph_has_one_node() -> None:
 
 @both
 def test_a_service_is_called(ros: int) -> None:
-    """A call gives the response; its failure is KG808 with its words; one that is not there is KG807."""
+    """A call returns the response; its failure is KG808 with its message; an unknown service is KG807."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -189,7 +189,7 @@ def _double(request: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_what_differs_is_refused() -> None:
-    """Another type than the bridge tells is KG806; a topic that it does not offer has none (KG804)."""
+    """A type other than the bridge's is KG806; an unadvertised topic has none (KG804)."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -204,7 +204,7 @@ def test_what_differs_is_refused() -> None:
 
 
 def test_what_a_bridge_cannot_do_is_refused() -> None:
-    """Goals and services of ours are KG852, and so is publishing where the bridge takes no messages."""
+    """Goals and services of ours are KG852, and so is publishing if the bridge accepts no messages."""
 
     async def scene() -> None:
         with peer(takes=False) as robot:
@@ -223,7 +223,7 @@ def test_what_a_bridge_cannot_do_is_refused() -> None:
 
 
 def test_a_bridge_that_ends_is_lost() -> None:
-    """What is subscribed ends, who waits learns why, and what is sent then is KG803."""
+    """Subscriptions end, waiters get the reason, and later messages are KG803."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -242,7 +242,7 @@ def test_a_bridge_that_ends_is_lost() -> None:
 
 
 def test_nobody_is_there() -> None:
-    """An address where nothing listens is KG802."""
+    """An address without a listener is KG802."""
     with peer() as robot:
         address = robot.address
     with pytest.raises(RobotError) as nobody:
@@ -266,7 +266,7 @@ def test_the_robot_stops_when_kg_dies_or_is_suspended(number: signal.Signals) ->
 
 
 def test_states_come_over_a_bridge() -> None:
-    """A managed node behind a bridge tells its state, and each change of it."""
+    """The state of a managed node behind a bridge is known, and each change of it."""
     event, service = "/base/transition_event", "/base/get_state"
 
     async def scene() -> None:
@@ -284,7 +284,7 @@ def test_states_come_over_a_bridge() -> None:
 
 
 def test_parameters_are_read_where_a_bridge_tells_no_nodes() -> None:
-    """The services of a node name it, though the bridge does not say which nodes there are."""
+    """The services of a node contain its name, even if the bridge does not list nodes."""
     values = [{"type": 3, "double_value": 0.5}]
 
     async def scene() -> None:

@@ -52,7 +52,7 @@ def _double(request: dict[str, Any]) -> dict[str, Any]:
 
 @pytest.mark.skipif(find_spec("roslibpy") is None, reason="roslibpy is not installed")
 def test_a_client_of_others_understands_the_robot_of_these_tests() -> None:
-    """A client that others wrote (roslibpy) lists, receives, publishes and calls: the server speaks rosbridge."""
+    """An independent client (roslibpy) lists, receives, publishes and calls: the server speaks rosbridge."""
     with peer() as robot:
         robot.node("/talker", {"/text": "std_msgs/String"})
         robot.services["/double"] = ("kg_test/Double", _double)
@@ -70,7 +70,7 @@ def test_a_client_of_others_understands_the_robot_of_these_tests() -> None:
 
 @both
 def test_it_says_who_and_where_it_is(ros: int) -> None:
-    """The version of ROS is that of the names of types that rosapi tells."""
+    """The version of ROS follows from the names of types in rosapi."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -82,7 +82,7 @@ def test_it_says_who_and_where_it_is(ros: int) -> None:
 
 @both
 def test_messages_arrive_in_order(ros: int) -> None:
-    """What the robot publishes arrives in order, with the definition that rosapi tells."""
+    """Messages of the robot arrive in order, with the definition from rosapi."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -108,7 +108,7 @@ def test_messages_arrive_in_order(ros: int) -> None:
 
 @both
 def test_messages_are_sent(ros: int) -> None:
-    """What is published is offered with its type and latched, and arrives; what does not fit is KG805."""
+    """A topic is advertised with its type and latched, and its messages arrive; an invalid one is KG805."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -132,7 +132,7 @@ def test_messages_are_sent(ros: int) -> None:
 
 @both
 def test_the_graph_is_that_of_rosapi(ros: int) -> None:
-    """Nodes, ends and types are told; nodes of the bridge are not the robot's; changes are seen."""
+    """Nodes, ends and types are listed, without nodes of the bridge; changes are seen."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -154,7 +154,7 @@ def test_the_graph_is_that_of_rosapi(ros: int) -> None:
 
 @both
 def test_a_service_is_called(ros: int) -> None:
-    """A call gives the response; its failure is KG808 with its words; one that is not there is KG807."""
+    """A call returns the response; its failure is KG808 with its message; an unknown service is KG807."""
 
     async def scene() -> None:
         with peer(ros) as robot:
@@ -184,7 +184,7 @@ def _fails(_: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_what_differs_is_refused() -> None:
-    """Another type than rosapi tells is KG806; a topic that nobody has is KG804, and so is an unknown type."""
+    """A type other than that of rosapi is KG806; an unused topic is KG804, and so is an unknown type."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -203,7 +203,7 @@ def test_what_differs_is_refused() -> None:
 
 
 def test_a_message_that_does_not_fit_is_reported() -> None:
-    """It is left out, and a problem of the graph; those that fit come."""
+    """It is skipped and reported as a problem of the graph; valid ones arrive."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -222,7 +222,7 @@ def test_a_message_that_does_not_fit_is_reported() -> None:
 
 @pytest.mark.parametrize("text", ["nonsense", "[]", '{"op": 3}', '{"topic": "/text"}', '{"op": "publish"}'])
 def test_a_server_that_breaks_the_protocol_is_lost(text: str) -> None:
-    """What is no message of the protocol ends the connection with the reason, or is passed over; nothing else."""
+    """An invalid message closes the connection with the reason, or is ignored, and has no other effect."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -253,7 +253,7 @@ def test_goals_are_refused() -> None:
 
 
 def test_a_bridge_without_rosapi_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where nobody tells what is bridged that is KG802, with what to start."""
+    """Without a description of the bridged system it is KG802, with the program to start."""
     monkeypatch.setattr("kg.robot.ws._OPENING", 0.5)
     with peer() as robot:
         robot.rosapi = False
@@ -264,7 +264,7 @@ def test_a_bridge_without_rosapi_is_none(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_a_bridge_that_ends_is_lost() -> None:
-    """What is subscribed ends, a call that waits fails, and what is sent then is KG803."""
+    """Subscriptions end, a pending call fails, and later messages are KG803."""
 
     async def scene() -> None:
         with peer() as robot:
@@ -300,7 +300,7 @@ def test_the_robot_stops_when_kg_dies_or_is_suspended(number: signal.Signals) ->
 @both
 @pytest.mark.parametrize("kind", ["sensor_msgs/Image", "sensor_msgs/JointState", "nav_msgs/Path", "tf2_msgs/TFMessage"])
 def test_values_come_back_from_json(ros: int, kind: str) -> None:
-    """A message, with times, bytes and lists of messages, is the same after both ways."""
+    """A message, with times, bytes and lists of messages, survives encoding and decoding."""
     types = Types(ros)
     header = {"stamp": {"sec": 5, "nanosec": 6}, "frame_id": "map"}
     values: dict[str, dict[str, Any]] = {
@@ -313,7 +313,7 @@ def test_values_come_back_from_json(ros: int, kind: str) -> None:
 
 
 def test_numbers_that_are_not_finite_are_null() -> None:
-    """JSON has no NaN: it is null, from which NaN comes back."""
+    """JSON has no NaN: it is null, which is decoded as NaN."""
     types = Types(1)
     told = to_json(types, "std_msgs/Float64", {"data": math.inf})
     assert told == {"data": None}
@@ -321,7 +321,7 @@ def test_numbers_that_are_not_finite_are_null() -> None:
 
 
 def test_states_and_parameters_come_over_a_bridge() -> None:
-    """A managed node behind a bridge tells its state, and its parameters are read and set."""
+    """The state of a managed node behind a bridge is known, and its parameters are read and set."""
     values: dict[str, Any] = {"speed": {"type": 3, "double_value": 0.5}}
 
     def set_parameters(request: dict[str, Any]) -> dict[str, Any]:
@@ -360,7 +360,7 @@ def test_states_and_parameters_come_over_a_bridge() -> None:
 
 
 def test_parameters_of_ros_1_do_not_come_over_a_bridge() -> None:
-    """The parameter server of ROS 1 is not reached over a bridge: KG852."""
+    """The parameter server of ROS 1 is unavailable over a bridge: KG852."""
 
     async def scene() -> None:
         with peer(1) as robot:

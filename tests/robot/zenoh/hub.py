@@ -1,4 +1,4 @@
-"""Something to connect to: a plain session of Zenoh that listens on loopback, without multicast, and is no router."""
+"""A plain Zenoh peer to connect to, which listens on loopback, without multicast, and is not a router."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["hub", "session"]
 
 
 def session(**settings: object) -> zenoh.Session:
-    """Open a session that neither asks the network nor is found by it."""
+    """Open a session without discovery in either direction."""
     config = zenoh.Config()
     told = {"mode": "peer", "scouting/multicast/enabled": False, "timestamping/enabled": True}
     for key, value in {**told, **settings}.items():
@@ -26,6 +26,6 @@ def session(**settings: object) -> zenoh.Session:
 
 @contextmanager
 def hub() -> Iterator[tuple[str, zenoh.Session]]:
-    """Give the place of a peer, and the peer itself."""
+    """Yield the address of a peer, and the peer itself."""
     with own_port() as port, session(**{"listen/endpoints": [f"tcp/127.0.0.1:{port}"]}) as peer:
         yield f"127.0.0.1:{port}", peer

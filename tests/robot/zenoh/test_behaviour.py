@@ -1,4 +1,4 @@
-"""A connection over Zenoh does what any connection does."""
+"""A connection over Zenoh passes the suite of every connection."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class TestZenoh(Behaviour):
 
     @pytest.fixture
     def system(self) -> Iterator[System]:
-        """Give a peer that all connect to."""
+        """Yield a peer that all nodes connect to."""
         with hub() as (place, _):
             address = f"zenoh://{place}?settle=1"
             yield System(2, lambda name: connect(address, name=name, types=types_for_tests(2)), seconds=5)

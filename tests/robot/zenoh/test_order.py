@@ -1,4 +1,4 @@
-"""What is declared to others, and when."""
+"""The order of declarations to other peers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class _Session:
-    """A session that notes in which order it is asked to declare something."""
+    """A session that records the order of its declarations."""
 
     def __init__(self) -> None:
         self.declared: list[str] = []
@@ -35,7 +35,7 @@ class _Session:
 
 @pytest.mark.parametrize("kind", ["subscriber", "publisher", "queryable"])
 def test_others_are_told_of_what_is_there(kind: str) -> None:
-    """Whoever sees the token of a reader, a writer or a service may send, or ask, at once: it is declared last."""
+    """A peer that sees a token of an end may use the end at once, so the token is declared last."""
 
     async def answer(request: bytes) -> bytes:
         return request

@@ -1,4 +1,4 @@
-"""Our node against a plain session of Zenoh, whose tokens, keys and CDR are written by hand."""
+"""Our node with a plain session of Zenoh, with handwritten tokens, keys and CDR."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ ATTACHED = struct.pack("<qqB16s", 1, 1_700_000_000_000_000_000, 16, GID)
 
 
 class _Peer:
-    """A session with the node `/robot/base`, by hand."""
+    """A session with the node `/robot/base`, written by hand."""
 
     def __init__(self, session: Any) -> None:
         self.session = session
@@ -56,12 +56,12 @@ class _Peer:
         return publisher
 
     def end(self, number: int, sort: str, topic: str, kind: str, qos: str = "::,10:,:,:,,") -> None:
-        """Tell of an end of the node."""
+        """Announce an end of the node."""
         rest = f"/%{topic}/{kind}/{qos}"
         self._tokens.append(self.session.liveliness().declare_token(self._token(f"0/{number}/{sort}", rest)))
 
     def leave(self) -> None:
-        """Take all tokens back."""
+        """Withdraw all tokens."""
         for token in self._tokens:
             token.undeclare()
 
@@ -97,7 +97,7 @@ async def _seen(connection: Connection, true: Callable[[ComputationGraph], bool]
 
 
 def test_the_graph_is_what_tokens_tell() -> None:
-    """Nodes, ends with types and quality of service, folded actions; a token that is broken is reported."""
+    """Nodes, ends with types and quality of service, folded actions; a broken token is reported."""
 
     async def scene() -> None:
         async with _beside() as (connection, peer):
@@ -128,7 +128,7 @@ def test_the_graph_is_what_tokens_tell() -> None:
 
 
 def test_messages_go_both_ways() -> None:
-    """The peer reads what we write under ROS 2's key with an attachment, and we read what it writes."""
+    """The peer reads our messages under ROS 2's key with an attachment, and our node reads its messages."""
 
     async def scene() -> None:
         async with _beside() as (connection, peer):
@@ -156,7 +156,7 @@ def test_messages_go_both_ways() -> None:
 
 
 def test_services_go_both_ways() -> None:
-    """The peer asks our service and we ask its, as queries with a number that comes back with the response."""
+    """Our node and the peer call each other's services, as queries with a number repeated in the response."""
 
     async def add(request: Value) -> Value:
         return {"sum": request["a"] + request["b"]}
@@ -184,7 +184,7 @@ def test_services_go_both_ways() -> None:
 
 
 def test_a_type_is_described_by_its_node() -> None:
-    """A topic of an unknown type is read: its node is asked by the hash in the token of the topic."""
+    """A topic of an unknown type is read: its node describes the type by the hash in the topic's token."""
     described = Types(2)
     described.define("newer_msgs/Reading", "float64 x\nuint8[<=4] few\n")
     digest, service = type_hash(described, "newer_msgs/Reading"), "type_description_interfaces/GetTypeDescription"
@@ -228,7 +228,7 @@ def _asked(session: Any, payload: bytes) -> Any:
 
 
 def test_a_payload_that_does_not_decode_is_reported() -> None:
-    """Bytes that are no message are left out and reported (KG816), and what comes next is read."""
+    """Invalid bytes are skipped and reported (KG816), and the next message is read."""
 
     async def scene() -> None:
         async with _beside() as (connection, peer):
@@ -246,7 +246,7 @@ def test_a_payload_that_does_not_decode_is_reported() -> None:
 
 
 def test_the_clock_of_a_simulation_is_followed() -> None:
-    """With `clock=simulated` the time is that of `/clock`, and waiting is waiting for it."""
+    """With `clock=simulated` the time is that of `/clock`, and waits follow it."""
     digest = type_hash(Types(2), "rosgraph_msgs/Clock")
 
     async def scene() -> None:
@@ -287,7 +287,7 @@ def test_a_robot_that_goes_is_noticed() -> None:
     ],
 )
 def test_a_place_where_nobody_is(address: str, code: str) -> None:
-    """An address that is none is KG801, and where nobody answers it is KG802."""
+    """An invalid address is KG801, and one without a listener is KG802."""
     with own_port() as free, pytest.raises(RobotError) as refused:
         asyncio.run(connect(address.replace("{free}", str(free))))
     assert refused.value.code == code

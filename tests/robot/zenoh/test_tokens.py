@@ -1,4 +1,4 @@
-"""Tokens and attachments are read as rmw_zenoh_cpp writes them, and whatever else comes is refused."""
+"""Tokens and attachments in the form of rmw_zenoh_cpp are parsed, and all others are rejected."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _QOS = st.builds(
 
 
 def test_a_token_of_the_documentation() -> None:
-    """The example of the design document of rmw_zenoh is read."""
+    """The example of the design document of rmw_zenoh is parsed."""
     digest = "RIHS01_e118de6bf5eeb66a2491b5bda11202e7b68f198d6f67922cf30364858239c81a"
     token = Token.read(
         "@ros2_lv/2/f9980ee0495eaafb3e38f0d19e2eae12/0/10/SS/%/%/add_two_ints_server/%add_two_ints/"
@@ -42,7 +42,7 @@ def test_a_token_of_the_documentation() -> None:
     _QOS,
 )
 def test_tokens_are_read_back(role: Role, node: str, name: str, qos: Qos) -> None:
-    """What we declare is read as it was meant."""
+    """Tokens of our declarations are parsed to the same values."""
     token = Token(3, "aac3178e146ba6f1fc6e6a4085e77f21", node, role, name, "std_msgs/String", "RIHS01_0", qos, 7)
     assert Token.read(token.key) == token
     assert read_qos(written_qos(qos)) == qos
@@ -50,14 +50,14 @@ def test_tokens_are_read_back(role: Role, node: str, name: str, qos: Qos) -> Non
 
 @given(st.text(alphabet="@ros2_lv/%0NMPS:,", max_size=60) | st.text(max_size=40))
 def test_any_key_is_read_or_refused(key: str) -> None:
-    """A key that is no token is a ValueError."""
+    """An invalid key is a ValueError."""
     for text in (key, f"@ros2_lv/0/a/0/0/MP/%/%/n/{key}", f"@ros2_lv/0/a/0/0/MP/%/%/n/%t/a::msg::dds_::B_/h/{key}"):
         with contextlib.suppress(ValueError):
             Token.read(text)
 
 
 def test_attachments_of_both_forms() -> None:
-    """The form with names of parts, of the first versions, is read like that without."""
+    """The form with names of parts, of the first versions, is parsed like that without."""
     meant = Attachment(5, 1_700_000_000_000_000_000, bytes(range(16)))
     labelled = b"".join(
         bytes([len(label)]) + label + content
@@ -72,12 +72,12 @@ def test_attachments_of_both_forms() -> None:
 
 @given(st.binary(max_size=80))
 def test_other_attachments_are_refused(content: bytes) -> None:
-    """Bytes that are no attachment are a ValueError."""
+    """An invalid attachment is a ValueError."""
     with contextlib.suppress(ValueError):
         assert Attachment.read(content).write()
 
 
 def test_what_a_depth_is() -> None:
-    """Numbers that are none are refused."""
+    """An invalid number is rejected."""
     with pytest.raises(ValueError, match="not a number"):
         read_qos("::,x:,:,:,,")

@@ -27,7 +27,7 @@ def told(found: Difference) -> list[tuple[str, str, tuple[str, ...]]]:
 
 
 def test_what_comes_and_what_goes(tmp_path: Path) -> None:
-    """Triples that rules now infer come, those that the store holds and no rule gives any more go."""
+    """Newly inferred triples are added; stored ones that no rule derives any more are removed."""
     rules = write_rules(tmp_path / "rules", knows=KNOWS)
     found = difference(bench(tmp_path, ":a :met :b .", ":a :knows :c ; :saw :b ."), files(rules))
     assert told(found) == [
@@ -47,7 +47,7 @@ def test_nothing_changes_when_the_rules_were_run(tmp_path: Path) -> None:
 
 
 def test_of_a_chosen_rule_also_what_others_make_of_it(tmp_path: Path) -> None:
-    """Triples added without the chosen rule are left out; those that others derive from it are included."""
+    """Triples added without the chosen rule are omitted; those that others derive from it are included."""
     rules = write_rules(
         tmp_path / "rules", knows=KNOWS, back=BACK, other="CONSTRUCT { ?x a :Met } WHERE { ?x :met ?y }"
     )
@@ -58,7 +58,7 @@ def test_of_a_chosen_rule_also_what_others_make_of_it(tmp_path: Path) -> None:
 
 
 def test_of_a_chosen_rule_only_what_it_may_have_derived_goes(tmp_path: Path) -> None:
-    """Triples that neither the chosen rule nor one that it feeds derives are left out, though a run would take them."""
+    """Triples that neither the chosen rule nor its successors derive are omitted, although a run would remove them."""
     rules = write_rules(
         tmp_path / "rules", knows=KNOWS, back=BACK, other="CONSTRUCT { ?x a :Met } WHERE { ?x :met ?y }"
     )
@@ -77,14 +77,14 @@ def test_rules_over_a_schema_are_cut_to_that_of_the_store(tmp_path: Path) -> Non
 
 
 def test_a_limit_ends_it(tmp_path: Path) -> None:
-    """KG205 as for a run."""
+    """A limit is KG205, as for a run."""
     rules = write_rules(tmp_path / "rules", knows=KNOWS)
     with pytest.raises(RuleError, match="KG205"):
         difference(bench(tmp_path, ":a :met :b , :c ."), files(rules), limits=Limits(max_triples=1))
 
 
 def test_what_no_rule_gives_is_spelt_as_the_rules_do(tmp_path: Path) -> None:
-    """Prefixes that all files mean alike are known where no rule derives a triple any more; those of Turtle too."""
+    """Prefixes common to all files apply even if no rule derives the triple any more; those of Turtle, too."""
     rules = write_rules(tmp_path / "rules", knows=KNOWS)
     (tmp_path / "rules" / "f" / "shape.ttl").write_text(
         "@prefix own: <https://example.org/own/> .\n@prefix sh: <http://www.w3.org/ns/shacl#> .\n"

@@ -59,14 +59,14 @@ def triple(*names: str) -> Triple:
 
 
 def refusal(text: str) -> RuleError:
-    """Return the error that a page ends in."""
+    """Return the error raised for a page."""
     with pytest.raises(RuleError) as caught:
         parse_examples(text, "page.md")
     return caught.value
 
 
 def test_an_example_has_its_blocks() -> None:
-    """Given data is one whatever its blocks; expectations keep their kind; prefixes hold from their line on."""
+    """Given data is merged from all blocks; expectations keep their kind; prefixes apply from their line on."""
     one, two = parse_examples(PAGE, "page.md")
     assert (one.title, str(one.place)) == ("One", "page.md:5")
     assert one.given[0] == triple("https://example.org/a", "https://w3id.org/rnkg/ns#publishes", "urn:z:b")
@@ -88,7 +88,7 @@ def test_an_example_has_its_blocks() -> None:
 
 
 def test_blocks_for_readers_are_left_alone() -> None:
-    """A block that is neither Turtle nor text, or that has no word after its language, is not of an example."""
+    """A block that is neither Turtle nor text, or has only a language, is not part of an example."""
     page = "```turtle\nnot Turtle\n```\n```sparql given\n```\n## A\n```text\nx\n```\n```turtle expect exactly\n```\n"
     assert [one.title for one in parse_examples(page, "page.md")] == ["A"]
 
@@ -114,7 +114,7 @@ def test_blocks_for_readers_are_left_alone() -> None:
     ],
 )
 def test_what_is_no_example_is_refused_at_its_line(page: str, place: str, message: str, hint: str) -> None:
-    """KG221 names the line of the block, or the place in it, and the way out."""
+    """KG221 has the line of the block, or the place in it, and instructions."""
     error = refusal(page)
     assert (error.code, str(error.place)) == ("KG221", place)
     assert message in error.message
@@ -122,7 +122,7 @@ def test_what_is_no_example_is_refused_at_its_line(page: str, place: str, messag
 
 
 def test_a_page_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
-    """Rubbish called Markdown is KG221 with the file."""
+    """A binary file named as Markdown is KG221 with the file."""
     path = tmp_path / "x.md"
     path.write_bytes(b"\xff\xfe")
     with pytest.raises(RuleError, match="KG221") as caught:

@@ -31,12 +31,12 @@ def graph(folder: Path) -> RuleGraph:
 
 
 def test_the_picture_is_the_one_that_was_looked_at(tmp_path: Path) -> None:
-    """The drawing is compared with the file next to this test, which was checked by eye."""
+    """The drawing equals the file next to this test, which was checked by eye."""
     assert graph_picture(graph(tmp_path), "Rules") == GOLDEN.read_text(encoding="utf-8")
 
 
 def test_rules_feed_those_that_read_what_they_derive(tmp_path: Path) -> None:
-    """The terms that pass are between them; a rule may feed itself."""
+    """Edges have the passed terms; a rule may feed itself."""
     found = graph(tmp_path)
     assert found.terms == (":knows", "any class")
     assert {node.name for node in found.rules if node.recursive} == {"f/back", "f/sad"}
@@ -67,7 +67,7 @@ def test_rules_over_a_schema_are_those_it_makes_of_them(tmp_path: Path) -> None:
 
 
 def test_a_manual_tells_the_place_of_a_rule(tmp_path: Path) -> None:
-    """The terms it reads, requires to be absent, and derives; its neighbours and strata."""
+    """The terms it reads, negates, and derives; its neighbours and strata."""
     library = Library([write_rules(tmp_path, **RULES)])
     known = manual(library, library.entries["f/lonely"])
     assert (known.reads, known.absent, known.derives) == (("a :Person",), (":knows",), ("a :Lonely",))
@@ -94,7 +94,7 @@ def test_a_rule_is_drawn_with_its_neighbours(tmp_path: Path) -> None:
 
 
 def test_what_a_rule_becomes_over_a_schema_is_one_box(tmp_path: Path) -> None:
-    """However many rules axioms make of it, it is drawn once, with all their strata."""
+    """However many rules the axioms make of it, it is drawn once, with all their strata."""
     text = "CONSTRUCT { ?y ?p ?x } WHERE { ?p a <http://www.w3.org/2002/07/owl#SymmetricProperty> . ?x ?p ?y }"
     kind = NamedNode("http://www.w3.org/2002/07/owl#SymmetricProperty")
     a = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")

@@ -23,7 +23,7 @@ RULE = "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
 
 @pytest.fixture
 def library(tmp_path: Path) -> Library:
-    """Return two families of rules, of which one is optional, and one rule that does not parse."""
+    """Return two families of rules, of which one is optional, and one rule with a syntax error."""
     write_rules(tmp_path, one=RULE, two=RULE, broken="CONSTRUCT {")
     (tmp_path / "g").mkdir()
     (tmp_path / "g" / "optional").write_text("for a test")
@@ -32,12 +32,12 @@ def library(tmp_path: Path) -> Library:
 
 
 def names(library: Library, *wanted: str) -> list[str]:
-    """Return the rules that are meant."""
+    """Return the selected rules."""
     return [entry.name for entry in choose(library, wanted)]
 
 
 def test_a_file_that_does_not_parse_hides_no_other(library: Library) -> None:
-    """Each file is read by itself; the errors are reported."""
+    """Each file is parsed separately; the errors are reported."""
     files, errors = library.read_all()
     assert [file.name for file in files] == ["f/one", "f/two"]
     assert [error.code for error in errors] == ["KG201"]
@@ -48,7 +48,7 @@ def test_a_file_that_does_not_parse_hides_no_other(library: Library) -> None:
 def test_rules_are_meant_by_name_family_file_and_folder(
     library: Library, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Without a name those in force are; the last part of a name is enough."""
+    """Without a name the active rules are selected; the last part of a name is enough."""
     monkeypatch.chdir(tmp_path)
     assert names(library) == ["f/broken", "f/one", "f/two"]
     assert names(library, "one") == ["f/one"]
@@ -75,7 +75,7 @@ def test_a_name_that_means_no_single_rule_is_refused(library: Library, name: str
 
 
 def test_two_files_of_one_name_are_told(tmp_path: Path) -> None:
-    """KG207 for the second; the first is kept."""
+    """KG207 for the second; the first is used."""
     write_rules(tmp_path, one=RULE)
     (tmp_path / "f" / "one.srl").write_text("")
     library = Library([tmp_path])
@@ -84,7 +84,7 @@ def test_two_files_of_one_name_are_told(tmp_path: Path) -> None:
 
 
 def test_copies_are_no_problem(tmp_path: Path) -> None:
-    """The same file in two folders is one rule, which has the path that came first."""
+    """The same file in two folders is one rule, with the first path."""
     for folder in (tmp_path / "a", tmp_path / "b"):
         write_rules(folder, one=RULE)
     library = Library([tmp_path / "a", tmp_path / "b"])
@@ -126,14 +126,14 @@ def test_the_folder_of_ones_own_rules(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_the_rules_that_are_shipped_are_not_there_twice() -> None:
-    """Their developers may name their folder."""
+    """Developers of the shipped rules may name their folder."""
     settings = load({"rules": str(resources.folder("rules"))}, environment={})
     assert user_folders(settings) == ()
     assert not Library.of(settings).problems
 
 
 def test_a_family_that_there_is_not_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The message names the place of the setting, and suggestions."""
+    """The message has the place of the setting, and suggestions."""
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UsageError, match="KG_RULE_FAMILIES names an unknown family of rules, `comunication`") as caught:
         Library.of(load({}, environment={"KG_RULE_FAMILIES": "owl,comunication"}))
@@ -145,7 +145,7 @@ def test_a_family_that_there_is_not_is_refused(tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_plus_adds_a_family_to_those_in_force() -> None:
-    """Without one, the families named are all that are in force."""
+    """Without one, only the named families are active."""
 
     def families(text: str) -> set[str]:
         return {entry.family for entry in Library.of(load({"rule_families": text}, environment={})).in_force}
@@ -156,7 +156,7 @@ def test_a_plus_adds_a_family_to_those_in_force() -> None:
 
 
 def test_what_is_closed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder or a file of rules that cannot be opened is an error, not skipped."""
+    """An unreadable folder or file of rules is an error, not skipped."""
     (tmp_path / "f").mkdir()
     file = tmp_path / "f" / "one.rq"
     file.write_text("")
@@ -175,7 +175,7 @@ def test_what_is_closed_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_a_family_is_the_first_part_of_a_name(tmp_path: Path) -> None:
-    """A family may have folders; a file outside of all has no family, and is in force if none is named."""
+    """A family may have folders; a file outside of all has no family, and is active if none is named."""
     for name in ("top", "f/one", "f/deep/two"):
         path = tmp_path / f"{name}.rq"
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -16,7 +16,7 @@ LAST = "CONSTRUCT { ?y a :Last } WHERE { ?x :reaches ?y . FILTER NOT EXISTS { ?y
 
 
 def test_a_profile_counts_what_each_rule_did(tmp_path: Path) -> None:
-    """Triples, rounds and strata are those of the run; the dearest rule comes first."""
+    """Triples, rounds and strata are those of the run; the most expensive rule is first."""
     rules = write_rules(tmp_path / "rules", reaches=REACHES, last=LAST)
     found = profile(bench(tmp_path, DATA), files(rules))
     by_name = {rule.name: rule for rule in found.rules}
@@ -44,7 +44,7 @@ def test_the_elements_of_a_rule_have_their_rows(tmp_path: Path) -> None:
 
 
 def test_coverage_names_the_first_element_that_nothing_passes(tmp_path: Path) -> None:
-    """Of a rule that never fires the first element, in the order of the text, and those after it."""
+    """For a rule that never fires: the first failing element, in the order of the text, and those after it."""
     never = "CONSTRUCT { ?x a :Never } WHERE { ?x :next ?y . ?x :knows ?y . ?y a :First }"
     rules = write_rules(tmp_path / "rules", last=LAST.replace(":reaches", ":next"), never=never)
     found = cover(bench(tmp_path, DATA), files(rules))
@@ -60,7 +60,7 @@ def test_coverage_names_the_first_element_that_nothing_passes(tmp_path: Path) ->
 
 
 def test_coverage_tells_branches_and_heads_apart(tmp_path: Path) -> None:
-    """Each branch of a UNION is a part of its own, and so is each triple of a head."""
+    """Each branch of a UNION is a separate part, and so is each triple of a head."""
     body = "{ ?x :next ?y } UNION { ?x :absent ?y } OPTIONAL { ?x :says ?z }"
     text = f"CONSTRUCT {{ ?x a :Found ; :told ?z }} WHERE {{ {body} }}"
     rules = write_rules(tmp_path / "rules", both=text)
@@ -70,7 +70,7 @@ def test_coverage_tells_branches_and_heads_apart(tmp_path: Path) -> None:
 
 
 def test_coverage_of_some_rules_runs_all(tmp_path: Path) -> None:
-    """A named rule is judged with the inferences of the others."""
+    """A named rule is assessed with the inferences of the others."""
     rules = write_rules(tmp_path / "rules", reaches=REACHES, last=LAST)
     every = files(rules)
     found = cover(bench(tmp_path, DATA), every, [file for file in every if file.name == "f/last"])

@@ -38,12 +38,12 @@ def facts(dictionary: Dictionary, *triples: tuple[str, str, str | int]) -> Facts
 
 
 def sorted_with(keys: Keys, key: int) -> Keys:
-    """Return keys with one more."""
+    """Return sorted keys with one more."""
     return distinct(np.append(keys, key))
 
 
 def test_triples_are_told_of_the_rules_whose_heads_they_fit(tmp_path: Path) -> None:
-    """Of several rules with one head together; of a rule for a class alone; of none where no head fits."""
+    """Triples are attributed to matching heads: rules with one head together, a rule for a class alone, or no rule."""
     rules = tuple(rule for file in files(write_rules(tmp_path, **RULES)) for rule in file.rules)
     dictionary = Dictionary()
     added = facts(dictionary, ("a", "knows", "b"), ("b", "knows", "a"), ("a", "a", "Old"), ("a", "is", 1))

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @pytest.mark.parametrize("notation", ["rq", "ttl", "srl", ".RQ"])
 def test_a_new_rule_has_its_examples_beside_it(tmp_path: Path, notation: str) -> None:
-    """Two files are written; their texts are made from the name."""
+    """Two files are written; their texts are derived from the name."""
     rule, examples = start("wiring/listens-to", tmp_path / "rules", notation)
     assert (rule.stem, examples.name) == ("listens-to", "listens-to.md")
     assert rule.read_text().startswith("# Listens to\n")
@@ -25,7 +25,7 @@ def test_a_new_rule_has_its_examples_beside_it(tmp_path: Path, notation: str) ->
 
 
 def test_a_rule_is_never_overwritten(tmp_path: Path) -> None:
-    """A file of that name in any notation, or examples without a rule, stay as they are."""
+    """A file of that name in any notation, or examples without a rule, remain unchanged."""
     start("wiring/listens-to", tmp_path)
     with pytest.raises(UsageError, match=r"listens-to\.rq already"):
         start("wiring/listens-to", tmp_path, "ttl")
@@ -61,7 +61,7 @@ def test_a_notation_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    """A file in the way is KG003 with its name."""
+    """A file in place of the folder is KG003 with its name."""
     (tmp_path / "rules").write_text("")
     with pytest.raises(UsageError, match="Not a directory") as caught:
         start("a/b", tmp_path / "rules")

@@ -41,7 +41,7 @@ def test_a_new_rule_passes_its_examples(tmp_path: Path, notation: str) -> None:
 
 
 def test_missing_and_unexpected_triples_are_told(tmp_path: Path) -> None:
-    """A failure has the triples that are not inferred and those that should not be, as the example spells them."""
+    """A failure has the missing and the unexpected triples, as spelt in the example."""
     found = result(
         tmp_path, blocks(given=":a :met :b , :c .", expect=":a :knows :b , :d .", expect_not=":a :knows :c .")
     )
@@ -72,7 +72,7 @@ def test_a_blank_node_stands_for_any_term_that_fits_all(tmp_path: Path) -> None:
 
 
 def test_blank_nodes_made_by_a_rule_are_found(tmp_path: Path) -> None:
-    """A rule that makes nodes is tested by blank nodes too."""
+    """A rule that creates nodes is tested with blank nodes, too."""
     rule = "CONSTRUCT { [] :of ?x ; :with ?y } WHERE { ?x :met ?y }"
     given = ":a :met :b , :c ."
     assert result(tmp_path, blocks(given=given, exactly="_:m :of :a ; :with :b . _:n :of :a ; :with :c ."), rule).passed
@@ -89,7 +89,7 @@ def test_lines_of_proofs(tmp_path: Path) -> None:
 
 
 def test_only_the_rules_named_run(tmp_path: Path) -> None:
-    """Other rules run where the example names them, whole or by the last part of the name."""
+    """Other rules run only if the example names them, in full or by the last part of the name."""
     other = {"met": "CONSTRUCT { ?y :met ?x } WHERE { ?x :met ?y }"}
     page = "```turtle given{}\n:a :met :b .\n```\n```turtle expect\n:b :knows :a .\n```\n"
     assert not result(tmp_path, page.format(""), **other).passed
@@ -130,7 +130,7 @@ def test_rules_without_examples_are_told_apart(tmp_path: Path) -> None:
 
 
 def test_a_rule_that_cannot_be_read_fails_without_examples(tmp_path: Path) -> None:
-    """A rule that does not parse never passes; a readable one without examples gives no result."""
+    """A rule with a syntax error never passes; a valid one without examples gives no result."""
     write_rules(tmp_path, knows=KNOWS, broken="CONSTRUCT { ?x nobody:knows ?y } WHERE { ?x :met ?y }")
     library = Library([tmp_path])
     (found,) = run_examples(library.in_force, library)

@@ -24,7 +24,7 @@ _HEADER = "# {title}\n#\n# ## What it infers\n#\n# Something.\n#\n# ## Why\n#\n#
 
 
 def write_rules(folder: Path, **texts: str) -> Path:
-    """Write rules of the family `f` in SPARQL below a folder; their texts may use the empty prefix."""
+    """Write rules of the family `f` in SPARQL to a folder; their texts may use the empty prefix."""
     (folder / "f").mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
         (folder / "f" / f"{name}.rq").write_text(_HEADER.format(title=name.capitalize()) + text + "\n")

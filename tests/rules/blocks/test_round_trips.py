@@ -69,13 +69,13 @@ _RELATIONS = st.sampled_from(["rnkg:publishes", "rnkg:subscribes", "rnkg:hasMess
 _KINDS = st.sampled_from(["ros:Node", "ros:Topic", "ros:Publisher", "rnkg:MessageType"])
 _VALUES = st.sampled_from(["rdfs:label", "rnkg:name", "rnkg:implicit"])
 _CONCLUDED = st.sampled_from(["rnkg:usesHardware", "rnkg:hasFunction"])
-"""Properties that stored queries read, so that nobody asks what they are for."""
+"""Properties read by stored queries, so no check reports them as unused."""
 _PATHS = st.sampled_from(["rnkg:publishes/rnkg:hasMessage", "^ros:hasComponent", "rnkg:publishes|rnkg:subscribes"])
 
 
 @st.composite
 def _facts(draw: DrawFn, bound: list[str], fresh: str) -> Condition:
-    """Return a pattern that begins at something bound; it may bind one thing more."""
+    """Return a pattern that starts at a bound variable; it may bind one more."""
     subject = Thing(name=draw(st.sampled_from(bound)))
     kind = draw(st.integers(0, 4))
     if kind == 0:
@@ -126,7 +126,7 @@ def _tests(draw: DrawFn, bound: list[str], depth: int = 2) -> Test:
 
 @st.composite
 def _patterns(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
-    """Return conditions over what is bound, to which they add what they bind for those behind them."""
+    """Return conditions over bound variables, which they extend with their own for later conditions."""
     found: list[Condition] = []
     for number in range(draw(st.integers(1, 3))):
         kind = draw(st.integers(0, 5 if depth else 0))
@@ -149,7 +149,7 @@ def _patterns(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
 
 @st.composite
 def _inside(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
-    """Return conditions that begin with a fact of their own, which joins each part to its surroundings."""
+    """Return conditions that start with a fact of their own, which joins each part to its surroundings."""
     stem = f"inner{depth}{draw(st.integers(0, 9))}"
     first = Fact(subject=Thing(name=bound[0]), property=draw(_RELATIONS), object=Thing(name=stem))
     return [first, *(draw(_facts([*bound, stem], f"{stem}x")) for _ in range(draw(st.integers(0, 2))))]
@@ -157,7 +157,7 @@ def _inside(draw: DrawFn, bound: list[str], depth: int) -> list[Condition]:
 
 @st.composite
 def rules(draw: DrawFn) -> Rule:
-    """Return a rule of blocks in which all parts are joined."""
+    """Return a rule of blocks with all parts joined."""
     bound = ["node", "topic"]
     first = Fact(subject=Thing(name="node"), property=draw(_RELATIONS), object=Thing(name="topic"))
     when = [first, *draw(_patterns(bound, 2))]
@@ -186,10 +186,10 @@ def _context() -> Context:
 @settings(max_examples=60)
 @given(rules())
 def test_what_blocks_say_passes_the_check(rule: Rule) -> None:
-    """The text of a rule whose parts are joined has no finding, except the missing examples."""
+    """The text of a rule with joined parts has no finding, except the missing examples."""
     text = write(rule).text
     file = read_text(text, Path("rules/rule.rq"), rule.name)
-    assume(file.rules)  # a filter that never holds leaves none: it is reported, as below
+    assume(file.rules)  # a filter that never holds gives no solution: it is reported, as below
     found = [one for one in check_file(file, beside(RuleSet((file,)), _context())) if one.code != "KG219"]
     assert found == [], text
 
@@ -206,7 +206,7 @@ def test_a_test_that_never_holds_is_told() -> None:
 
 @given(rules())
 def test_blocks_are_read_from_their_text(rule: Rule) -> None:
-    """The text of blocks is read as the same blocks, by JSON too."""
+    """The text of blocks is parsed to the same blocks, also by JSON."""
     assert read(write(rule).text, rule.name) == rule
     assert msgspec.json.decode(msgspec.json.encode(rule), type=Rule) == rule
 
@@ -234,7 +234,7 @@ def test_the_examples_have_blocks_throughout(path: Path) -> None:
 
 
 def test_lines_have_the_blocks_that_wrote_them() -> None:
-    """Each line of a pattern is known by the block that it comes from, those inside others by their own."""
+    """Each line of a pattern has its block, and lines of nested blocks have theirs."""
     inner = Fact(id="inner", subject=Thing(name="x"), property="rnkg:calls", object=Thing(name="y"))
     rule = Rule(
         when=(Is(id="kind", subject=Thing(name="x"), kind="ros:Node"), Absent(id="absent", when=(inner,))),
@@ -252,7 +252,7 @@ def test_lines_have_the_blocks_that_wrote_them() -> None:
 
 
 def test_what_has_no_block_stays_sparql() -> None:
-    """VALUES, sub-SELECTs and functions without a block are kept unchanged, and variables keep their names."""
+    """VALUES, sub-SELECTs and functions without a block remain unchanged, and variables keep their names."""
     text = """CONSTRUCT { ?a my:b ?n }
     WHERE { VALUES ?a { <x:a> <x:b> } { SELECT ?a (COUNT(*) AS ?n) WHERE { ?a rnkg:calls ?c } GROUP BY ?a }
       FILTER(?n IN (1, 2)) [] rnkg:calls ?a }"""
@@ -269,7 +269,7 @@ def test_what_has_no_block_stays_sparql() -> None:
 
 
 def test_a_head_without_names_is_refused() -> None:
-    """A rule that makes things without a name cannot be shown, and the error explains why."""
+    """A rule that creates unnamed nodes cannot be shown, and the error explains why."""
     with pytest.raises(RuleError, match="without a name"):
         read("CONSTRUCT { ?a rnkg:calls [] } WHERE { ?a a ros:Node }", "mine/rule")
 
@@ -285,6 +285,6 @@ def test_a_head_without_names_is_refused() -> None:
     ],
 )
 def test_blocks_that_are_none_are_refused(wrong: dict[str, Any]) -> None:
-    """JSON that no rule could be written from is refused as it is read."""
+    """JSON that is not a rule is rejected on parsing."""
     with pytest.raises(msgspec.ValidationError):
         msgspec.convert(wrong, Rule)

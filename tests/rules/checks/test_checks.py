@@ -1,6 +1,6 @@
-"""Each check finds the expected findings of its cases at their places, and nothing in cases without.
+"""Each check has the expected findings of its cases at their places, and none in other cases.
 
-A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at its end says what is found.
+A case is a rule in `cases/CODE/`; a line `# expect: CODE line:column words` at its end gives an expected finding.
 """
 
 from __future__ import annotations
@@ -59,14 +59,14 @@ def test_case(path: Path) -> None:
 
 
 def test_every_check_has_cases_for_and_against() -> None:
-    """Each check has a case in which it finds something and one in which it does not."""
+    """Each check has a case with a finding and one without."""
     for code in CHECKS:
         expecting = ["# expect:" in path.read_text() for path in CASES if path.parent.name == code]
         assert {True, False} <= set(expecting), code
 
 
 class _Endless:
-    """A store that answers on command."""
+    """A store that responds on command."""
 
     def __init__(self) -> None:
         self.answer = threading.Event()
@@ -87,7 +87,7 @@ def test_what_is_to_be_replaced_in_a_new_rule() -> None:
 
 
 def test_bodies_that_are_hard_to_compare() -> None:
-    """A search for a renaming that has too many ways ends; a clique of eight is not part of one of seven."""
+    """A search for a renaming with too many possibilities stops; a clique of eight is not part of one of seven."""
     eight, seven = (
         " . ".join(f"?x{one} :p ?x{other}" for one, other in permutations(range(size), 2)) for size in (8, 7)
     )
@@ -100,7 +100,7 @@ def test_bodies_that_are_hard_to_compare() -> None:
 
 
 def test_a_store_that_does_not_answer() -> None:
-    """A rule that takes the store too long is a note; checks without a store still report."""
+    """A query that takes the store too long is a note; checks without a store still report."""
     store: Any = _Endless()
     path = FOLDER / "KG218" / "nothing.rq"
     given = replace(context(path), store=store, seconds=0.01)
@@ -111,7 +111,7 @@ def test_a_store_that_does_not_answer() -> None:
 
 
 def test_a_store_that_is_empty() -> None:
-    """The store without data has no match for an atom."""
+    """An empty store has no match for an atom."""
     store = nothing(Vocabulary(NamedNode(EX + "inferred")))
     rule = read_text(OTHERS, Path("a/b.rq"), "a/b").rules[0]
     assert not store.matches(rule.body)

@@ -1,4 +1,4 @@
-"""Running all checks: files that do not parse, two of one name, rules without an order; JSON and SARIF."""
+"""Running all checks: files with syntax errors, duplicate names, rules without an order; JSON and SARIF."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def findings(folder: Path, **files: str) -> list[Finding]:
 
 
 def test_a_file_that_does_not_parse_leaves_the_others(tmp_path: Path) -> None:
-    """One file with an error of syntax is one finding; the others are checked."""
+    """A file with a syntax error is one finding; the others are checked."""
     (found,) = findings(
         tmp_path, bad_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q }", good_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
     )
@@ -38,7 +38,7 @@ def test_a_file_that_does_not_parse_leaves_the_others(tmp_path: Path) -> None:
 
 
 def test_every_unknown_prefix_is_named(tmp_path: Path) -> None:
-    """All prefixes that nothing declares are one finding, at the first."""
+    """All undeclared prefixes are one finding, at the first."""
     text = "CONSTRUCT { ?x foo:p ?y } WHERE { ?x bar:q ?y , 'baz:s' ; foo:r [] ; :t ?y }"
     (found,) = findings(tmp_path, bad_rq=text)
     assert (found.message, found.place.column) == ("unknown prefixes `foo:`, `bar:`", 16)
@@ -56,7 +56,7 @@ def test_examples_without_a_rule(tmp_path: Path) -> None:
 
 
 def test_a_rule_that_copies_everything_is_no_reader(tmp_path: Path) -> None:
-    """What only a rule for every triple reads is read by nothing; cut to a schema such a rule reads what it names."""
+    """A term read only by a rule for every triple is unread; specialised to a schema that rule reads named terms."""
     rules = {
         "copies": "CONSTRUCT { ?y ?p ?x } WHERE { ?p a owl:SymmetricProperty . ?x ?p ?y }",
         "made": "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }",
@@ -74,7 +74,7 @@ def test_a_rule_that_copies_everything_is_no_reader(tmp_path: Path) -> None:
 
 
 def test_two_files_of_one_name(tmp_path: Path) -> None:
-    """A rule in two notations has one name twice."""
+    """A rule in two notations is a duplicate name."""
     rule = "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
     (found,) = findings(tmp_path, same_rq=rule, same_srl="RULE { ?x :p ?y } WHERE { ?x :q ?y }")
     assert found.code == "KG207"
@@ -90,7 +90,7 @@ def test_copies_of_a_file(tmp_path: Path) -> None:
 
 
 def test_rules_without_an_order(tmp_path: Path) -> None:
-    """Rules that negate each other are one finding, at one of them, naming both."""
+    """Rules that negate each other are one finding, at one of them, with both names."""
     cycle = {
         "one_rq": "CONSTRUCT { ?x a :One } WHERE { ?x :p ?y FILTER NOT EXISTS { ?x a :Two } }",
         "two_rq": "CONSTRUCT { ?x a :Two } WHERE { ?x :p ?y FILTER NOT EXISTS { ?x a :One } }",
@@ -103,7 +103,7 @@ def test_rules_without_an_order(tmp_path: Path) -> None:
 
 
 def test_each_cycle_is_found_and_belongs_to_all_its_rules(tmp_path: Path) -> None:
-    """Rules without an order are found in each cycle, and by the name of any rule in it."""
+    """Rules without an order are reported for each cycle, under the name of any rule in it."""
     texts = {
         "one": "CONSTRUCT { ?x a :One } WHERE { ?x :p ?y FILTER NOT EXISTS { ?x a :Two } }",
         "two": "CONSTRUCT { ?x a :Two } WHERE { ?x a :One }",
@@ -123,7 +123,7 @@ def test_each_cycle_is_found_and_belongs_to_all_its_rules(tmp_path: Path) -> Non
 
 
 def test_which_rules_are_meant(tmp_path: Path) -> None:
-    """Rules are named by name, family, file or folder, also those with errors; others are those not below a folder."""
+    """Rules are selected by name, family, file or folder, even with errors; foreign ones are those outside a folder."""
     rule = PREFIX + "CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }"
     for name, text in {"a/two.rq": rule, "a/two.srl": rule, "b/broken.srl": "RULE {"}.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
@@ -139,14 +139,14 @@ def test_which_rules_are_meant(tmp_path: Path) -> None:
 
 
 def test_unbound_heads(tmp_path: Path) -> None:
-    """A variable of the head that the body does not bind is named at its place."""
+    """An unbound variable of the head is named at its place."""
     (found,) = findings(tmp_path, unsafe_rq="CONSTRUCT { ?x :p ?z } WHERE { ?x :q ?y }")
     assert found.code == "KG203"
     assert "?z" in found.message
 
 
 def test_json_and_sarif(tmp_path: Path) -> None:
-    """Findings can be read by programs: JSON objects, and SARIF with files relative to the root."""
+    """Findings are machine-readable: JSON objects, and SARIF with files relative to the root."""
     found = findings(tmp_path, bad_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q }")
     assert json.loads(json.dumps(as_object(found[0])))["code"] == "KG201"
     log = json.loads(json.dumps(sarif(found, tmp_path)))

@@ -1,4 +1,4 @@
-"""One application of rules by a store's engine: the derivations of parts, and those of their original text."""
+"""One application of rules by the store's engine: derivations of parts, and of their original text."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["applied", "read", "stated"]
 
 _GRAPH: Final = NamedNode(AUXILIARY + "graph")
-"""Where auxiliary triples stand, so that patterns with any predicate do not see them."""
+"""The graph of auxiliary triples, which hides them from patterns with any predicate."""
 
 
 def read(text: str) -> tuple[Rule, ...]:
@@ -34,7 +34,7 @@ def stated(quads: Iterable[Quad], text: str) -> set[Triple]:
 
 
 def applied(quads: Iterable[Quad], given: Iterable[Rule]) -> set[Triple]:
-    """Return the derivations of rules in one application, their auxiliary predicates derived to the end before."""
+    """Return the derivations of rules in one application, after completing their auxiliary predicates."""
     store = _store(quads)
     every = [(_is_auxiliary(rule.head[0]), construct(replace(rule, body=_placed(rule.body)))) for rule in given]
     known: int = -1

@@ -1,4 +1,4 @@
-"""Each case is a rule, NAME.rq, and the internal form that it becomes, NAME.form."""
+"""Each case is a rule, NAME.rq, and its internal form, NAME.form."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_a_rule_becomes_this_form(case: Path) -> None:
 
 
 def test_the_form_derives_what_the_rule_derives(case: Path) -> None:
-    """The parts of the rule derive from any graph what the store's engine derives from its text."""
+    """The parts of the rule derive the same from any graph as the store's engine from its text."""
     text = case.read_text(encoding="utf-8")
     for seed in range(GRAPHS):
         quads = graph(Random(seed))  # noqa: S311 - data to test with, no secrets

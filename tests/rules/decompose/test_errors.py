@@ -9,7 +9,7 @@ from kg.rules.form import EngineBlock
 
 
 def test_a_variable_of_the_head_that_nothing_binds_is_refused() -> None:
-    """KG203 names the variable, its triple and what to do."""
+    """KG203 has the variable, its triple and instructions."""
     text = "CONSTRUCT {\n  ?x <urn:h> ?z }\nWHERE { ?x <urn:p> ?y FILTER(?z > 1) MINUS { ?y <urn:q> ?z } }"
     with pytest.raises(RuleError) as caught:
         read(text)
@@ -30,7 +30,7 @@ def test_other_servers_and_data_sets_are_refused(body: str) -> None:
 
 
 def test_too_many_parts_stay_one_rule_of_the_engine() -> None:
-    """Choices multiply; past the limit the rule is one block, and below it parts."""
+    """Choices multiply; above the limit the rule is one block, below it parts."""
     choice = " ".join(f"{{ ?x <urn:p{number}> ?y }} UNION {{ ?x <urn:q{number}> ?y }}" for number in range(7))
     (rule,) = read(f"CONSTRUCT {{ ?x <urn:h> ?y }} WHERE {{ {choice} }}")
     assert isinstance(rule.body[0], EngineBlock)
@@ -39,7 +39,7 @@ def test_too_many_parts_stay_one_rule_of_the_engine() -> None:
 
 
 def test_equal_paths_of_two_rules_share_their_auxiliary_predicate() -> None:
-    """The predicate is named after the path, and its rules are equal but for the name of the rule they come from."""
+    """The predicate is named after the path, and its rules differ only in the name of their origin."""
     one = read("CONSTRUCT { ?x <urn:h> ?y } WHERE { ?x (<urn:p>|<urn:q>)+ ?y }")
     two = read("CONSTRUCT { ?a <urn:k> ?a } WHERE { ?b <urn:r> ?a . ?b (<urn:q>|<urn:p>)+ ?a }")
     assert {rule.head for rule in one[1:]} == {rule.head for rule in two[1:]}

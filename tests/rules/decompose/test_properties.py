@@ -16,10 +16,10 @@ RULES = 20
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(st.integers(min_value=0))
 def test_parts_derive_what_the_text_derives(seed: int) -> None:
-    """Any rule, cut into parts, derives from any graph what the store's engine derives from its text.
+    """The parts of any rule derive the same from any graph as the store's engine from its text.
 
-    The rules are the same in each run: of ten thousand, one or two meet a defect of the engine, which answers two
-    spellings of an OPTIONAL inside an OPTIONAL differently.
+    The rules are the same in each run: of ten thousand, one or two trigger a defect of the engine, which gives
+    different results for two spellings of an OPTIONAL inside an OPTIONAL.
     """
     random = Random(seed)  # noqa: S311 - rules to test with, no secrets
     for _ in range(RULES):

@@ -1,4 +1,4 @@
-"""Rules in SPARQL and small graphs, made at random: all constructs of decomposition, deeply nested."""
+"""Random rules in SPARQL and small graphs: all constructs of decomposition, deeply nested."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ VARIABLES: Final = ["?x", "?y", "?z", "?v"]
 OBJECTS: Final[list[NamedNode | Literal]] = [*NODES, *NODES, Literal(1), Literal(2)]
 GRAPHS: Final[list[NamedNode | DefaultGraph]] = [DefaultGraph(), DefaultGraph(), DefaultGraph(), NamedNode("urn:g")]
 ALL_NODES: Final = {Quad(NODES[0], NamedNode("urn:u"), node, DefaultGraph()) for node in OBJECTS}
-"""All constants of paths are nodes of the graph: the engine finds no path of length zero at others, SPARQL does."""
+"""All constants of paths are nodes of the graph: SPARQL has paths of length zero at others, the engine does not."""
 
 
 def graph(random: Random) -> set[Quad]:
@@ -34,12 +34,12 @@ def graph(random: Random) -> set[Quad]:
 
 @dataclass(slots=True)
 class Texts:
-    """Writes texts; nested parts become simpler with each level."""
+    """Generator of texts; nested parts become simpler with each level."""
 
     random: Random
 
     def rule(self) -> str:
-        """Return a rule whose head has variables that its body mentions."""
+        """Return a rule whose head uses variables of its body."""
         body = self.group(self.random.choice([1, 2, 2, 3]))
         ends = [name for name in (*VARIABLES, "?n") if name in body] or ["<urn:a>"]
         head = [f"{self._of(ends)} <urn:h{number}> {self._of(ends)} ." for number in range(self.random.randint(1, 2))]
@@ -92,7 +92,7 @@ class Texts:
         return self._of([f"({one}/{other})", f"({one}|{other})", f"^({one})", *repeated, negated, f"!{self._iri()}"])
 
     def test(self, depth: int) -> str:
-        """Return an expression that is true or false or in error."""
+        """Return an expression that is true, false or an error."""
         one, other = self._of(VARIABLES), self._of(VARIABLES)
         tests = [f"{one} != {other}", f"{one} = {self._term()}", f"BOUND({one})", f"!BOUND({one})", f"isIRI({one})"]
         tests += [f"COALESCE({one} > 1, {self._of(['true', 'false'])})", f"{one} IN ({other}, {self._term()})"]

@@ -1,4 +1,4 @@
-"""The goals of queries: with only these triples in the store they have the same results."""
+"""The goals of queries: these triples are sufficient for the same results."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ QUERIES: Final = [
 
 
 def answer(text: str, stated: set[Fact], inferred: set[Fact]) -> Any:
-    """Return the result of a query over stated triples in one graph and inferred ones in another."""
+    """Return the result of a query over asserted triples in one graph and inferred ones in another."""
     store = Store()
     store.extend(Quad(*fact, NamedNode("urn:stated")) for fact in stated)  # type: ignore[arg-type]  # subjects are nodes
     store.extend(Quad(*fact, INFERRED) for fact in inferred)  # type: ignore[arg-type]  # the same
@@ -93,7 +93,7 @@ def derived_for(text: str, rules: list[Rule], asserted: set[Fact]) -> set[Fact]:
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(asserted=graphs)
 def test_a_query_has_the_answers_that_it_has_over_everything_inferred(text: str, asserted: set[Fact]) -> None:
-    """Each kind of pattern sees what it needs of what rules derive."""
+    """Each kind of pattern gets the inferred triples it needs."""
     for shape in ("right recursive", "double recursive", "classes by name"):
         rules: list[Rule] = rules_of(SHAPES[shape])
         expected = answer(text, asserted, infer(rules, asserted))
@@ -116,7 +116,7 @@ def test_a_query_has_the_answers_that_it_has_over_everything_inferred(text: str,
     ],
 )
 def test_what_stands_around_a_pattern_restricts_it(text: str, derived: int) -> None:
-    """Of ten pairs along a chain, those are derived that may be joined with the rest of the query."""
+    """Of ten pairs along a chain, only those are derived that can join with the rest of the query."""
     asserted = graph(":n0 :p :n1 . :n1 :p :n2 . :n2 :p :n3 . :n3 :p :n4 . :n3 :q :n1 .")
     rules = rules_of(SHAPES["left recursive"])
     assert len(on_demand(rules, list(goals_of("PREFIX : <urn:> " + text)), asserted)) == derived

@@ -99,7 +99,7 @@ def answers(goal: Goal, known: set[Fact]) -> list[dict[Variable, Term]]:
 def matched(
     pattern: tuple[Pattern, ...], row: tuple[Term, ...], solution: dict[Variable, Term]
 ) -> dict[Variable, Term] | None:
-    """Return a solution extended by a row that agrees with it; None for another row."""
+    """Return a solution extended by a compatible row, or None."""
     extended = dict(solution)
     for position, term in zip(pattern, row, strict=True):
         if isinstance(position, Variable):
@@ -111,7 +111,7 @@ def matched(
 
 
 def compare(rules: list[Rule], goals: list[Goal], asserted: set[Fact]) -> None:
-    """Compare the solutions of each goal with those over everything that the rules infer."""
+    """Compare the solutions of each goal with those over all inferences of the rules."""
     everything = infer(rules, asserted)
     derived = on_demand(rules, goals, asserted)
     assert derived <= everything
@@ -123,7 +123,7 @@ def compare(rules: list[Rule], goals: list[Goal], asserted: set[Fact]) -> None:
 
 @st.composite
 def goals_of(draw: st.DrawFn) -> list[Goal]:
-    """Draw goals about the predicates of `SHAPES`: most begin with a pattern that asks for one end of `:up`."""
+    """Draw goals about the predicates of `SHAPES`: most start with a pattern that binds one end of `:up`."""
     ends: list[Pattern] = [Variable("a"), Variable("b"), *NODES[:2]]
     values: list[Pattern] = [*ends, Literal(1)]
     pairs: list[tuple[Pattern, list[Pattern]]] = [(NamedNode(f"urn:{name}"), values) for name in ("up", "reach", "p")]
@@ -170,7 +170,7 @@ graphs = st.builds(
 @settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(goals=goals_of(), asserted=graphs)
 def test_recursive_rules_give_a_goal_the_same_answers(shape: str, goals: list[Goal], asserted: set[Fact]) -> None:
-    """Closures, generations, classes and negation over them: the same solutions as over everything inferred."""
+    """Closures, generations, classes and negation over them: the same solutions as over all inferences."""
     compare(rules_of(SHAPES[shape]), goals, asserted)
 
 
@@ -209,7 +209,7 @@ def graph(text: str) -> set[Fact]:
 
 
 def compare_ends(rules: list[Rule], text: str) -> set[Fact]:
-    """Compare goals for either end of `:up`, and for both; return what the rules infer of it."""
+    """Compare goals for either end of `:up`, and for both; return the inferences of the rules."""
     asserted = graph(text)
     for end in ENDS:
         compare(rules, [(end,)], asserted)
@@ -217,19 +217,19 @@ def compare_ends(rules: list[Rule], text: str) -> set[Fact]:
 
 
 def test_a_step_may_pass_a_literal() -> None:
-    """What is carried along a recursion may be a literal, which no triple has as its subject."""
+    """The value passed along a recursion may be a literal, although no triple has it as subject."""
     rules = rules_of("RULE { ?x :up ?y } WHERE { ?x :p ?y } RULE { ?x :up ?z } WHERE { ?x :up ?y . ?z :p ?y }")
     assert (NODES[0], UP, NODES[1]) in compare_ends(rules, ":n0 :p 1 . :n1 :p 1 .")
 
 
 def test_a_value_in_error_is_not_what_a_goal_asks_for() -> None:
-    """A sum in error leaves its variable unbound, which a demand does not bind."""
+    """A sum with an error leaves its variable unbound, so a demand does not bind it."""
     text = """PREFIX : <urn:> CONSTRUCT { ?x :up ?n } WHERE { SELECT ?x (SUM(?v) AS ?n) { ?x :p ?v } GROUP BY ?x }"""
     assert not compare_ends(list(read_text(text, Path("sum.rq"), "test/sum").rules), ":n0 :p :n1 .")
 
 
 def test_a_variable_of_an_exists_is_not_one_behind_it() -> None:
-    """A goal that binds a variable behind EXISTS says nothing of one with its name inside."""
+    """A goal that binds a variable after EXISTS does not bind one of the same name inside."""
     x, y, w = (Variable(name) for name in "xyw")
     body = (Atom(x, P, w), Exists((Atom(x, NamedNode("urn:reach"), y),)), Atom(x, NamedNode("urn:q"), y))
     rules = [*rules_of(REACH), Rule("test/exists", (Atom(x, UP, y),), body, Place("r.srl"))]
@@ -237,7 +237,7 @@ def test_a_variable_of_an_exists_is_not_one_behind_it() -> None:
 
 
 def test_a_variable_predicate_does_not_match_auxiliary_triples() -> None:
-    """Demands, and what is stored of a recursive predicate, are no triples of the data."""
+    """Demands and stored recursive predicates are not part of the data."""
     rules = rules_of(f"{REACH} RULE {{ ?x :any ?y }} WHERE {{ ?x ?p ?y FILTER(?p NOT IN (:reach, :any)) }}")
     goals: list[Goal] = [(Atom(NODES[0], NamedNode(f"urn:{name}"), Variable("a")),) for name in ("reach", "any")]
     assert demanded(rules, goals).copies
@@ -245,7 +245,7 @@ def test_a_variable_predicate_does_not_match_auxiliary_triples() -> None:
 
 
 def test_what_is_denied_is_derived_whole_through_other_rules() -> None:
-    """A negation needs all that its pattern may match, with what rules derive on the way."""
+    """A negation needs all possible matches of its pattern, including triples that rules derive on the way."""
     rules = rules_of(
         f"{REACH} RULE {{ ?x :far ?y }} WHERE {{ ?y :reach ?x }}"
         "RULE { ?x :up ?y } WHERE { ?x :q ?y NOT { ?y :far ?x } }"
@@ -259,7 +259,7 @@ def test_what_is_denied_is_derived_whole_through_other_rules() -> None:
     ids=["right", "left", "double"],
 )
 def test_one_end_of_a_long_chain_costs_no_closure(step: str) -> None:
-    """Of the pairs along a chain, those of the end asked for are derived, in any form of the recursion."""
+    """Of the pairs along a chain, only those of the requested end are derived, in any form of the recursion."""
     length = 60
     nodes = [NamedNode(f"urn:n{number}") for number in range(length)]
     asserted: set[Fact] = {(one, P, other) for one, other in pairwise(nodes)}
@@ -269,7 +269,7 @@ def test_one_end_of_a_long_chain_costs_no_closure(step: str) -> None:
 
 
 def test_a_join_restricts_what_is_derived() -> None:
-    """A stored triple of the goal, or rows, say which end of a derived one is asked for."""
+    """A stored triple of the goal, or rows, restrict one end of a derived one."""
     asserted = graph(":n0 :p :n1 . :n1 :p :n2 . :n2 :p :n3 . :n3 :p :n4 . :n3 :q :n0 .")
     rules = rules_of(REACH)
     reach = Atom(Variable("a"), NamedNode("urn:reach"), Variable("b"))
@@ -283,5 +283,5 @@ def test_a_join_restricts_what_is_derived() -> None:
 
 
 def test_nothing_is_derived_for_a_goal_that_no_rule_answers() -> None:
-    """Goals about stored triples alone need no rule."""
+    """Goals about stored triples need no rule."""
     assert not demanded(rules_of(REACH), [(Atom(NODES[0], P, Variable("a")),)]).rules

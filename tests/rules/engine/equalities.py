@@ -1,4 +1,4 @@
-"""Rules of equality beside others, and small graphs in which terms are equal, for property tests."""
+"""Rules of equality mixed with others, and small graphs with equal terms, for property tests."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _ABOVE: Final = _rule(
 
 @st.composite
 def equal_rules(draw: st.DrawFn) -> list[Rule]:
-    """Draw an equality with some of its rules, at times a second one, and rules that read and derive what it does.
+    """Draw an equality with some of its rules, sometimes a second one, and rules that read and derive its terms.
 
     Without a rule that replaces predicates a rule that denies may be above.
     """
@@ -80,7 +80,7 @@ def equal_rules(draw: st.DrawFn) -> list[Rule]:
 
 
 def equal_facts(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
-    """Give triples, half of which make terms equal: predicates, blank nodes and literals are among them."""
+    """Yield triples, half of which make terms equal, including predicates, blank nodes and literals."""
     subjects = st.sampled_from([*_TERMS, *_TERMS, BlankNode("b"), _P, EQUAL])
     objects = st.sampled_from([*_TERMS, *_TERMS, *_VALUES, BlankNode("b"), _P, _Q, _ALIKE])
     same = st.tuples(subjects, st.just(EQUAL), objects)

@@ -48,19 +48,19 @@ _ROW = NamedNode("urn:row")
 
 @dataclass(frozen=True, slots=True)
 class _Facts:
-    """Triples that bodies read: those derived in this round so far, those of the round before, those asserted."""
+    """Input triples of bodies: those derived in this round so far, those of the previous round, and asserted ones."""
 
     known: set[Fact]
     before: set[Fact]
     asserted: set[Fact]
 
     def finished(self) -> _Facts:
-        """Return what negation and aggregates read."""
+        """Return the input of negation and aggregates."""
         return _Facts(self.before, self.before, self.asserted)
 
 
 def infer(rules: Iterable[Rule], asserted: set[Fact]) -> set[Fact]:
-    """Return the triples that rules that can be stratified infer and that are not asserted."""
+    """Return the triples inferred by stratified rules, without asserted ones."""
     all_rules = list(rules)
     before, found = asserted, _least(all_rules, asserted, asserted)
     while found != before and not all(_is_monotone(rule.body) for rule in all_rules):
@@ -69,7 +69,7 @@ def infer(rules: Iterable[Rule], asserted: set[Fact]) -> set[Fact]:
 
 
 def _is_monotone(body: tuple[Element, ...]) -> bool:
-    """Return whether a body never reads the round before."""
+    """Whether a body never reads the previous round."""
     return all(
         _is_monotone(element.body) and not element.negated
         if isinstance(element, Exists)
@@ -79,7 +79,7 @@ def _is_monotone(body: tuple[Element, ...]) -> bool:
 
 
 def _least(rules: list[Rule], asserted: set[Fact], before: set[Fact]) -> set[Fact]:
-    """Return the least fixpoint of rules whose negation and aggregates read the round before."""
+    """Return the least fixpoint of rules whose negation and aggregates read the previous round."""
     facts = _Facts(set(asserted), before, asserted)
     size = -1
     while size != len(facts.known):
@@ -116,7 +116,7 @@ def _instance(pattern: Pattern, solution: Solution, rule: Rule) -> Term | None:
 
 def _blank(node: BlankNode, solution: Solution, rule: Rule) -> BlankNode:
     text = f"{rule.name}\n{rule.part}\n{node.value}\n".encode()
-    # What stays unbound, such as an aggregate in error, is a variable of the solution too.
+    # An unbound variable, such as an aggregate with an error, is part of the solution, too.
     names = _names(rule.body) | solution.keys()
     spelt = {name: _spelt(solution[name]) if name in solution else b"" for name in names}
     text += b"\n".join(b"%s=%s" % (name.encode(), spelt[name]) for name in sorted(names))
@@ -125,7 +125,7 @@ def _blank(node: BlankNode, solution: Solution, rule: Rule) -> BlankNode:
 
 
 def _names(body: tuple[Element, ...]) -> set[str]:
-    """Return the variables of the solutions of a body: what filters and EXISTS mention stays inside of them."""
+    """Return the variables of the solutions of a body, without those inside filters and EXISTS."""
     found: list[Variable] = []
     for element in body:
         if isinstance(element, Atom):
@@ -141,7 +141,7 @@ def _names(body: tuple[Element, ...]) -> set[str]:
 
 @cache
 def _spelt(term: Term) -> bytes:
-    """Return a term as a store dumps it."""
+    """Return a term in the spelling of a store's dump."""
     store = Store()
     store.add(Quad(_ROW, _ROW, term))
     line = store.dump(format=RdfFormat.N_QUADS)
@@ -216,7 +216,7 @@ def _value(text: str, expression: Expression, solution: Solution) -> Term | None
 
 @lru_cache(maxsize=1 << 14)
 def _evaluated(text: str, arguments: tuple[tuple[str, Term | None], ...]) -> Term | None:
-    """Evaluate an expression; its arguments stand in a store, where blank nodes may stand too."""
+    """Evaluate an expression; its arguments are put into a store, which allows blank nodes."""
     store = Store()
     store.add(Quad(_ROW, NamedNode("urn:is"), _ROW))
     pattern = "<urn:row> <urn:is> <urn:row>"

@@ -1,4 +1,4 @@
-"""Equalities: classes of equal terms give exactly what their rules give one by one."""
+"""Equalities: classes of equal terms give exactly the inferences of their rules one by one."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ALL = list(RULES.values())
 
 
 def facts(text: str) -> set[Fact]:
-    """Read triples as tuples."""
+    """Parse triples to tuples."""
     return {(triple.subject, triple.predicate, triple.object) for triple in triples(text)}
 
 
@@ -41,7 +41,7 @@ def chain(length: int) -> set[Fact]:
 @settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
 @given(equal_rules(), equal_facts(1, 9))
 def test_an_equality_infers_what_its_rules_infer_one_by_one(rules: list[Rule], asserted: set[Fact]) -> None:
-    """Beside other rules, with filters, negation, literals, equal predicates and a second equality."""
+    """With other rules, filters, negation, literals, equal predicates and a second equality."""
     try:
         stratify(rules)
     except RuleError:
@@ -55,7 +55,7 @@ def test_an_equality_infers_what_its_rules_infer_one_by_one(rules: list[Rule], a
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(equal_rules(), equal_facts(1, 6))
 def test_an_equality_infers_what_the_naive_evaluation_does(rules: list[Rule], asserted: set[Fact]) -> None:
-    """The same against the oracle, which knows nothing of the engine."""
+    """The same compared with the oracle, which is independent of the engine."""
     try:
         stratify(rules)
     except RuleError:
@@ -64,7 +64,7 @@ def test_an_equality_infers_what_the_naive_evaluation_does(rules: list[Rule], as
 
 
 def test_equalities_are_recognised_by_the_form_of_their_rules() -> None:
-    """Whatever their names and the order of their atoms; a rule of another form is none of them."""
+    """Names and order of atoms do not matter; a rule of another form is not an equality."""
     (found,) = equalities(ALL)
     assert (found.predicate, found.rules) == (EQUAL, frozenset(ALL))
     assert not equalities([RULES["symmetry"], RULES["subject"]])
@@ -75,7 +75,7 @@ def test_equalities_are_recognised_by_the_form_of_their_rules() -> None:
 
 
 def test_a_rule_that_replaces_against_the_direction_is_not_part_of_an_equality() -> None:
-    """Under it a term gets what is said of a literal's equals: it is evaluated as it is written."""
+    """A rule that gives a term the triples of a literal's equals is evaluated as written."""
     backwards = rule("?s ?p ?x", "?x =urn:equal ?y . ?s ?p ?y")
     (found,) = equalities([*ALL, backwards])
     assert backwards not in found.rules
@@ -85,7 +85,7 @@ def test_a_rule_that_replaces_against_the_direction_is_not_part_of_an_equality()
 
 
 def test_a_long_chain_is_derived_once() -> None:
-    """All pairs of 300 terms and one triple for each, and which rule derived how many."""
+    """All pairs of 300 terms and one triple for each are derived once and attributed to their rules."""
     dictionary = Dictionary()
     asserted = chain(299) | facts(":a0 :p :b")
     outcome = evaluate(Program(ALL), dictionary, columns(asserted, dictionary))
@@ -98,14 +98,14 @@ def test_a_long_chain_is_derived_once() -> None:
 
 
 def test_a_limit_ends_an_equality_before_its_pairs_are_made() -> None:
-    """A hundred thousand equal terms have ten thousand million pairs, which no memory holds."""
+    """A hundred thousand equal terms have ten thousand million pairs, too many for memory."""
     message = "KG205: more than 1,000 triples are inferred, at rule test/equal-transitivity, round 1;"
     with pytest.raises(RuleError, match=message):
         inferred(ALL, chain(100_000), Limits(max_triples=1000))
 
 
 def test_what_is_known_does_not_count_towards_a_limit() -> None:
-    """A graph that has all pairs already infers nothing."""
+    """A graph that contains all pairs infers nothing."""
     dictionary = Dictionary()
     first = evaluate(Program(ALL), dictionary, columns(chain(5), dictionary)).inferred
     whole = tuples(first, dictionary) | chain(5)

@@ -18,7 +18,7 @@ from kg.rules.form import AUXILIARY, Aggregate, Assignment, Atom, Column, Engine
 
 
 def facts(text: str) -> set[Fact]:
-    """Read triples as tuples."""
+    """Parse triples to tuples."""
     return {(triple.subject, triple.predicate, triple.object) for triple in triples(text)}
 
 
@@ -37,25 +37,25 @@ def test_a_limit_of_triples_ends_what_would_not_end() -> None:
 
 
 def test_a_rule_that_derives_too_much_at_once_is_stopped_before_it_is_through() -> None:
-    """All pairs of three thousand nodes are never all held: the first pieces are over the limit."""
+    """All pairs of three thousand nodes are never stored: the first pieces exceed the limit."""
     nodes = {(NamedNode(f"urn:x:n{number}"), NamedNode("urn:x:is"), NamedNode("urn:x:node")) for number in range(3000)}
     with pytest.raises(RuleError, match="KG205: more than 100,000 triples are inferred, at rule test/rule, round 1;"):
         inferred([rule("?x :beside ?y", "?x :is ?c . ?y :is ?d")], nodes, Limits(max_triples=100_000))
 
 
 def test_known_triples_do_not_count_towards_a_limit() -> None:
-    """A rule that derives asserted triples stays within a limit of none."""
+    """A rule that derives asserted triples stays within a limit of zero."""
     assert inferred([rule("?x :next ?y", "?x :next ?y")], CHAIN, Limits(max_triples=0)) == set()
 
 
 def test_a_deadline_ends_a_run() -> None:
-    """A run that has no time left ends with KG205."""
+    """A run without time left ends with KG205."""
     with pytest.raises(RuleError, match="KG205: the deadline of 0 s is over"):
         inferred([rule("?x :p ?y", "?x :next ?y")], CHAIN, Limits(deadline=0))
 
 
 def test_making_terms_in_recursion_needs_a_limit() -> None:
-    """KG204 before anything runs."""
+    """KG204 before any rule runs."""
     with pytest.raises(RuleError, match="KG204"):
         inferred([COUNTING], facts(":a :n 1"))
 
@@ -78,7 +78,7 @@ def test_reports_tell_rounds_triples_and_where_a_body_ends() -> None:
 
 
 def test_each_derivation_of_a_rule_with_two_recursive_atoms_is_tried_once() -> None:
-    """The rows that the rule joins are the pairs of steps of the closure, none of them twice."""
+    """The rows joined by the rule are the pairs of steps of the closure, none of them twice."""
     rules = [rule("?x :on ?y", "?x :next ?y"), rule("?x :on ?z", "?x :on ?y . ?y :on ?z", part=2)]
     dictionary = Dictionary()
     outcome = evaluate(Program(rules), dictionary, columns(CHAIN, dictionary))
@@ -86,14 +86,14 @@ def test_each_derivation_of_a_rule_with_two_recursive_atoms_is_tried_once() -> N
 
 
 def test_the_same_program_gives_the_same_blank_nodes_again() -> None:
-    """Blank nodes of heads depend on rule, label and solution only."""
+    """Blank nodes of heads depend only on rule, label and solution."""
     rules = [rule("?x :has _:b . _:b :of ?y", "?x :next ?y")]
     assert inferred(rules, CHAIN) == inferred(rules, CHAIN) == infer(rules, CHAIN)
     assert len(inferred(rules, CHAIN)) == 60
 
 
 def test_what_no_triple_can_be_is_left_out() -> None:
-    """A literal as subject or a blank node as predicate gives nothing, as CONSTRUCT does."""
+    """A literal as subject or a blank node as predicate gives nothing, as in CONSTRUCT."""
     rules = [rule("?y :p ?x", "?x :n ?y"), rule("?x ?y ?x", "?x :n ?y", part=2)]
     assert inferred(rules, facts(":a :n 1")) == set()
     assert inferred(rules, facts(":a :n _:b")) == facts("_:b :p :a")
@@ -127,7 +127,7 @@ def test_a_block_of_sparql_joins_like_an_atom() -> None:
 
 
 def test_a_join_that_grows_is_chosen_by_the_rows_of_the_terms_at_hand() -> None:
-    """Friends are joined before members of a crowded hub, though the mean hub has fewer members than a node friends."""
+    """Friends are joined before members of a crowded hub, although the average hub is smaller."""
     lines = [f":n{n} :at :hub\n:n{n} :friend :m{n}\n:n{n} :friend :x{n}" for n in range(100)]
     lines += [f":hub :member :m{n}" for n in range(1000)]
     lines += [f":hub{n} :member :m{n}" for n in range(4000)]
@@ -138,7 +138,7 @@ def test_a_join_that_grows_is_chosen_by_the_rows_of_the_terms_at_hand() -> None:
 
 
 def test_a_cycle_costs_the_shorter_side_of_each_row() -> None:
-    """A hub with 500 neighbours each way is in 500 triangles, not in 250,000 paths that have to be looked at."""
+    """A hub with 500 neighbours each way costs 500 triangles, not 250,000 paths."""
     lines = [f":in{n} :to :hub\n:hub :to :out{n}\n:out{n} :to :in{n}" for n in range(500)]
     dictionary = Dictionary()
     triangle = rule("?x :with ?y", "?x :to ?y . ?y :to ?z . ?z :to ?x")
@@ -148,7 +148,7 @@ def test_a_cycle_costs_the_shorter_side_of_each_row() -> None:
 
 @given(st.lists(st.integers(0, 99)), st.sets(st.integers(0, 99)))
 def test_what_a_sorted_array_has_is_told_for_few_and_many(values: list[int], ordered: set[int]) -> None:
-    """The table of hashes excludes only missing values."""
+    """The hash table excludes only missing values."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tables, "_MANY", 0)
         found = tables.among(np.array(values * 5, np.int64), np.array(sorted(ordered), np.int64))
@@ -156,7 +156,7 @@ def test_what_a_sorted_array_has_is_told_for_few_and_many(values: list[int], ord
 
 
 def test_large_joins_are_done_in_pieces() -> None:
-    """A join of many rows gives the same as one of few: all pairs of two thousand nodes that share a hub."""
+    """A join of many rows gives the same result as one of few: all pairs of two thousand nodes that share a hub."""
     spokes = {(NamedNode(f"urn:x:s{number}"), NamedNode("urn:x:in"), NamedNode("urn:x:hub")) for number in range(2200)}
     pairs = rule("?x :big :yes", "?x :in ?h . ?y :in ?h", kept_if("?x != ?y"))
     assert len(inferred([pairs], spokes)) == 2200
@@ -175,7 +175,7 @@ def test_large_joins_are_done_in_pieces() -> None:
     ],
 )
 def test_aggregates_have_the_types_of_sparql(function: str, values: str, expected: str) -> None:
-    """Numbers are promoted, strings come in the order of their spelling."""
+    """Numbers are promoted, strings are ordered by their spelling."""
     texts = {"1": Literal(1), "2": Literal(2), "2.5": Literal("2.5", datatype=NamedNode(XSD + "decimal"))}
     texts |= {"2.0e0": Literal(2.0), '"a"': Literal("a"), '"b"': Literal("b")}
     rows = Values((Variable("v"),), tuple((texts[value],) for value in values.split()))
@@ -187,7 +187,7 @@ def test_aggregates_have_the_types_of_sparql(function: str, values: str, expecte
 @pytest.mark.parametrize("atoms_first", [True, False])
 @pytest.mark.parametrize(("least", "expected"), [("", ":a :is 1\n:b :is 2"), (":c :limit 2", ":b :is 2")])
 def test_an_aggregate_without_a_value_agrees_with_any(least: str, expected: str, *, atoms_first: bool) -> None:
-    """MIN of nothing leaves its variable unbound, and an atom next to it binds that; MIN of something restricts it."""
+    """MIN of nothing leaves its variable unbound, and the next atom binds it; MIN of values restricts it."""
     column = Column(Variable("y"), "MIN", expression("?l"), distinct=False)
     smallest = Aggregate((), (column,), atoms("?z :limit ?l"))
     atom = "?x :size ?y"
@@ -204,7 +204,7 @@ def test_counting_nothing_is_zero_without_keys_and_no_group_with_them() -> None:
 
 
 def test_many_values_join_with_many_triples() -> None:
-    """Each of a hundred values with each of eighty triples, where neither restricts the other."""
+    """Each of a hundred values joins with each of eighty triples, if neither restricts the other."""
     values = Values((Variable("v"),), tuple((NamedNode(f"urn:x:v{number}"),) for number in range(100)))
     asserted = facts("\n".join(f":n{number} :p :o" for number in range(80)))
     assert len(inferred([rule("?x :with ?v", "?x :p ?o", values)], asserted)) == 8000

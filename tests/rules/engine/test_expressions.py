@@ -82,7 +82,7 @@ def table(dictionary: Dictionary) -> Table:
 
 @pytest.mark.parametrize("text", FILTERS)
 def test_what_is_decided_without_the_engine_is_what_it_says(text: str) -> None:
-    """Every filter with a quick way holds for the same terms as by evaluation, brackets around it or not."""
+    """Every filter with a shortcut holds for the same terms as by evaluation, with or without brackets."""
     dictionary = Dictionary()
     rows = table(dictionary)
     columns = [("x", "x"), ("y", "y")]
@@ -94,12 +94,12 @@ def test_what_is_decided_without_the_engine_is_what_it_says(text: str) -> None:
 
 @pytest.mark.parametrize("pattern", ["(a+)+b", "a*a*a*a*", r"\\d", "(?i)a", "[a--b]", "a{2}", r"\\bword"])
 def test_patterns_that_dialects_read_differently_are_left_to_the_engine(pattern: str) -> None:
-    """Shorthands, flags, classes of classes, and repetitions that could take time without end."""
+    """Shorthands, flags, nested classes, and repetitions with unbounded time."""
     assert text_test(f'REGEX(?x, "{pattern}")') is None
 
 
 def test_an_unbound_variable_is_an_error_unless_the_expression_forgives_it() -> None:
-    """A variable that no column has, or a row without a value, is unbound to the expression."""
+    """A variable without a column, or without a value in the row, is unbound in the expression."""
     dictionary = Dictionary()
     rows = Table({"x": np.array([dictionary.intern_term(Literal(1)), 0], np.int64)}, 2)
     expressions = Expressions(dictionary)

@@ -39,7 +39,7 @@ class AgainstASet(RuleBasedStateMachine):
 
     @rule()
     def read(self) -> None:
-        """Both orders have the same pairs; where those of a term begin is known."""
+        """Both orders have the same pairs, and the start of each term is known."""
         subjects, objects = unpack(self.facts.keys(5))
         assert set(zip(subjects.tolist(), objects.tolist(), strict=True)) == self.pairs
         objects, subjects = unpack(self.facts.by_object(5))
@@ -51,7 +51,7 @@ class AgainstASet(RuleBasedStateMachine):
 
     @rule(pairs=PAIRS)
     def copy(self, pairs: list[tuple[int, int]]) -> None:
-        """A copy changes by itself."""
+        """A copy is independent."""
         other = self.facts.copy()
         other.add(5, keys(pairs))
         assert len(other) == len(self.pairs | set(pairs))
@@ -69,6 +69,6 @@ TestAgainstASet = AgainstASet.TestCase
 
 @given(st.sets(st.integers(0, 300)), st.sets(st.integers(0, 300)))
 def test_merging_gives_all_in_order(one: set[int], other: set[int]) -> None:
-    """Two sorted arrays that share nothing become one, however few the second has."""
+    """Two disjoint sorted arrays become one, however small the second is."""
     left, right = sorted(one - other), sorted(other)
     assert merged(np.array(left, np.int64), np.array(right, np.int64)).tolist() == sorted(one | other)

@@ -19,12 +19,12 @@ LARGE = SMALL_BYTES // 8
 
 
 def numbers(first: int) -> np.ndarray:
-    """Return an array that is large enough for the file."""
+    """Return an array large enough for the file."""
     return np.arange(first, first + LARGE)
 
 
 def test_an_array_is_the_same_in_the_file(tmp_path: Path) -> None:
-    """What is kept is equal, and can only be read."""
+    """The stored array is equal, and read-only."""
     kept = Pages(tmp_path).keep(numbers(5))
     assert np.array_equal(kept, numbers(5))
     assert not kept.flags.writeable
@@ -39,7 +39,7 @@ def test_an_array_stays_when_its_pages_are_released(tmp_path: Path) -> None:
 
 
 def test_a_view_keeps_its_place(tmp_path: Path) -> None:
-    """The place of an array is used again only when nobody has a part of it."""
+    """The space of an array is reused only when it has no views left."""
     pages = Pages(tmp_path)
     view = pages.keep(numbers(0))[10:]
     others = [pages.keep(numbers(7 * one)) for one in range(1, 20)]
@@ -48,7 +48,7 @@ def test_a_view_keeps_its_place(tmp_path: Path) -> None:
 
 
 def test_a_place_is_used_again(tmp_path: Path) -> None:
-    """Arrays that are gone take no more of the file."""
+    """Space of freed arrays is reused."""
     pages = Pages(tmp_path)
     first = pages.keep(numbers(1)).__array_interface__["data"]
     assert pages.keep(numbers(2)).__array_interface__["data"] == first
@@ -61,7 +61,7 @@ def test_a_small_array_stays_in_memory(tmp_path: Path) -> None:
 
 
 def test_the_file_has_no_name(tmp_path: Path) -> None:
-    """So it goes however the process ends."""
+    """It disappears however the process exits."""
     pages = Pages(tmp_path)
     kept = pages.keep(numbers(1))
     assert not list(tmp_path.iterdir())
@@ -90,7 +90,7 @@ def few_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("few_in_memory")
 def test_a_dictionary_with_pages_gives_the_same_identifiers(tmp_path: Path) -> None:
-    """Whether terms are in the file or in memory, by ones or many at a time."""
+    """Identifiers do not depend on storage in the file or in memory, or on batch size."""
     plain, paged = Dictionary(), Dictionary(pages=Pages(tmp_path))
     generator = np.random.default_rng(3)
     for size in (5, 40, 3, 100, 1, 60):
@@ -106,7 +106,7 @@ def test_a_dictionary_with_pages_gives_the_same_identifiers(tmp_path: Path) -> N
 
 @pytest.mark.usefixtures("few_in_memory")
 def test_terms_of_one_checksum_are_told_apart(tmp_path: Path) -> None:
-    """Two terms whose CRC-32 is the same are two terms."""
+    """Two terms with equal CRC-32 are distinct."""
     paged = Dictionary(pages=Pages(tmp_path))
     first, second = paged.intern_all([b"<urn:plumless>", b"<urn:buckeroo>"]).tolist()
     paged.intern_all([b"<urn:%d>" % number for number in range(50)])

@@ -88,7 +88,7 @@ def patterns(draw: st.DrawFn) -> Atom:
 
 @st.composite
 def bodies(draw: st.DrawFn, depth: int = 0) -> tuple[Element, ...]:
-    """Draw a body: atoms first, then whatever else, at times an atom behind it."""
+    """Draw a body: atoms first, then other elements, sometimes an atom at the end."""
     found: list[Element] = draw(st.lists(patterns(), min_size=1, max_size=3))
     for _ in range(draw(st.integers(0, 2))):
         found.append(draw(elements(tuple(found), depth)))
@@ -146,7 +146,7 @@ def bound_by(body: tuple[Element, ...]) -> set[Variable]:
 
 @st.composite
 def rule_sets(draw: st.DrawFn) -> list[Rule]:
-    """Draw rules that can be stratified and make no terms in recursion."""
+    """Draw rules that can be stratified and create no terms in recursion."""
     found = []
     for number in range(draw(st.integers(1, 4))):
         body = draw(bodies())
@@ -163,7 +163,7 @@ def rule_sets(draw: st.DrawFn) -> list[Rule]:
 
 
 def compare(rules: list[Rule], asserted: set[Fact]) -> None:
-    """Compare the engine with the naive evaluation; rules that cannot be stratified are passed over."""
+    """Compare the engine with the naive evaluation; rules that cannot be stratified are skipped."""
     try:
         stratify(rules)
     except RuleError:
@@ -174,14 +174,14 @@ def compare(rules: list[Rule], asserted: set[Fact]) -> None:
 @settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
 @given(rule_sets(), facts)
 def test_the_engine_infers_what_the_naive_evaluation_does(rules: list[Rule], asserted: set[Fact]) -> None:
-    """Any rules over any triples: the same triples, those with new blank nodes too."""
+    """Any rules over any triples: the same triples, including those with new blank nodes."""
     compare(rules, asserted)
 
 
 @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
 @given(rule_sets(), facts)
 def test_the_sizes_at_which_the_engine_takes_other_ways_do_not_matter(rules: list[Rule], asserted: set[Fact]) -> None:
-    """Joins in pieces of two rows, rows made distinct always, indexes always: the same triples."""
+    """Joins in pieces of two rows, rows always made distinct, indexes always used: the same triples."""
     with pytest.MonkeyPatch.context() as patch:
         for module in (tables, matching, solve):
             patch.setattr(module, "CHUNK", 2)

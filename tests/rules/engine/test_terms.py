@@ -30,7 +30,7 @@ KINDS = [IRI, BLANK, LITERAL, LITERAL, LITERAL, TRIPLE, TRIPLE]
 
 @pytest.mark.parametrize("term", TERMS, ids=str)
 def test_a_term_is_read_back_as_it_was(term: Term) -> None:
-    """Spelling and reading a term gives it again, and it has one identifier."""
+    """A term survives spelling and parsing, and has one identifier."""
     dictionary = Dictionary()
     identifier = dictionary.intern_term(term)
     assert dictionary.term(identifier) == term
@@ -38,7 +38,7 @@ def test_a_term_is_read_back_as_it_was(term: Term) -> None:
 
 
 def test_kinds_are_known_for_terms_that_come_later_too() -> None:
-    """The kind of a term is that of its spelling; "unbound" has none."""
+    """The kind of a term follows from its spelling; "unbound" has none."""
     dictionary = Dictionary()
     first = dictionary.intern_all(spell(term) for term in TERMS[:2])
     assert dictionary.kinds(first).tolist() == [IRI, BLANK]
@@ -47,14 +47,14 @@ def test_kinds_are_known_for_terms_that_come_later_too() -> None:
 
 
 def test_kinds_of_kept_terms_are_read_from_their_text() -> None:
-    """Terms in a file and terms that come later have the kinds that they have in memory."""
+    """Terms in a file and later terms have the same kinds as in memory."""
     dictionary = Dictionary(Kept.of([spell(term) for term in TERMS[:4]]))
     every = dictionary.intern_all([spell(term) for term in TERMS])
     assert dictionary.kinds(np.append(every, [0, every[1]])).tolist() == [*KINDS, 0, BLANK]
 
 
 def test_a_triple_term_has_the_parts_it_was_made_of() -> None:
-    """Made of identifiers or read from a spelling, its parts are the same."""
+    """Its parts are the same, made of identifiers or parsed from a spelling."""
     dictionary = Dictionary()
     read = dictionary.intern_term(INNER)
     parts = dictionary.parts(read)
@@ -64,7 +64,7 @@ def test_a_triple_term_has_the_parts_it_was_made_of() -> None:
 
 @given(st.text(st.characters(codec="utf-8"), max_size=5))
 def test_strings_of_any_characters_survive(text: str) -> None:
-    """Control characters, quotes and all of Unicode are spelt and read back unchanged."""
+    """Control characters, quotes and all of Unicode survive spelling and parsing."""
     dictionary = Dictionary()
     assert dictionary.term(dictionary.intern_term(Literal(text))) == Literal(text)
 
@@ -74,7 +74,7 @@ texts = st.lists(st.binary(max_size=3), unique=True, max_size=40)
 
 @given(texts, texts)
 def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[bytes]) -> None:
-    """A dictionary that reads its terms on access gives the identifiers of one that has them."""
+    """A dictionary that loads its terms on access gives the same identifiers."""
     lazy, eager = Dictionary(Kept.of(kept)), Dictionary.of(kept)
     assert [lazy.find(one) for one in asked] == [eager.find(one) for one in asked]
     assert lazy.intern_all(asked).tolist() == eager.intern_all(asked).tolist()

@@ -44,7 +44,7 @@ def test_text() -> None:
 
 
 def test_json() -> None:
-    """Each fact appears once; premises are named by their numbers."""
+    """Each fact appears once; premises refer to it by number."""
     found = proof_object(PROOF, WORLD.view)
     assert json.loads(json.dumps(found)) == found
     facts = found["facts"]
@@ -54,14 +54,14 @@ def test_json() -> None:
 
 
 def test_mermaid() -> None:
-    """Facts are boxes and rules the words at arrows; signs of HTML are escaped."""
+    """Facts are boxes and rules the labels of arrows; HTML characters are escaped."""
     text = mermaid([PROOF], WORLD.view)
     assert 'p0f1 -->|"family/linear"| p0f0' in text
     assert "&lt;Cy&gt;" in text
 
 
 def test_picture() -> None:
-    """The picture is well-formed, has every line of the text, and is the same each time."""
+    """The picture is well-formed, has every line of the text, and is deterministic."""
     svg = picture([PROOF], WORLD.view)
     words = " ".join(ET.fromstring(svg).itertext())  # noqa: S314 - our own
     assert all(part in words for part in ("by rule family/linear", "a.cpp:3", "FILTER NOT EXISTS"))

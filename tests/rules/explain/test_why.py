@@ -1,4 +1,4 @@
-"""Why facts hold: proofs are sound, end in asserted facts, and are as short as promised."""
+"""Why facts hold: proofs are sound, end in asserted facts, and have the guaranteed length."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SAME = rule("family/same", "?y knows ?x", "?x knows ?y")
 
 
 def leaves(proof: Proof) -> set[Triple]:
-    """Return the asserted facts that a proof ends in."""
+    """Return the asserted facts at the leaves of a proof."""
     return {each.fact for _, each in proof.walk() if isinstance(each, Proof) and each.derivation is None}
 
 
@@ -55,7 +55,7 @@ def test_an_asserted_fact_is_its_own_proof_with_its_line() -> None:
 
 
 def test_a_chain_ends_in_what_was_asserted() -> None:
-    """A fact that recursion derived rests on each step of the chain."""
+    """A fact derived by recursion depends on each step of the chain."""
     world = World(":a :parent :b . :b :parent :c . :c :parent :d .", (PARENT, LINEAR))
     proof = why(world.view, world.rules, fact("a ancestor d"))
     check(proof)
@@ -65,7 +65,7 @@ def test_a_chain_ends_in_what_was_asserted() -> None:
 
 
 def test_cycles_prove_nothing() -> None:
-    """Two facts that derive each other rest on the one that was asserted."""
+    """Two facts that derive each other depend on the asserted one."""
     world = World(":a :knows :b .", (SAME,))
     check(why(world.view, world.rules, fact("b knows a")))
     world.store.remove(next(iter(world.store.quads_for_pattern(None, None, fact("b b b").object))))
@@ -76,7 +76,7 @@ def test_cycles_prove_nothing() -> None:
 
 
 def test_all_ways() -> None:
-    """Each way in which a fact comes about is given, the smallest first."""
+    """Every derivation of a fact is returned, the smallest first."""
     world = World(
         ":a :parent :b . :b :parent :c . :a :adopted :c .",
         (PARENT, LINEAR, ADOPTED),
@@ -86,7 +86,7 @@ def test_all_ways() -> None:
 
 
 def test_the_shortest_proof() -> None:
-    """The shortest proof has the fewest steps, whatever recursion offers."""
+    """The shortest proof has the fewest steps, despite recursion."""
     world = World(" ".join(f":n{i} :parent :n{i + 1} ." for i in range(8)), (PARENT, DOUBLE))
     proof = why(world.view, world.rules, fact("n0 ancestor n8"), shortest=True)
     check(proof)
@@ -103,7 +103,7 @@ def test_conditions_are_told() -> None:
 
 
 def test_graphs_that_rules_do_not_read_prove_nothing() -> None:
-    """A fact that is only in the graph of builds is not a premise."""
+    """A fact only in the graph of builds is not a premise."""
     world = World(":a :parent :b . :b :parent :c .", (PARENT, LINEAR))
     moved = fact("b parent c")
     world.store.remove(next(iter(world.store.quads_for_pattern(moved.subject, moved.predicate, moved.object))))
@@ -113,7 +113,7 @@ def test_graphs_that_rules_do_not_read_prove_nothing() -> None:
 
 
 def test_a_long_chain() -> None:
-    """A proof of a thousand steps is found and walked."""
+    """A proof of a thousand steps is found and traversed."""
     world = World(" ".join(f":n{i} :next :n{i + 1} ." for i in range(1200)) + " :n0 :reached :n0 .", ())
     step = rule("x/step", "?y reached ?y", "?x reached ?x", "?x next ?y")
     for i in range(1, 1201):
@@ -130,7 +130,7 @@ RULES = st.lists(st.sampled_from([PARENT, LINEAR, DOUBLE, SAME, KNOWN]), min_siz
 @settings(deadline=None, max_examples=40)
 @given(EDGES, RULES)
 def test_every_inferred_fact_has_a_sound_proof(edges: list[tuple[int, int]], chosen: list[Rule]) -> None:
-    """Whatever rules derive from whatever graph has a proof that ends in asserted facts."""
+    """Every inference of any rules from any graph has a proof that ends in asserted facts."""
     world = World(" ".join(f":n{a} :parent :n{b} ." for a, b in edges), tuple(chosen))
     for each in world.inferred():
         check(why(world.view, world.rules, each))
@@ -138,7 +138,7 @@ def test_every_inferred_fact_has_a_sound_proof(edges: list[tuple[int, int]], cho
 
 
 def test_paths_of_any_length() -> None:
-    """A path of any length is proved by the triples of a shortest way along it."""
+    """A path of any length is proved by the triples of a shortest route."""
     text = f"PREFIX : <{EX}> CONSTRUCT {{ ?x :reaches ?y }} WHERE {{ ?x (:next|^:before/:next)+ ?y . ?y :is :goal }}"
     rules = read_text(text, Path("x/reaches.rq"), "x/reaches").rules
     world = World(":a :next :b . :c :before :b ; :next :d . :b :next :e . :d :is :goal .", ())

@@ -1,4 +1,4 @@
-"""Why facts do not hold: the first part of each rule that fails, and the nearest thing that is there."""
+"""Why facts do not hold: the first failing part of each rule, and the nearest existing fact."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ DATA = ":camera :publishes :image_raw . :viewer :subscribes :image_rwa, :odom . 
 
 
 def test_the_nearest_match_is_named() -> None:
-    """The answer names a topic with a similar spelling."""
+    """The explanation names a topic with a similar spelling."""
     world = World(DATA, (HEARS,))
     (attempt,) = why_not(world.view, world.rules, fact("viewer hears camera")).attempts
     assert (
@@ -26,7 +26,7 @@ def test_the_nearest_match_is_named() -> None:
 
 
 def test_labels_are_what_people_read() -> None:
-    """Where things have labels, sentences have them."""
+    """Sentences use labels if they exist."""
     world = World(DATA + ' :image_rwa rdfs:label "/image_rwa" . :viewer rdfs:label "viewer" .', (HEARS,))
     (attempt,) = why_not(world.view, world.rules, fact("viewer hears camera")).attempts
     assert attempt.nearest[0] == "viewer has <https://example.org/subscribes> /image_rwa"
@@ -40,14 +40,14 @@ def test_a_filter_tells_its_values() -> None:
 
 
 def test_what_must_be_absent_is_named() -> None:
-    """A fact that must not be there, and is, is named."""
+    """A fact that violates a negation is named."""
     world = World(DATA, (ALONE,))
     (attempt,) = why_not(world.view, world.rules, fact("base speaksInto void")).attempts
     assert [text.split("/")[-1] for text in attempt.nearest] == ["odom>"]
 
 
 def test_missing_premises_are_followed() -> None:
-    """A premise that rules could derive is explained in turn, as deep as allowed."""
+    """A derivable premise is explained in turn, up to the allowed depth."""
     rules = (rule("x/a", "?x p ?y", "?x q ?y"), rule("x/b", "?x q ?y", "?x r ?y"))
     world = World(":n :other :m .", rules)
     (attempt,) = why_not(world.view, rules, fact("n p m")).attempts
@@ -58,7 +58,7 @@ def test_missing_premises_are_followed() -> None:
 
 
 def test_no_rule_and_a_misspelt_property() -> None:
-    """Where no rule derives the property, one of a like name is suggested."""
+    """If no rule derives the property, a similarly named one is suggested."""
     world = World(DATA, (HEARS,))
     answer = why_not(world.view, world.rules, fact("camera publishs image_raw"))
     assert answer.attempts == ()
@@ -66,7 +66,7 @@ def test_no_rule_and_a_misspelt_property() -> None:
 
 
 def test_rules_that_have_not_run() -> None:
-    """When everything holds, the answer is that rules have not been run."""
+    """If all conditions hold, the explanation is that rules have not run."""
     world = World(":a :publishes :t . :b :subscribes :t .", ())
     (attempt,) = why_not(world.view, (HEARS,), fact("b hears a")).attempts
     assert (attempt.failing, len(attempt.held)) == (None, 2)
@@ -78,7 +78,7 @@ PAIRS = st.lists(st.tuples(st.sampled_from("abc"), st.sampled_from(["publishes",
 @settings(deadline=None, max_examples=40)
 @given(PAIRS, st.sampled_from("abc"), st.sampled_from("abc"))
 def test_each_fact_holds_or_has_a_failing_part(triples: list[tuple[str, str, str]], one: str, other: str) -> None:
-    """After rules have run, each rule that could derive an absent fact has a part that fails."""
+    """After rules have run, each rule that could derive an absent fact has a failing part."""
     world = World(" ".join(f":{s} :{p} :{o} ." for s, p, o in triples), (HEARS, ALONE))
     for asked in (fact(f"{one} hears {other}"), fact(f"{one} speaksInto void")):
         if not world.view.graphs(asked):

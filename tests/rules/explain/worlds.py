@@ -1,4 +1,4 @@
-"""Small stores for explanations: data in Turtle, rules as CONSTRUCT queries applied until nothing is new."""
+"""Small stores for explanations: data in Turtle, and rules as CONSTRUCT queries applied up to the fixpoint."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def name(local: str) -> NamedNode:
 
 
 def fact(text: str) -> Triple:
-    """Return the fact that three words spell."""
+    """Return the fact written as three words."""
     subject, predicate, value = map(name, text.split())
     return Triple(subject, predicate, value)
 
@@ -44,13 +44,13 @@ def pattern(word: str) -> Pattern:
 
 
 def atom(text: str) -> Atom:
-    """Return the triple pattern that three words spell."""
+    """Return the triple pattern written as three words."""
     subject, predicate, value = map(pattern, text.split())
     return Atom(subject, predicate, value)
 
 
 def expression(text: str) -> Expression:
-    """Return an expression; its variables are the words in it that begin with `?`."""
+    """Return an expression; its variables are the words that begin with `?`."""
     words = text.replace("(", " ").replace(")", " ").replace(",", " ").split()
     return Expression(text, tuple(dict.fromkeys(word[1:] for word in words if word.startswith("?"))))
 
@@ -78,7 +78,7 @@ def rule(title: str, head: str, *body: str | Element) -> Rule:
 
 @dataclass
 class World:
-    """A store with what `rules` derive from its data in the graph of inferred facts."""
+    """A store with the derivations of `rules` from its data in the graph of inferred facts."""
 
     data: str
     rules: tuple[Rule, ...]
@@ -107,7 +107,7 @@ class World:
         union: bool = True,
         substitutions: Mapping[pyoxigraph.Variable, Term] | None = None,
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
-        """Run a query as a snapshot does."""
+        """Run a query like a snapshot."""
         given = dict(substitutions) if substitutions else None
         return self.store.query(
             text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union, substitutions=given
@@ -115,7 +115,7 @@ class World:
 
     @property
     def view(self) -> View:
-        """The store as explanations see it."""
+        """The store in the form used by explanations."""
         return View(self, Vocabulary(INFERRED, (BUILDS,), name("path"), name("line"), name("repository")), self.rules)
 
     def inferred(self) -> list[Triple]:

@@ -53,7 +53,7 @@ def texts(text: str, terms: Terms, suffix: str = ".rq") -> list[str]:
 
 
 def test_terms_of_a_prefix(terms: Terms) -> None:
-    """After a prefix come the terms of its namespace, with their documentation."""
+    """A prefix is completed with the terms of its namespace, with their documentation."""
     text = RULE + "PREFIX e: <https://example.org/> e:dr"
     found = complete(text, len(text), ".rq", terms)
     assert [each.text for each in found] == ["e:Robot", "e:drives"]
@@ -62,12 +62,12 @@ def test_terms_of_a_prefix(terms: Terms) -> None:
 
 
 def test_variables_of_the_text(terms: Terms) -> None:
-    """After a question mark come the variables of the text."""
+    """A question mark is completed with the variables of the text."""
     assert texts(RULE + "?", terms) == ["?robot", "?wheel"]
 
 
 def test_words_of_the_notation(terms: Terms) -> None:
-    """Elsewhere come the words of the notation, prefixes and functions."""
+    """Other positions are completed with keywords of the notation, prefixes and functions."""
     assert "OPTIONAL" in texts("", terms)
     assert "SET" in texts("", terms, ".srl")
     assert {"rnkg:", "REGEX("} <= set(texts("", terms))
@@ -75,7 +75,7 @@ def test_words_of_the_notation(terms: Terms) -> None:
 
 
 def test_hover_over_a_term_and_over_the_header(terms: Terms) -> None:
-    """A term shows its documentation and how often it is used; the header shows the documentation."""
+    """A term shows its documentation and number of uses; the header shows the documentation."""
     assert "1,200 triples" in (hover(RULE, RULE.index(":drives") + 2, PATH, "mine/drives", terms) or "")
     assert "That they move." in (hover(RULE, 3, PATH, "mine/drives", terms) or "")
     assert hover(RULE, RULE.index("?wheel"), PATH, "mine/drives", terms) is None
@@ -91,7 +91,7 @@ def test_definitions(terms: Terms) -> None:
 
 
 def test_how_wide_a_diagnostic_is() -> None:
-    """A finding marks the token at its place, a line of the header, or one character where nothing begins."""
+    """A finding marks the token at its place, a line of the header, or a single character."""
     places = {(1, 1): 19, (3, 3): 17, (8, 20): 6, (8, 13): 6, (9, 27): 7, (9, 8): 1, (8, 2): 1, (90, 1): 1, (6, 1): 1}
     for (line, column), expected in places.items():
         assert width(RULE.replace("\n", "\r\n"), Place("a.rq", line, column)) == expected, (line, column)
@@ -99,7 +99,7 @@ def test_how_wide_a_diagnostic_is() -> None:
 
 
 def test_diagnostics(terms: Terms) -> None:
-    """Errors of syntax and findings of checks come with their places."""
+    """Syntax errors and findings of checks have their places."""
     assert terms.by_iri
     context = Context(RuleSet(()), frozenset({"https://example.org/drives"}))
     (broken,) = diagnose(RULE.replace("WHERE {", "WHERE"), PATH, "mine/drives", context)
@@ -109,7 +109,7 @@ def test_diagnostics(terms: Terms) -> None:
 
 @given(st.text(alphabet="?:ab {}.#<>\"'\n", max_size=60), st.integers(0, 60))
 def test_any_text_is_answered(text: str, offset: int) -> None:
-    """Whatever an editor holds is answered without an error."""
+    """Any text in an editor gets a response without an error."""
     offset = min(offset, len(text))
     complete(text, offset, ".rq", Terms())
     hover(text, offset, PATH, "mine/drives", Terms())

@@ -1,4 +1,4 @@
-"""Symbols of any text: what an editor holds while somebody types."""
+"""Symbols of any text, including incomplete text in an editor."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from kg.rules.lsp.symbols import occurrences, symbol_at
     offset=st.integers(0, 100),
 )
 def test_any_text_is_answered(name: str, text: str, offset: int) -> None:
-    """Whatever a file holds, a symbol occurs where it was found."""
+    """In any text, a symbol occurs at its reported place."""
     path = Path(name)
     symbol = symbol_at(text, offset, path, "mine/a", {"mine/b"})
     if symbol is not None:
@@ -32,7 +32,7 @@ def test_any_text_is_answered(name: str, text: str, offset: int) -> None:
 
 
 def test_scopes_of_variables() -> None:
-    """A variable belongs to its rule; `WHERE DATA` begins no other."""
+    """A variable belongs to its rule; `WHERE DATA` does not start another."""
     text = "RULE { ?a a ?b } WHERE DATA { ?a a ?b }\nDATA { }\nRULE { ?a a ?b } WHERE { ?a a ?b }"
     symbol = symbol_at(text, text.index("?a") + 1, Path("a.srl"), "a", ())
     assert symbol is not None
@@ -40,7 +40,7 @@ def test_scopes_of_variables() -> None:
 
 
 def test_escapes_in_the_strings_of_shapes() -> None:
-    """Places in a string count the escapes before them."""
+    """Places in a string account for preceding escapes."""
     text = '@prefix sh: <http://www.w3.org/ns/shacl#> . [] sh:select "SELECT ?a { ?b \\"x\\" ?a }" .'
     symbol = symbol_at(text, text.rindex("?a"), Path("a.ttl"), "a", ())
     assert symbol is not None

@@ -32,7 +32,7 @@ _FEW = [Literal(1), Literal(2)]
 
 
 def facts(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
-    """Give triples: mostly of predicates that nothing derives, a number as the object at times."""
+    """Yield triples: mostly of asserted-only predicates, sometimes with a number as object."""
     predicates = st.sampled_from([*_ASSERTED, *_ASSERTED, *_ASSERTED, *_DERIVED[:3]])
     values = st.sampled_from([*_NODES, *_NODES, *_NODES, *_FEW])
     return st.sets(st.tuples(st.sampled_from(_NODES), predicates, values), min_size=least, max_size=most)
@@ -46,7 +46,7 @@ def layered(draw: st.DrawFn) -> list[Rule]:
 
 
 def classified(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
-    """Give triples with the classes and links of things."""
+    """Yield triples with the classes and links of entities."""
     classes = st.tuples(st.sampled_from(_NODES), st.just(_IS), st.sampled_from(_CLASSES[:6]))
     links = st.tuples(st.sampled_from(_NODES), st.sampled_from(_ASSERTED), st.sampled_from(_NODES))
     return st.sets(st.one_of(classes, classes, links), min_size=least, max_size=most)
@@ -54,7 +54,7 @@ def classified(least: int, most: int) -> st.SearchStrategy[set[Fact]]:
 
 @st.composite
 def by_class(draw: st.DrawFn) -> list[Rule]:
-    """Draw four to nine rules that derive classes from subclasses: a change reaches few of them."""
+    """Draw four to nine rules that derive classes from subclasses: a change affects few of them."""
     return [_of_class(draw, number, draw(st.integers(3, 8))) for number in range(draw(st.integers(4, 9)))]
 
 
@@ -93,7 +93,7 @@ def _rule(draw: st.DrawFn, number: int, layer: int) -> Rule:
 
 
 def _once(body: list[Element]) -> list[Element]:
-    """Leave out what would bind a variable again that is assigned or aggregated."""
+    """Omit elements that would rebind an assigned or aggregated variable."""
     found: list[Element] = []
     for element in body:
         if isinstance(element, Assignment | Aggregate) and any(isinstance(e, Assignment | Aggregate) for e in found):
@@ -142,7 +142,7 @@ def _column(draw: st.DrawFn) -> Column:
 
 
 def _inner(draw: st.DrawFn, layer: int, outer: Variable) -> tuple[Element, ...]:
-    """Draw a body on lower layers that meets the one around it in the variable `outer`."""
+    """Draw a body on lower layers that joins the surrounding one in the variable `outer`."""
     found: list[Element] = [Atom(outer, _predicate(draw, layer), _E, asserted=draw(st.integers(0, 7)) == 0)]
     if draw(st.integers(0, 2)) == 0:
         values: list[Pattern] = [outer, Variable("f"), *_NODES[:2]]

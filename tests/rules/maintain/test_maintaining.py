@@ -30,7 +30,7 @@ COUNT = Column(Variable("n"), "COUNT", None)
 
 
 class Kept:
-    """Rules over triples written as text; each change gives the inferred triples added and removed."""
+    """Rules over triples written as text; each change returns the inferred triples added and removed."""
 
     def __init__(self, rules: Sequence[Rule], asserted: str) -> None:
         self.dictionary = Dictionary()
@@ -46,12 +46,12 @@ class Kept:
         return columns(((triple.subject, triple.predicate, triple.object) for triple in read), self.dictionary)
 
     def shown(self, facts: Facts, sign: str) -> list[str]:
-        """Return triples as they are written in these tests, sorted; blank nodes all alike."""
+        """Return triples in the notation of these tests, sorted; blank nodes all alike."""
         found = tuples(facts, self.dictionary)
         return sorted(sign + " ".join("[]" if isinstance(t, BlankNode) else _short(t) for t in fact) for fact in found)
 
     def change(self, inserted: str = "", deleted: str = "", limits: Limits | None = None) -> list[str]:
-        """Apply a change; starting over must give the same."""
+        """Apply a change and compare with starting over."""
         change = self.state.apply(self.facts(inserted), self.facts(deleted), limits=limits)
         again = evaluate(self.program, self.dictionary, self.state.asserted, limits=limits).inferred
         assert tuples(self.state.inferred, self.dictionary) == tuples(again, self.dictionary)
@@ -74,13 +74,13 @@ def test_insertion_goes_through_recursion() -> None:
 
 
 def test_deletion_keeps_what_has_another_derivation() -> None:
-    """One of two ways from a to c goes."""
+    """After deleting one of two routes, the triple is still derived by the other."""
     kept = Kept(ANCESTORS, ":a :parent :b\n:b :parent :c\n:a :parent :d\n:d :parent :c")
     assert kept.change(deleted=":b :parent :c") == ["-:b :ancestor :c"]
 
 
 def test_deletion_ends_what_only_supports_itself() -> None:
-    """On a cycle every ancestor is derived from another; without a link they do not hold each other up."""
+    """On a cycle every ancestor is derived from another; without a link all are removed."""
     kept = Kept(ANCESTORS, ":a :parent :b\n:b :parent :a\n:x :parent :a")
     assert kept.change(deleted=":x :parent :a\n:a :parent :b") == [
         "-:a :ancestor :a",
@@ -92,7 +92,7 @@ def test_deletion_ends_what_only_supports_itself() -> None:
 
 
 def test_what_is_asserted_leaves_the_inferred_graph_and_comes_back() -> None:
-    """Asserting what is inferred, and taking that back, changes nothing that depends on it."""
+    """Asserting an inferred triple, and retracting it, changes no dependent inference."""
     kept = Kept([*ANCESTORS, rule("?x :has :ancestors", "?x :ancestor ?y")], ":a :parent :b\n:b :parent :c")
     assert kept.change(":a :ancestor :c") == ["-:a :ancestor :c"]
     assert kept.change(deleted=":b :parent :c") == ["-:b :ancestor :c", "-:b :has :ancestors"]
@@ -104,7 +104,7 @@ def test_what_is_asserted_leaves_the_inferred_graph_and_comes_back() -> None:
 
 
 def test_what_is_asserted_twice_or_was_not_there_changes_nothing() -> None:
-    """A triple in both sets stays asserted."""
+    """A triple in both sets remains asserted."""
     kept = Kept(ANCESTORS, ":a :parent :b")
     assert kept.change(":a :parent :b", ":x :parent :y") == []
     assert kept.change(":a :parent :b", ":a :parent :b") == []
@@ -120,7 +120,7 @@ def test_negation_turns_comings_into_goings() -> None:
 
 
 def test_negation_inside_negation() -> None:
-    """Nodes all of whose parts are good."""
+    """Nodes with only good parts."""
     bad = Exists((atom("?x :part ?y"), Exists((atom("?y :is :good"),), negated=True)), negated=True)
     kept = Kept([rule("?x :is :fine", "?x :a :Thing", bad)], ":t :a :Thing\n:t :part :p\n:t :part :q\n:p :is :good")
     assert kept.change(":q :is :good") == ["+:t :is :fine"]
@@ -130,7 +130,7 @@ def test_negation_inside_negation() -> None:
 
 
 def test_aggregates_change_by_group() -> None:
-    """A group whose members change gives up its value for another; an empty one goes; without keys there is one."""
+    """A changed group replaces its value; an empty one is removed; without keys one group remains."""
     by_key = Aggregate((Variable("x"),), (COUNT,), (atom("?x :p ?y"),))
     everything = Aggregate((), (COUNT,), (atom("?x :p ?y"),))
     kept = Kept([rule("?x :count ?n", by_key), rule(":all :count ?n", everything)], ":a :p :b\n:a :p :c\n:b :p :c")
@@ -144,14 +144,14 @@ def test_aggregates_change_by_group() -> None:
 
 
 def test_an_aggregate_without_a_value_derives_nothing() -> None:
-    """What the head names is no value of its own for a sum over IRIs, which has none."""
+    """A sum over IRIs has no value, so its variable in the head derives nothing."""
     total = Aggregate((Variable("x"),), (Column(Variable("n"), "SUM", expression("?y")),), (atom("?x :p ?y"),))
     kept = Kept([rule("?x :total ?n", total)], ":a :p :b\n:a :total :a")
     assert kept.change(deleted=":a :total :a") == []
 
 
 def test_an_aggregate_of_an_aggregate() -> None:
-    """How many things have so many parts."""
+    """The number of entities with a given number of parts."""
     inner = Aggregate((Variable("x"),), (COUNT,), (atom("?x :p ?y"),))
     outer = Aggregate((Variable("n"),), (Column(Variable("m"), "COUNT", None),), (inner,))
     kept = Kept([rule(":k :times ?m", outer)], ":a :p :b\n:a :p :c\n:b :p :c")
@@ -170,7 +170,7 @@ def test_blank_nodes_come_and_go_with_their_solutions() -> None:
 
 
 def test_assignments_variable_predicates_and_asserted_atoms() -> None:
-    """Values are computed for what changed; a predicate that comes or goes is seen; `WHERE DATA` sees assertions."""
+    """Changed solutions get values; added and removed predicates are seen; `WHERE DATA` sees assertions."""
     plus = Assignment(Variable("m"), expression("?n + 1", mints=True))
     rules = [
         rule("?x :next ?m", "?x :age ?n", plus, name="test/plus"),
@@ -189,7 +189,7 @@ def test_assignments_variable_predicates_and_asserted_atoms() -> None:
 
 
 def test_blocks_of_sparql_are_run_again() -> None:
-    """When a predicate that a block reads changes, its derivations are compared."""
+    """When an input predicate of a block changes, its derivations are compared."""
     block = EngineBlock(
         "?x <urn:x:p>+ ?y FILTER NOT EXISTS { ?y <urn:x:p> ?z }",
         (Variable("x"), Variable("y")),
@@ -201,7 +201,7 @@ def test_blocks_of_sparql_are_run_again() -> None:
 
 
 def test_auxiliary_triples_are_maintained_like_others() -> None:
-    """They are part of the state and of the change; writing to a store leaves them out."""
+    """They are part of the state and of the change, and omitted when writing to a store."""
     helper = f"={AUXILIARY}path"
     rules = [
         rule(f"?x {helper} ?y", "?x :parent ?y", part=1),
@@ -216,7 +216,7 @@ def test_auxiliary_triples_are_maintained_like_others() -> None:
 
 
 def test_two_strata_may_derive_the_same_triple() -> None:
-    """One derivation goes, the other stratum's stays."""
+    """After one derivation is removed, that of the other stratum remains."""
     rules = [
         rule("?x :is :seen", "?x :p ?y", name="test/early"),
         rule("?x :is :seen", "?x :q ?y", Exists((atom("?y :is :hidden"),), negated=True), name="test/late"),
@@ -232,7 +232,7 @@ def test_two_strata_may_derive_the_same_triple() -> None:
 
 
 def test_limits_leave_the_state_as_it_was() -> None:
-    """Terms made in recursion need a limit; one that is reached is KG205."""
+    """Terms created in recursion need a limit; exceeding it is KG205."""
     up = Assignment(Variable("m"), expression("IF(?n < 9, ?n + 1, ?n)", mints=True))
     kept = Kept([rule("?x :b ?y", "?x :a ?y")], ":a :a 1")
     kept.state = Maintained(
@@ -249,7 +249,7 @@ def test_limits_leave_the_state_as_it_was() -> None:
 
 
 def test_one_change_by_itself() -> None:
-    """The sets that a state begins with stay as they are."""
+    """The initial sets of a state remain unchanged."""
     kept = Kept(ANCESTORS, ":a :parent :b")
     asserted, inferred = kept.state.asserted, kept.state.inferred
     state = Maintained(kept.program, kept.dictionary, asserted, inferred)

@@ -1,4 +1,4 @@
-"""Which rules a change reaches: the others are not evaluated, and nothing is missed."""
+"""Rules affected by a change: the others are not evaluated, and no effect is missed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> set[str]:
-    """Give the names of the evaluated rules."""
+    """Return the names of the evaluated rules."""
     found: set[str] = set()
     solve = MaintainedRule._derived
 
@@ -46,7 +46,7 @@ def test_a_pattern_is_of_a_predicate_and_an_object_that_rules_name() -> None:
 
 
 def test_rules_of_other_classes_are_not_solved(solved: set[str]) -> None:
-    """All read the same predicate: the class that came decides, and then what follows from it."""
+    """All read the same predicate; only rules of the added class, and then of its consequences, are evaluated."""
     rules = [rule(f"?x :is :d{n}", f"?x :is :c{n}", name=f"test/r{n}") for n in range(5)]
     rules.append(rule("?x :is :e", "?x :is :d3 . ?x :p ?y", name="test/further"))
     kept = Kept(rules, ":b :is :c1\n:a :p :c")
@@ -58,7 +58,7 @@ def test_rules_of_other_classes_are_not_solved(solved: set[str]) -> None:
 
 
 def test_rules_of_which_no_changed_triple_meets_the_other_atoms_are_not_solved(solved: set[str]) -> None:
-    """Each atom that shares a variable with what changed needs a triple, at either end or at both."""
+    """Each atom that shares a variable with the change needs a triple, at either end or at both."""
     rules = [
         rule("?x :is :far", "?x :is :seen . ?x :p ?y", name="test/from"),
         rule("?x :is :near", "?x :is :seen . ?y :p ?x", name="test/to"),
@@ -77,7 +77,7 @@ def test_rules_of_which_no_changed_triple_meets_the_other_atoms_are_not_solved(s
 
 
 def test_what_was_asserted_and_follows_too_stays_though_nothing_that_its_rule_reads_changed() -> None:
-    """A stratum is reached by what it may derive, not by what it reads alone; in recursion too."""
+    """A stratum is affected by triples it may derive, not only by its input; in recursion, too."""
     rules = [
         rule("?x :is :seen", "?x :p ?y", name="test/seen"),
         rule("?x :is :far", "?x :is :seen", name="test/far"),
@@ -91,7 +91,7 @@ def test_what_was_asserted_and_follows_too_stays_though_nothing_that_its_rule_re
 
 
 def test_negation_and_aggregates_are_reached_through_what_they_hold() -> None:
-    """Only the triples inside come and go."""
+    """Only the triples inside are added and removed."""
     rules = [
         rule("?x :is :free", "?x :is :node", Exists((atom("?x :is :taken"),), negated=True), name="test/free"),
         rule("?x :size ?n", Aggregate((Variable("x"),), (COUNT,), (atom("?x :has ?y"),)), name="test/size"),
@@ -109,7 +109,7 @@ def test_negation_and_aggregates_are_reached_through_what_they_hold() -> None:
 
 
 def test_a_negated_body_in_two_parts_is_reached_from_either() -> None:
-    """What meets what changed in a filter alone is not multiplied with it, and decides as before."""
+    """A part joined with the change only by a filter is not multiplied with it, and decides as before."""
     differ = (atom("?x :type ?one"), atom("?y :type ?two"), keep("?one != ?two"))
     kept = Kept(
         [rule("?x :fits ?y", "?x :to ?y", Exists(differ, negated=True))],
@@ -122,7 +122,7 @@ def test_a_negated_body_in_two_parts_is_reached_from_either() -> None:
 
 
 def test_rules_that_lacked_something_fire_when_it_comes() -> None:
-    """Minted nodes come with the last of what a rule needs, whichever that is, and go with the first."""
+    """Created nodes are added with the last premise of a rule, in any order, and removed with the first."""
     head = Atom(Variable("x"), atom("?x :made ?y").predicate, BlankNode("new"))
     made = rule("?x :made ?y", "?x :p ?y . ?y :q ?z . ?z :is :last", name="test/made")
     kept = Kept([type(made)(made.name, (head,), made.body, made.place)], "")
@@ -134,7 +134,7 @@ def test_rules_that_lacked_something_fire_when_it_comes() -> None:
 
 
 def test_rules_with_variable_predicates_are_reached_from_any_and_reach_any() -> None:
-    """What copies triples of any predicate reads and derives whatever comes or goes."""
+    """A rule that copies triples of any predicate is affected by, and derives, every change."""
     rules = [
         rule("?p :same ?q", "?q :mirrors ?p", name="test/same"),
         rule("?x ?q ?y", "?p :same ?q . ?x ?p ?y", name="test/copy"),
@@ -149,7 +149,7 @@ def test_rules_with_variable_predicates_are_reached_from_any_and_reach_any() -> 
 
 
 def test_negation_and_blocks_are_reached_by_what_other_strata_derive() -> None:
-    """Nothing asserted has the predicates inside; strata before and behind each other change in one go."""
+    """Inner predicates are never asserted; strata before and after each other change in one step."""
     x, y, link = Variable("x"), Variable("y"), NamedNode("urn:x:link")
     walk = EngineBlock(f"?x {link}/{link}* ?y", (x, y), reads=frozenset({link}))
     rules = [

@@ -1,4 +1,4 @@
-"""Whatever changes, the inferred triples are those of an evaluation from scratch."""
+"""After any changes, the inferred triples equal an evaluation from scratch."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_any_rules_under_any_changes_equal_starting_over(
 @settings(max_examples=examples(30, 80), deadline=None, suppress_health_check=list(HealthCheck))
 @given(layered(), dense(8, 16), st.data())
 def test_any_changes_equal_starting_over(rules: list[Rule], asserted: set[Fact], data: st.DataObject) -> None:
-    """Insertions and deletions, of triples that are asserted, inferred or neither, that reach through layers."""
+    """Insertions and deletions of asserted, inferred or other triples, with effects across layers."""
     compare(rules, asserted, data, dense(1, 4))
 
 
@@ -48,7 +48,7 @@ def test_any_changes_equal_starting_over(rules: list[Rule], asserted: set[Fact],
 def test_changes_that_reach_few_rules_equal_starting_over(
     rules: list[Rule], asserted: set[Fact], data: st.DataObject
 ) -> None:
-    """Classes from classes: by links, without others, counted, minted, and where a body is of two parts."""
+    """Classes derived from classes: by links, negation, counts, created nodes, and bodies of two parts."""
     compare(rules, asserted, data, classified(1, 3))
 
 
@@ -57,7 +57,7 @@ def test_changes_that_reach_few_rules_equal_starting_over(
 def test_changes_of_equal_terms_equal_starting_over(
     rules: list[Rule], asserted: set[Fact], rows: int, data: st.DataObject
 ) -> None:
-    """Maintained rule by rule, evaluated again, or the one in one step and the other in the next."""
+    """Maintained rule by rule, evaluated again, or alternating between both."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(maintaining, "_FEW_ROWS", rows)
         patch.setattr(maintaining, "_ROWS_PER_TRIPLE", 0)

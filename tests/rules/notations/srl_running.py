@@ -27,7 +27,7 @@ def load(path: Path) -> list[Triple]:
 
 
 def rules_of(file: RuleFile) -> tuple[Rule, ...]:
-    """Return the rules of a file and one without a body for the triples that it states, which means the same."""
+    """Return the rules of a file and an equivalent rule without a body for its stated triples."""
     stated = tuple(Atom(triple.subject, triple.predicate, triple.object) for triple in file.data)
     return (*file.rules, Rule(f"{file.name}/data", stated, (), Place(str(file.path)))) if stated else file.rules
 
@@ -40,7 +40,7 @@ def infer(rules: Path, data: Iterable[Triple]) -> list[Triple]:
 
 
 def canonical(triples: Iterable[Triple]) -> set[str]:
-    """Return triples as text as a store has them, the same for graphs that differ by the names of blank nodes only."""
+    """Return triples as text in a store's spelling, equal for graphs that differ only in blank node labels."""
     store = Store()
     store.extend(Quad(triple.subject, triple.predicate, triple.object) for triple in triples)
     dataset = Dataset(store)

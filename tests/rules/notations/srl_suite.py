@@ -43,7 +43,7 @@ SELECT ?test ?type ?rules ?data ?result WHERE {{
 
 @dataclass(frozen=True)
 class Entry:
-    """One test of a manifest; `kind` is Syntax, WellFormedness, Stratification or Eval; `good`: it is to pass."""
+    """One test of a manifest; `kind` is Syntax, WellFormedness, Stratification or Eval; `good` if it should pass."""
 
     name: str
     kind: str
@@ -54,7 +54,7 @@ class Entry:
 
     @property
     def missing(self) -> list[str]:
-        """The files that the folder lacks."""
+        """The files missing from the folder."""
         return [path.name for path in (self.rules, self.data, self.result) if path and not path.exists()]
 
 
@@ -84,7 +84,7 @@ def _path(iri: str | None) -> Path | None:
 
 
 def failure(entry: Entry) -> str | None:
-    """Run a test; return why it fails, None when it passes."""
+    """Run a test; return the reason of its failure, or None."""
     if entry.missing:
         return f"missing: {', '.join(entry.missing)}"
     if entry.kind == "Eval":
@@ -119,7 +119,7 @@ def _evaluation(entry: Entry) -> str | None:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the suite of a folder, print the failures and the count of each kind; 1 when a test fails."""
+    """Run the suite of a folder, print the failures and the count of each kind; return 1 if a test fails."""
     (folder,) = arguments
     passed: Counter[str] = Counter()
     every: Counter[str] = Counter()

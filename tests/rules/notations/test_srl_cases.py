@@ -1,4 +1,4 @@
-"""Cases: a rule set `NAME.srl` on `NAME.ttl` infers `NAME.expected.ttl`, or is refused as in `NAME.error`."""
+"""Cases: a rule set `NAME.srl` on `NAME.ttl` infers `NAME.expected.ttl`, or is rejected as in `NAME.error`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def name(path: Path) -> str:
 
 @pytest.mark.parametrize("rules", [path for path in EVERY if path.with_suffix(".expected.ttl").exists()], ids=name)
 def test_a_rule_set_infers_what_is_expected(rules: Path) -> None:
-    """A rule set infers the graph expected and nothing else."""
+    """A rule set infers exactly the expected graph."""
     data = rules.with_suffix(".ttl")
     found = canonical(infer(rules, load(data) if data.exists() else ()))
     assert found == canonical(load(rules.with_suffix(".expected.ttl")))
@@ -28,7 +28,7 @@ def test_a_rule_set_infers_what_is_expected(rules: Path) -> None:
 
 @pytest.mark.parametrize("rules", [path for path in EVERY if path.with_suffix(".error").exists()], ids=name)
 def test_a_bad_rule_set_is_refused_at_its_place(rules: Path) -> None:
-    """An error has the code, line, column and words expected."""
+    """An error has the expected code, line, column and words."""
     code, place, words = rules.with_suffix(".error").read_text().strip().split(" ", 2)
     with pytest.raises(RuleError) as caught:
         infer(rules, ())

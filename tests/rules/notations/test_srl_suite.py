@@ -14,13 +14,13 @@ REFUSED = {
 
 
 def chosen() -> list[Entry]:
-    """Return the tests of the suite; those whose files a copy lacks are left out."""
+    """Return the tests of the suite, except those whose files are missing."""
     return [entry for entry in entries(Path(FOLDER)) if not entry.missing] if FOLDER else []
 
 
 @pytest.mark.skipif(not FOLDER, reason="KG_SRL_SUITE does not name a folder of the W3C's tests of SPARQL RL")
 def test_the_suite_is_found() -> None:
-    """The folder given has tests of each kind."""
+    """The given folder has tests of each kind."""
     assert {entry.kind for entry in chosen()} == {"Syntax", "WellFormedness", "Stratification", "Eval"}
 
 

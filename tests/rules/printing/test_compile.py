@@ -96,14 +96,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.parametrize(("notation", "printed"), [("rq", SPARQL), ("srl", RULE_LANGUAGE), ("ttl", SHACL)])
 def test_compile_prints_a_rule_in_any_notation(folder: Path, notation: str, printed: str) -> None:
-    """The rule comes on standard output, short names with the prefixes of its file."""
+    """The rule is printed on standard output, with names shortened by the prefixes of its file."""
     result = CliRunner().invoke(app, ["rules", "compile", "ancestor", "--to", notation, "--rules", str(folder)])
     assert result.exit_code == 0, result.stderr
     assert result.stdout == printed
 
 
 def test_compile_prints_the_internal_form(folder: Path) -> None:
-    """Without a notation it prints the triples that the rule reads and writes, and its elements one a line."""
+    """Without a notation it prints the triples read and written by the rule, and its elements one a line."""
     result = CliRunner().invoke(app, ["rules", "compile", "mine/ancestor", "--rules", str(folder)])
     assert result.exit_code == 0, result.stderr
     lines = result.stdout.split("\n")
@@ -132,7 +132,7 @@ def test_compile_refuses_a_notation_that_is_none(folder: Path) -> None:
     ],
 )
 def test_rule_language_says_what_it_lacks(body: str, lacks: str) -> None:
-    """KG209 with a sentence that names it, the place of the rule, and a way out."""
+    """KG209 names the unsupported feature, the place of the rule, and an alternative."""
     with pytest.raises(RuleError) as caught:
         to_srl(rules_of(f"CONSTRUCT {{ ?x <urn:h> ?y }} WHERE {{ {body} }}"))
     assert caught.value.code == "KG209"
@@ -142,7 +142,7 @@ def test_rule_language_says_what_it_lacks(body: str, lacks: str) -> None:
 
 
 def test_sparql_and_shacl_have_no_asserted_data() -> None:
-    """What reads asserted data alone is printed as SPARQL RL only, for all of a body or all of a NOT."""
+    """Atoms over asserted data are printed as SPARQL RL only, for all of a body or all of a NOT."""
     rules = rules_of("RULE { ?x <urn:h> ?y } WHERE DATA { ?x <urn:p> ?y NOT { ?y <urn:q> ?x } }", ".srl")
     assert "WHERE DATA {" in to_srl(rules)
     for printer in (to_rq, to_turtle):
@@ -156,6 +156,6 @@ def test_sparql_and_shacl_have_no_asserted_data() -> None:
 
 
 def test_several_rules_as_sparql_stand_behind_their_names() -> None:
-    """A choice gives several queries, told apart by comments."""
+    """A choice gives several queries, separated by comments with their names."""
     printed = to_rq(rules_of("CONSTRUCT { ?x <urn:h> ?y } WHERE { ?x <urn:p>|<urn:q> ?y }"))
     assert [line for line in printed.split("\n") if line.startswith("#")] == ["# test/rule", "# test/rule#2"]

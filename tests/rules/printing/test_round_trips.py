@@ -27,9 +27,9 @@ each_file = pytest.mark.parametrize(
 
 
 def shape(rule: Rule) -> list[str]:
-    """Return what a rule says, line by line, without its place and the names of fresh variables.
+    """Return the content of a rule, line by line, without its place and the names of fresh variables.
 
-    The lines are sorted: where a filter stands behind what it needs makes no difference.
+    The lines are sorted, because the position of a filter after its variables does not matter.
     """
     lines = to_form([rule]).split("\n")[2:]
     return sorted(re.sub(r"\?[\w·]*·[\w·]*|_:\w+", "?fresh", line) for line in lines)
@@ -37,7 +37,7 @@ def shape(rule: Rule) -> list[str]:
 
 @each_file
 def test_a_rule_printed_as_sparql_reads_back_as_it_was(path: Path, name: str) -> None:
-    """Each part, printed as CONSTRUCT, has the same internal form up to the names of fresh variables."""
+    """Each part, printed as CONSTRUCT, has the same internal form except for the names of fresh variables."""
     for rule in read(path, name).rules:
         try:
             text = to_rq([rule])
@@ -52,7 +52,7 @@ def test_a_rule_printed_as_sparql_reads_back_as_it_was(path: Path, name: str) ->
 
 @each_file
 def test_a_rule_printed_as_rule_language_reads_back_as_it_was(path: Path, name: str) -> None:
-    """All rules of a file, printed as SPARQL RL, have the same internal form, or it says what it lacks."""
+    """All rules of a file, printed as SPARQL RL, have the same internal form, or the missing feature is reported."""
     file = read(path, name)
     try:
         text = to_srl(file.rules, file.prefixes)
@@ -65,7 +65,7 @@ def test_a_rule_printed_as_rule_language_reads_back_as_it_was(path: Path, name: 
 
 @each_file
 def test_a_rule_printed_as_shacl_is_read(path: Path, name: str) -> None:
-    """SHACL takes what is printed; its own reader gives a rule for each."""
+    """The printed SHACL is parsed to one rule for each."""
     file = read(path, name)
     try:
         text = to_turtle(file.rules, file.prefixes)

@@ -1,4 +1,4 @@
-"""A server gives what the embedded engine gives, for any rules."""
+"""A server gives the same inferences as the embedded engine, for any rules."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ def store() -> Iterator[RemoteStore]:
 
 
 def canonical(found: Iterable[Quad]) -> set[Quad]:
-    """Return triples with blank nodes that are alike for graphs that are."""
+    """Return triples with canonical blank nodes."""
     graph = Dataset(found)
     graph.canonicalize(CanonicalizationAlgorithm.UNSTABLE)
     return set(graph)
 
 
 def on_server(store: RemoteStore, rules: Sequence[Rule], asserted: set[Fact]) -> set[Quad]:
-    """Return what is asserted and inferred after a run on the server."""
+    """Return the asserted and inferred triples after a run on the server."""
     store.update("DROP ALL")
     with store.write("test") as transaction:
         text = serialize((Triple(*fact) for fact in asserted), format=RdfFormat.N_TRIPLES) or b""  # type: ignore[arg-type] # facts are triples
@@ -56,7 +56,7 @@ def on_server(store: RemoteStore, rules: Sequence[Rule], asserted: set[Fact]) ->
 
 
 def orderly(body: Sequence[Element]) -> bool:
-    """Tell whether no aggregate depends on the order of solutions, which servers choose."""
+    """Whether no aggregate depends on the order of solutions, which servers choose."""
     for element in body:
         if isinstance(element, Aggregate) and any(c.function in {"SAMPLE", "GROUP_CONCAT"} for c in element.columns):
             return False
@@ -80,7 +80,7 @@ def test_a_server_infers_the_same_in_layers(store: RemoteStore, rules: list[Rule
 
 
 def compare(store: RemoteStore, rules: list[Rule], asserted: set[Fact]) -> None:
-    """Run rules here and there."""
+    """Run rules locally and on the server, and compare."""
     assume(all(orderly(rule.body) for rule in rules))
     try:
         found = on_server(store, rules, asserted)

@@ -1,4 +1,4 @@
-"""Rules run on a SPARQL server give what the embedded engine gives."""
+"""Rules run on a SPARQL server give the same inferences as the embedded engine."""
 
 from __future__ import annotations
 
@@ -55,19 +55,19 @@ def server(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 @pytest.fixture
 def store(server: RemoteStore) -> RemoteStore:
-    """A server, empty."""
+    """An empty server."""
     everything = " ;\n".join(f"DROP SILENT GRAPH {graph}" for graph in graphs(server))
     server.update("DROP ALL" if not is_virtuoso(server) else everything or "DROP SILENT GRAPH <urn:x:none>")
     return server
 
 
 def is_virtuoso(store: RemoteStore) -> bool:
-    """Tell which server it is, by the name of its endpoint."""
+    """Whether the server is Virtuoso, by the name of its endpoint."""
     return store.address.endswith("/sparql")
 
 
 def graphs(store: RemoteStore) -> list[NamedNode]:
-    """Return the graphs of a server, but for those that Virtuoso always has."""
+    """Return the graphs of a server, except those always present in Virtuoso."""
     return [graph for graph in store.read().graphs() if str(graph) not in _OF_VIRTUOSO]
 
 
@@ -85,7 +85,7 @@ def infer(
 
 
 def inferred(store: RemoteStore) -> str:
-    """Return the inferred triples as they are written in these tests, sorted; blank nodes all alike."""
+    """Return the inferred triples in the notation of these tests, sorted; blank nodes all alike."""
     lines = []
     for row in store.read().rows(f"SELECT ?s ?p ?o WHERE {{ GRAPH {INFERRED} {{ ?s ?p ?o }} }}"):
         words = (row[name] for name in "spo")
@@ -101,7 +101,7 @@ ANCESTORS = [
 
 
 def test_recursion_ends_on_a_cycle(store: RemoteStore) -> None:
-    """Everybody on a cycle is everybody's ancestor, and nothing temporary is left."""
+    """All nodes on a cycle are ancestors of each other, and no temporary graph remains."""
     put(store, PARENTS)
     report = infer(store, ANCESTORS)
     assert report.inferred == 16
@@ -110,7 +110,7 @@ def test_recursion_ends_on_a_cycle(store: RemoteStore) -> None:
 
 
 def test_two_atoms_of_one_rule_meet_in_the_delta(store: RemoteStore) -> None:
-    """Where both atoms are recursive, each is read from the delta in turn."""
+    """If both atoms are recursive, each is read from the delta in turn."""
     put(store, "\n".join(f":n{i} :next :n{i + 1}" for i in range(9)))
     report = infer(store, [rule("?x :next ?z", "?x :next ?y . ?y :next ?z")])
     assert report.inferred == 36
@@ -118,7 +118,7 @@ def test_two_atoms_of_one_rule_meet_in_the_delta(store: RemoteStore) -> None:
 
 
 def test_what_is_asserted_is_not_inferred_again(store: RemoteStore) -> None:
-    """A triple asserted in any graph stays out of the inferred graph; running again changes nothing."""
+    """A triple asserted in any graph is not in the inferred graph; running again changes nothing."""
     put(store, ":a :parent :b\n:a :ancestor :b")
     put(store, ":b :parent :c", NamedNode(f"{BASE}source/b"))
     for _ in range(2):
@@ -127,7 +127,7 @@ def test_what_is_asserted_is_not_inferred_again(store: RemoteStore) -> None:
 
 
 def test_graphs_are_chosen(store: RemoteStore) -> None:
-    """The record of builds is no knowledge; the default graph is; and graphs can be named."""
+    """The record of builds is excluded, the default graph is included, and graphs can be named."""
     if is_virtuoso(store):
         pytest.skip("it has no default graph of its own")
     put(store, ":a :parent :b", NamedNode(f"{BASE}builds"))
@@ -141,7 +141,7 @@ def test_graphs_are_chosen(store: RemoteStore) -> None:
 
 
 def test_negation_sees_what_is_finished(store: RemoteStore) -> None:
-    """NOT over an inferred predicate, with a filter inside of it."""
+    """NOT over an inferred predicate, with a filter inside."""
     put(store, PARENTS.replace(":d :parent :a", ":d :likes :d"))
     other = Exists((atom("?x :ancestor ?y"), keep("?y != <urn:x:b>")), negated=True)
     infer(store, [*ANCESTORS, rule("?x :root :yes", "?z :parent ?x", other)])
@@ -150,7 +150,7 @@ def test_negation_sees_what_is_finished(store: RemoteStore) -> None:
 
 
 def test_aggregates_count_each_triple_once(store: RemoteStore) -> None:
-    """A triple that two graphs assert counts once; a group without members is there where there are no keys."""
+    """A triple asserted in two graphs counts once; without keys an empty group exists."""
     put(store, ":a :p :b\n:a :p :c")
     put(store, ":a :p :c", NamedNode(f"{BASE}source/b"))
     count = Column(Variable("n"), "COUNT", None)
@@ -170,7 +170,7 @@ def test_assignments_and_values(store: RemoteStore) -> None:
 
 
 def test_asserted_only_atoms(store: RemoteStore) -> None:
-    """`WHERE DATA` does not see what rules derive, from however many graphs."""
+    """`WHERE DATA` ignores derived triples, for any number of graphs."""
     put(store, ":a :parent :b\n:b :ancestor :z")
     rules = [*ANCESTORS, rule("?x :stated ?y", atom("?x :ancestor ?y", asserted=True))]
     infer(store, rules)
@@ -178,7 +178,7 @@ def test_asserted_only_atoms(store: RemoteStore) -> None:
 
 
 def test_a_blank_node_for_each_solution(store: RemoteStore) -> None:
-    """Each solution of the body gives one, with all the triples of the head about it."""
+    """Each solution of the body gives one, with all its triples of the head."""
     put(store, ":a :p :b\n:a :p :c")
     infer(store, [rule("?x :has _:n . _:n :of ?x", "?x :p ?y")])
     minted = "GRAPH ?g { ?x <urn:x:has> ?n . ?n <urn:x:of> ?x FILTER(isBlank(?n)) }"
@@ -187,7 +187,7 @@ def test_a_blank_node_for_each_solution(store: RemoteStore) -> None:
 
 
 def test_auxiliary_triples_stay_inside(store: RemoteStore) -> None:
-    """What decomposition introduced joins, recurs, matches no variable predicate, and is not in the result."""
+    """Predicates from decomposition join, recur, match no variable predicate, and are not in the result."""
     put(store, PARENTS)
     helper = f"={AUXILIARY}path"
     rules = [
@@ -206,7 +206,7 @@ def test_auxiliary_triples_stay_inside(store: RemoteStore) -> None:
 
 
 def test_blocks_of_sparql_run_inside_strata(store: RemoteStore) -> None:
-    """A block that is fed by its own stratum is applied to everything in each round."""
+    """A block fed by its own stratum is applied to all data in each round."""
     put(store, PARENTS)
     block = EngineBlock(
         "?x <urn:x:ancestor>/<urn:x:parent> ?y",
@@ -218,7 +218,7 @@ def test_blocks_of_sparql_run_inside_strata(store: RemoteStore) -> None:
 
 
 def test_exists_in_recursion(store: RemoteStore) -> None:
-    """An atom inside EXISTS is read from the delta too."""
+    """An atom inside EXISTS is read from the delta, too."""
     put(store, ":a :next :b\n:b :next :c\n:c :next :d\n:a :good :yes")
     good = Exists((atom("?x :good ?v"),))
     infer(store, [rule("?y :good :yes", "?x :next ?y", good)])
@@ -226,7 +226,7 @@ def test_exists_in_recursion(store: RemoteStore) -> None:
 
 
 def test_rule_files_state_triples(store: RemoteStore) -> None:
-    """What a file states is read as asserted and stands in the inferred graph, unless something else asserts it."""
+    """Triples stated by a file count as asserted and are in the inferred graph, unless asserted elsewhere."""
     put(store, ":a :parent :b")
     report = infer(store, ANCESTORS, triples(":a :parent :b\n:b :parent :c"))
     assert report.inferred == 4
@@ -234,7 +234,7 @@ def test_rule_files_state_triples(store: RemoteStore) -> None:
 
 
 def test_limits_leave_the_graph_as_it_was(store: RemoteStore) -> None:
-    """Too many triples, or a deadline: KG205, the old triples stay and nothing temporary does."""
+    """Too many triples, or a deadline: KG205, the old triples remain and no temporary ones."""
     put(store, ":a :n 1\n:old :is :here", SOURCE)
     put(store, ":old :was :inferred", INFERRED)
     count = rule("?x :n ?m", "?x :n ?n", Assignment(Variable("m"), expression("?n + 1", mints=True)))
@@ -249,7 +249,7 @@ def test_limits_leave_the_graph_as_it_was(store: RemoteStore) -> None:
 
 @contextmanager
 def late(address: str, seconds: float) -> Iterator[str]:
-    """Yield an address that hands on to a server, what inserts with a delay; all was handed on at the end."""
+    """Yield an address that forwards to a server, inserts with a delay; at the end all requests were forwarded."""
 
     class Late(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
@@ -266,7 +266,7 @@ def late(address: str, seconds: float) -> Iterator[str]:
                 self.wfile.write(answer.read())
 
         def log_message(self, *_: object) -> None:
-            """Say nothing."""
+            """Print nothing."""
 
     class Joining(ThreadingHTTPServer):
         daemon_threads = False
@@ -282,7 +282,7 @@ def late(address: str, seconds: float) -> Iterator[str]:
 
 
 def test_what_the_server_is_at_does_not_come_after_the_clean_up(store: RemoteStore, address: str) -> None:
-    """An update that the deadline meets is waited for, so that nothing temporary appears after the run."""
+    """An update running at the deadline is awaited, so no temporary graph appears after the run."""
     put(store, ":a :n 1")
     count = rule("?x :n ?m", "?x :n ?n", Assignment(Variable("m"), expression("?n + 1", mints=True)))
     with late(address, 0.4) as found, pytest.raises(RuleError, match="KG205"):
@@ -291,7 +291,7 @@ def test_what_the_server_is_at_does_not_come_after_the_clean_up(store: RemoteSto
 
 
 def test_a_failure_of_the_server_is_told(store: RemoteStore) -> None:
-    """A block that the server refuses: its words, and nothing temporary is left."""
+    """A block rejected by the server is reported with its message, and no temporary graph remains."""
     put(store, ":a :parent :b")
     block = EngineBlock("nonsense", (Variable("x"),), reads=frozenset(), monotone=True)
     with pytest.raises(StoreError, match=r"KG225.*400"):

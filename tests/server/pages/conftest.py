@@ -26,14 +26,14 @@ def site(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no 
 
 @pytest.fixture(scope="session")
 def things(site: str) -> Shown:
-    """What of the example workspace pages are shown about."""
+    """The entities of the example workspace shown by the pages."""
     with httpx.Client(base_url=site, timeout=patient(30)) as client:
         return shown(client)
 
 
 @pytest.fixture(scope="session")
 def examined(browser: Chromium, site: str, things: Shown) -> Callable[[str], Examined]:
-    """Return what was found out about the page of a name; each is opened once."""
+    """Return the examination of the page of a name; each is opened once."""
     known: dict[str, Examined] = {}
 
     def ask(name: str) -> Examined:

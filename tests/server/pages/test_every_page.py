@@ -1,4 +1,4 @@
-"""What holds for every page."""
+"""Requirements for every page."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _EVERY = pytest.mark.parametrize("name", PAGES)
 
 @_EVERY
 def test_says_nothing_wrong(examined: Examine, name: str) -> None:
-    """No page has an error in the console, breaks its policy, or asks anything of another host (C27, C28)."""
+    """No page has an error in the console, violates its policy, or sends requests to another host (C27, C28)."""
     found = examined(name)
     expected = _REFUSED.get(name, 200)
     assert found.status == expected
@@ -33,25 +33,25 @@ def test_says_nothing_wrong(examined: Examine, name: str) -> None:
 @_EVERY
 @pytest.mark.skipif(not axe(), reason="axe-core is not installed: run `python frontend/build.py`")
 def test_is_accessible(examined: Examine, name: str) -> None:
-    """Axe finds nothing on any page, in light and in dark, there at the width of a phone."""
+    """Axe finds no violation on any page, in light, and in dark at the width of a phone."""
     found = examined(name)
     assert (found.light, found.dark) == ([], [])
 
 
 @pytest.mark.parametrize("name", sorted(PAGES.keys() - _WITHOUT_TWIN))
 def test_has_a_twin(examined: Examine, name: str) -> None:
-    """The footer links to the same as JSON."""
+    """The footer links to the same content as JSON."""
     assert examined(name).twins == 1
 
 
 @_EVERY
 def test_can_be_walked_by_keyboard(examined: Examine, name: str) -> None:
-    """Tab reaches all that can be used, and each shows that it has the focus."""
+    """Tab reaches every usable element, and each shows its focus."""
     found = examined(name)
     assert (found.missed, found.ringless) == ([], [])
 
 
 @_EVERY
 def test_fits_a_phone(examined: Examine, name: str) -> None:
-    """Nothing makes a page wider than a phone."""
+    """No content makes a page wider than a phone."""
     assert examined(name).width <= 390

@@ -1,4 +1,4 @@
-"""What stands in sources is text on every page, however much it looks like markup (C27)."""
+"""Content of sources is plain text on every page, even if it looks like markup (C27)."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ HOSTILE: Final = (
     "\u202e<script>\u202c",
     "&lt;script&gt;&amp;&#60;img src=x&#62;",
 )
-"""What a page must show as it is."""
+"""Texts that a page must show literally."""
 
 _INJECTED: Final = """() => {
   const all = [...document.querySelectorAll("*")];
@@ -69,7 +69,7 @@ _INJECTED: Final = """() => {
 
 @pytest.fixture(scope="module")
 def hostile(browser: Chromium, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:  # noqa: ARG001 - no server without a browser
-    """The address of a server of a package whose names, descriptions, topics and parameters are all hostile."""
+    """The address of a server for a package whose names, descriptions, topics and parameters are all hostile."""
     root = tmp_path_factory.mktemp("hostile")
     _package(root / "source" / "evil")
     build([str(root / "source")], EmbeddedStore.create(root / ".kg"), load({}, environment={}))
@@ -131,7 +131,7 @@ def _addresses(site: str) -> dict[str, str]:
 
 
 def test_nothing_of_the_data_becomes_markup(browser: Chromium, hostile: str) -> None:
-    """No script runs, no element comes from data, nothing links to a script, nobody else is asked."""
+    """Data runs no script, creates no element, links to no script, and causes no request to another host."""
 
     async def look(path: str) -> list[str]:
         async with browser.visit(hostile + path) as visit:
@@ -145,7 +145,7 @@ def test_nothing_of_the_data_becomes_markup(browser: Chromium, hostile: str) -> 
 
 
 def test_hostile_words_are_shown(browser: Chromium, hostile: str) -> None:
-    """A page shows the words as they stand in the source."""
+    """A page shows the words literally as in the source."""
 
     async def text(path: str) -> str:
         async with browser.visit(hostile + path) as visit:
@@ -156,5 +156,5 @@ def test_hostile_words_are_shown(browser: Chromium, hostile: str) -> None:
 
 
 def test_there_are_fifty() -> None:
-    """As many are tried as the promise says."""
+    """The number of hostile texts is that of the guarantee."""
     assert len(set(HOSTILE)) >= 50

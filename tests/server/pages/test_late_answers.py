@@ -1,4 +1,4 @@
-"""Answers that come late, or in another order: none takes away what was written or asked for since."""
+"""Late or reordered responses never discard newer edits or requests."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 _NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
 _WIDE: Final = {"width": 1500, "height": 1100}
 
-# Answers from addresses with a part are held, as they come, until the test lets one of them through. What is in them is
-# then had at once, so that the page has taken one in the turn in which it got it.
+# Responses from addresses with a part are held until the test releases one. Their content is then available at once, so
+# the page processes a response in the same turn in which it receives it.
 _HELD: Final = """(part) => {
   const real = window.fetch;
   window.kgHeld = [];
@@ -38,12 +38,12 @@ _HELD: Final = """(part) => {
 
 
 async def _held(page: Page, count: int) -> None:
-    """Wait until so many answers are held; one more may have come by then."""
+    """Wait until so many responses are held; one more may have arrived."""
     await page.wait_for_function("count => window.kgHeld.length >= count", arg=count)
 
 
 async def _through(page: Page, number: int, act: str = "") -> None:
-    """Let an answer through, right after something was done in the page; return when the page has taken it."""
+    """Release a response right after an action in the page; return when the page has processed it."""
     await page.evaluate(f"""async () => {{
       {act};
       window.kgHeld[{number}]();
@@ -52,7 +52,7 @@ async def _through(page: Page, number: int, act: str = "") -> None:
 
 
 def _composed(browser: Chromium, site: str, work: Work) -> Any:
-    """Return what `work` returns of the page of rules as blocks, with two rules opened one after the other."""
+    """Return the result of `work` on the block editor of rules, with two rules opened one after the other."""
 
     async def visit() -> Any:
         async with browser.visit(f"{site}/rule-blocks?name=communication/feeds", viewport=_WIDE) as visited:
@@ -64,13 +64,13 @@ def _composed(browser: Chromium, site: str, work: Work) -> Any:
 
 
 async def _judged(page: Page) -> str:
-    """Return the text of the rule once nothing is judged any more."""
+    """Return the text of the rule once no check is pending."""
     await page.locator("#state[aria-busy=false]").wait_for()
     return await page.locator("#text").input_value()
 
 
 async def _written(page: Page, text: str) -> None:
-    """Write at the end of the rule's text."""
+    """Type at the end of the rule's text."""
     await page.locator("#editor .cm-content").click()
     await page.keyboard.press("Control+End")
     await page.keyboard.insert_text(text)
@@ -81,7 +81,7 @@ _UNDO: Final = "document.getElementById('undo').click()"
 
 @_NEEDS_LIBRARIES
 def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> None:
-    """What is done with blocks while an older text is read stays, and the text says it."""
+    """An edit of blocks during the parsing of an older text is preserved, and the text contains it."""
 
     async def edit(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -106,7 +106,7 @@ def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> N
 
 @_NEEDS_LIBRARIES
 def test_what_is_kept_is_what_was_seen_then(browser: Chromium, site: str) -> None:
-    """Who keeps a rule and begins another in the same moment has kept the first one, and sees the other."""
+    """Saving a rule and starting another at once saves the first one and shows the other."""
 
     async def edit(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -132,7 +132,7 @@ def test_what_is_kept_is_what_was_seen_then(browser: Chromium, site: str) -> Non
 
 @_NEEDS_LIBRARIES
 def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, site: str) -> None:
-    """What is typed while older blocks or an older form are judged stays in the editor, and becomes the rule."""
+    """Text typed during the check of older blocks or an older form stays in the editor, and becomes the rule."""
 
     async def edit(visit: Visit) -> str:
         page = visit.page
@@ -151,7 +151,7 @@ def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, site: str) -> Non
 
 @_NEEDS_LIBRARIES
 def test_a_form_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> None:
-    """What is written into the form while an older text is read stays there, and the text takes it up."""
+    """A form edited during the parsing of an older text is preserved, and the text adopts its value."""
 
     async def edit(visit: Visit) -> tuple[str, str, str]:
         page = visit.page
@@ -182,7 +182,7 @@ def test_a_form_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> No
 
 @_NEEDS_LIBRARIES
 def test_a_choice_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> None:
-    """While somebody chooses what a block says, nothing is shown anew that would take the block away."""
+    """While a user edits a field of a block, no redraw removes the block."""
 
     async def edit(visit: Visit) -> str:
         page = visit.page
@@ -202,7 +202,7 @@ def test_a_choice_is_not_lost_to_an_older_text(browser: Chromium, site: str) -> 
 
 
 def test_what_is_tried_is_what_is_seen(browser: Chromium, site: str) -> None:
-    """Keys try the rule with a title that was not left yet, once, and results are never those of an older rule."""
+    """Keys run the rule once, with the title still being edited; results are never those of an older rule."""
 
     async def attempt(visit: Visit) -> tuple[list[str], list[int], str]:
         page = visit.page
@@ -231,7 +231,7 @@ def test_what_is_tried_is_what_is_seen(browser: Chromium, site: str) -> None:
 
 
 def test_the_rule_asked_for_last_is_opened(browser: Chromium, site: str) -> None:
-    """Of two rules that are opened the second is shown, whichever comes first; one that comes after an edit is not."""
+    """Of two opened rules the second is shown, in any order of responses; a response after an edit is discarded."""
 
     async def choose(visit: Visit) -> tuple[str, str, str, str]:
         page = visit.page
@@ -262,7 +262,7 @@ def test_the_rule_asked_for_last_is_opened(browser: Chromium, site: str) -> None
 
 
 def test_what_was_written_last_is_there_again(browser: Chromium, site: str) -> None:
-    """Who leaves the page in the middle of an edit and comes back finds it."""
+    """After leaving the page during an edit and returning, the edit is present."""
 
     async def leave(visit: Visit) -> str:
         page = visit.page
@@ -278,7 +278,7 @@ def test_what_was_written_last_is_there_again(browser: Chromium, site: str) -> N
 
 
 def test_the_proof_asked_for_last_is_shown(browser: Chromium, site: str, things: Shown) -> None:
-    """Of two proofs the second is shown, whichever comes first; one that comes after the panel was closed is not."""
+    """Of two proofs the second is shown, in any order of responses; a response after closing the panel is discarded."""
 
     async def prove() -> tuple[str, str, bool]:
         async with browser.visit(f"{site}/node?iri={things['node']}") as visit:

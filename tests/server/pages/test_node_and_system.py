@@ -1,4 +1,4 @@
-"""The pages of nodes, systems and resources: proofs with and without scripts, pictures, names that are not there."""
+"""The pages of nodes, systems and resources: proofs with and without scripts, pictures, unknown names."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
 
 
 def test_why_opens_by_keyboard(browser: Chromium, site: str, things: Shown) -> None:
-    """Enter on `why` opens the proof in a panel, down to the line; Escape closes it and gives the focus back."""
+    """Enter on `why` opens the proof in a panel, down to the line; Escape closes it and restores the focus."""
 
     async def prove() -> tuple[str, bool, str]:
         async with browser.visit(f"{site}/node?iri={things['node']}") as visit:
@@ -40,7 +40,7 @@ def test_why_opens_by_keyboard(browser: Chromium, site: str, things: Shown) -> N
 
 
 def test_why_is_a_link_without_scripts(browser: Chromium, site: str, things: Shown) -> None:
-    """Where no script runs `why` leads to a page with the same proof."""
+    """Without scripts `why` leads to a page with the same proof."""
 
     async def follow() -> tuple[str, str]:
         async with browser.visit(f"{site}/node?iri={things['node']}", java_script_enabled=False) as visit:
@@ -60,7 +60,7 @@ _NAVIGATION: Final = "[...document.querySelectorAll('.bar nav a')].map((link) =>
 
 @pytest.mark.parametrize("width", [1200, 390])
 def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str, things: Shown, width: int) -> None:
-    """The last column of each table, which has the lines of code, is seen without scrolling; one is not many."""
+    """The last column of each table, with the lines of code, needs no scrolling; a count of one is singular."""
 
     async def look() -> tuple[list[str], str]:
         viewport = {"width": width, "height": 900}
@@ -72,7 +72,7 @@ def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str,
 
 
 def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, things: Shown) -> None:
-    """The first screen has function and hardware, and the pages' links take one line of it."""
+    """The first screen has function, hardware and capabilities, and the page links take one line of it."""
 
     async def look() -> tuple[list[str], set[float], float]:
         async with browser.visit(f"{site}/node?iri={things['node']}", viewport={"width": 390, "height": 800}) as visit:
@@ -116,7 +116,7 @@ _SEEN: Final = """async () => {
 
 @_NEEDS_LIBRARIES
 def test_the_picture_of_a_system_is_switched(browser: Chromium, site: str) -> None:
-    """What frameworks make is hidden until it is asked for; the list says what the picture shows."""
+    """Implicit interfaces are hidden by default; the list contains exactly the content of the picture."""
 
     async def switch() -> tuple[str, str]:
         async with browser.visit(f"{site}/system?name=rover.launch") as visit:
@@ -131,7 +131,7 @@ def test_the_picture_of_a_system_is_switched(browser: Chromium, site: str) -> No
 
 @_NEEDS_LIBRARIES
 def test_a_finding_is_shown_in_the_picture(browser: Chromium, site: str) -> None:
-    """The button of a finding selects what it is about, wherever that lies."""
+    """The button of a finding selects its subject, wherever it is."""
 
     async def show() -> str:
         async with browser.visit(f"{site}/system?name=mission.launch.xml") as visit:
@@ -142,7 +142,7 @@ def test_a_finding_is_shown_in_the_picture(browser: Chromium, site: str) -> None
 
 
 def test_long_tables_are_pages_of_their_own(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A table of many rows is not in the page of its system, which leads to the page that has it."""
+    """A table of many rows is absent from the page of its system, which links to the page of the table."""
     monkeypatch.setattr(systems, "_LONG", 10)
     text = client.get("/system", params={"name": "rover.launch"}).text
     address = "/system?name=rover.launch&amp;part=connections"
@@ -152,7 +152,7 @@ def test_long_tables_are_pages_of_their_own(client: TestClient, monkeypatch: pyt
 
 
 def test_long_tables_come_when_they_are_opened(browser: Chromium, site: str) -> None:
-    """Such a table is put in the place of the link to it, with its tools."""
+    """On opening, the link to such a table is replaced with the table and its tools."""
 
     async def load() -> tuple[int, int, int]:
         async with browser.visit(f"{site}/system?name=rover.launch") as visit:
@@ -168,7 +168,7 @@ def test_long_tables_come_when_they_are_opened(browser: Chromium, site: str) -> 
 
 @_NEEDS_LIBRARIES
 def test_what_nobody_joins_stands_in_rows(browser: Chromium, site: str) -> None:
-    """Things without connections fill a screen together, and the view is never too small to be read."""
+    """Unconnected entities together fill a screen, and the view is never too small to read."""
 
     async def measure() -> tuple[list[float], float, int]:
         async with browser.visit(f"{site}/query", viewport={"width": 390, "height": 800}) as visit:
@@ -184,7 +184,7 @@ def test_what_nobody_joins_stands_in_rows(browser: Chromium, site: str) -> None:
 @_NEEDS_LIBRARIES
 @pytest.mark.parametrize("width", [390, 1280])
 def test_a_picture_opens_on_what_is_connected(browser: Chromium, site: str, width: int) -> None:
-    """Where all of a system is too much to be read, several nodes and an edge between them are seen whole."""
+    """If a system is too large to read as a whole, several nodes and an edge between them are fully visible."""
 
     async def measure() -> list[int]:
         viewport = {"width": width, "height": 844}
@@ -199,14 +199,14 @@ def test_a_picture_opens_on_what_is_connected(browser: Chromium, site: str, widt
 
 
 def test_other_things_have_their_own_page(client: TestClient) -> None:
-    """The page of nodes leads on to that of resources."""
+    """The page of nodes links to that of resources."""
     answer = client.get("/node", params={"iri": "https://w3id.org/rnkg/topic/scan_filtered"})
     assert answer.status_code == 303
     assert answer.headers["location"].startswith("/resource?iri=")
 
 
 def test_the_page_of_a_topic(client: TestClient) -> None:
-    """A name after remapping has its nodes and launch files; systems and resources lead there; several are listed."""
+    """A resolved name has its nodes and launch files; systems and resources link to it; several matches are listed."""
     name = "/rover1/mux/cmd_vel"
     text = client.get("/channel", params={"name": name}).text
     assert "/rover1/base_controller" in text.replace("<wbr>", "")
@@ -229,7 +229,7 @@ def test_the_page_of_a_topic(client: TestClient) -> None:
     ],
 )
 def test_names_that_are_not_there(client: TestClient, address: str, meant: str) -> None:
-    """The page says so with status 404, and leads to what was probably meant."""
+    """The page has status 404 and suggests similar names."""
     answer = client.get(address)
     assert answer.status_code == 404
     assert meant in answer.text
@@ -239,7 +239,7 @@ def test_names_that_are_not_there(client: TestClient, address: str, meant: str) 
     ("address", "whole"), [("/node", "/search"), ("/channel", "/search"), ("/system", "/systems"), ("/rule", "/rules")]
 )
 def test_addresses_without_a_name(client: TestClient, address: str, whole: str) -> None:
-    """They lead to where one is chosen."""
+    """An address without a name redirects to a list to choose from."""
     answer = client.get(address, follow_redirects=False)
     assert answer.status_code == 303
     assert answer.headers["location"] == whole
@@ -247,20 +247,20 @@ def test_addresses_without_a_name(client: TestClient, address: str, whole: str) 
 
 @pytest.mark.parametrize("address", ["/rule?name=zzzz", "/resource?iri=zzzz"])
 def test_code_in_texts_of_errors(client: TestClient, address: str) -> None:
-    """It is marked as code; backticks are for terminals."""
+    """Code is marked as code; backticks are for terminals."""
     text = client.get(address, headers={"Accept": "text/html"}).text
     assert "<code>zzzz</code>" in text
     assert "`" not in text.split("<main", 1)[1]
 
 
 def test_several_of_a_name(client: TestClient) -> None:
-    """A name that several launch files end in is answered with all of them."""
+    """A name that is the end of several launch files lists all of them."""
     assert client.get("/system", params={"name": "launch"}).status_code == 404
     assert client.get("/api/system", params={"name": "nothing.launch"}).status_code == 404
 
 
 def test_a_property_is_paged(client: TestClient) -> None:
-    """From the first page one leads to the next and back."""
+    """The pages of a property link to the next and the previous one."""
     asked = {"iri": "ros:Publisher", "predicate": "rdf:type", "direction": "in", "limit": "5"}
     first = client.get("/resource", params=asked).text
     assert ">Next</a>" in first
@@ -269,7 +269,7 @@ def test_a_property_is_paged(client: TestClient) -> None:
 
 
 def test_a_fact_that_does_not_hold(client: TestClient) -> None:
-    """The page says what each rule lacks."""
+    """For a fact that does not hold, the page lists the missing conditions of each rule."""
     asked = {"subject": "scan_filter", "predicate": "rnkg:publishes", "object": "/odom"}
     answer = client.get("/why", params=asked)
     assert answer.status_code == 200
@@ -278,14 +278,14 @@ def test_a_fact_that_does_not_hold(client: TestClient) -> None:
 
 
 def test_a_fact_that_lacks_a_part(client: TestClient) -> None:
-    """What a fact is made of is said, with an example."""
+    """The parts of a fact are explained, with an example."""
     answer = client.get("/why", params={"subject": "patrol"})
     assert answer.status_code == 400
     assert "predicate=subscribes" in answer.text
 
 
 def test_the_start_page_of_a_store_without_nodes(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a store has none of counts as none there."""
+    """Counts of a store without nodes are zero."""
 
     async def bare(request: Request, name: str) -> Any:
         found = await view(request, name)

@@ -1,4 +1,4 @@
-"""The page of queries while something is under way: what is done twice, too early, or to what is not so any more."""
+"""The query page during pending work: repeated, premature and outdated actions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _WORDS: Final = "SELECT ?x { VALUES ?x { 'before' } }"
 
 @editing
 def test_the_page_can_be_used_before_its_editor_is_there(browser: Chromium, site: str) -> None:
-    """A query is written and run in the plain field; the editor takes it over with its tab, the focus and the caret."""
+    """A query is typed and run in the plain field; the editor adopts it with its tab, the focus and the caret."""
 
     async def hurry(visit: Visit) -> tuple[str, bool, str, list[str]]:
         page = visit.page
@@ -53,7 +53,7 @@ def test_the_page_can_be_used_before_its_editor_is_there(browser: Chromium, site
 
 
 def test_a_cancel_that_comes_before_the_query_is_told_again(browser: Chromium, site: str) -> None:
-    """The server may hear of the end of a query before it hears of the query, which ends all the same."""
+    """A cancellation that reaches the server before its query is repeated, and the query ends."""
     early = """() => {
       const real = window.fetch;
       const cancelled = new Promise((resolve) => { window.kgCancelled = resolve; });
@@ -77,7 +77,7 @@ def test_a_cancel_that_comes_before_the_query_is_told_again(browser: Chromium, s
 
 
 async def _typed(visit: Visit, text: str) -> None:
-    """Write a text into the editor, whichever there is."""
+    """Type a text into the current editor."""
     if await visit.page.locator(".cm-content").count():
         await typed(visit, text)
     else:
@@ -85,7 +85,7 @@ async def _typed(visit: Visit, text: str) -> None:
 
 
 def test_more_is_got_once(browser: Chromium, site: str) -> None:
-    """Who presses twice gets the next rows once."""
+    """A double click loads the next rows once."""
 
     async def more(visit: Visit) -> tuple[str, int]:
         page = visit.page
@@ -104,7 +104,7 @@ def test_more_is_got_once(browser: Chromium, site: str) -> None:
 
 @editing
 def test_a_fix_is_for_the_text_that_it_was_proposed_for(browser: Chromium, site: str) -> None:
-    """In the moment after something was written a fix of what was there before does nothing; the next one mends it."""
+    """Right after an edit, a fix of the former text has no effect; the next one works."""
 
     async def mend(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -129,7 +129,7 @@ def test_a_fix_is_for_the_text_that_it_was_proposed_for(browser: Chromium, site:
 
 
 def test_an_answer_that_breaks_off_is_told(browser: Chromium, site: str) -> None:
-    """Where the connection ends in the middle of an answer the page says so, and the query can be run again."""
+    """If the connection breaks during a response, the page reports it, and the query can be run again."""
     broken = """() => {
       const real = window.fetch;
       window.fetch = async (path, init) => {
@@ -155,7 +155,7 @@ def test_an_answer_that_breaks_off_is_told(browser: Chromium, site: str) -> None
 
 
 def test_the_stored_query_asked_for_last_is_opened(browser: Chromium, site: str) -> None:
-    """Of two stored queries the one that was asked for last is put into the editor, whichever comes first."""
+    """Of two stored queries the last requested one is opened, in any order of responses."""
     held = """() => {
       const real = window.fetch;
       window.kgHeld = [];
@@ -192,12 +192,12 @@ def test_the_stored_query_asked_for_last_is_opened(browser: Chromium, site: str)
 
 @editing
 def test_pictures_that_are_gone_are_let_go(browser: Chromium, site: str) -> None:
-    """A picture whose place was taken holds nothing of the page any more once another is drawn."""
+    """A replaced picture is destroyed once another is drawn."""
 
     async def draw(visit: Visit) -> bool:
         page = visit.page
         await page.locator(".graph-canvas canvas").first.wait_for()
-        # Nothing is returned: the whole picture would be.
+        # Return nothing, because the whole picture would be serialised.
         await page.evaluate("void (window.kgFirst = document.querySelector('.graph-canvas')._cyreg.cy)")
         await page.get_by_role("button", name="Table", exact=True).click()
         await page.get_by_role("button", name="Picture", exact=True).click()

@@ -1,4 +1,4 @@
-"""The page of queries: writing them with help, running them, and what is done with the answer."""
+"""The query page: writing with completions, running, and working with the result."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SUGGESTED: Final = ".cm-tooltip-autocomplete:not(.cm-tooltip-autocomplete-disabl
 
 @editing
 def test_completion_knows_the_class_and_declares_prefixes(browser: Chromium, site: str) -> None:
-    """By keys alone a class and a property of it are completed, each with its prefix declared, and the query runs."""
+    """Keys alone complete a class and one of its properties, declare each prefix, and run the query."""
 
     async def write(visit: Visit) -> tuple[str, str, str]:
         await typed(visit, "SELECT * WHERE {\n?x ")
@@ -29,7 +29,7 @@ def test_completion_knows_the_class_and_declares_prefixes(browser: Chromium, sit
             chosen = visit.page.locator(SUGGESTED, has_text=re.compile(wanted))
             await chosen.wait_for()
             detail = await chosen.text_content()
-            # The library takes nothing that was shown for less than a moment, lest it be taken unread.
+            # The library ignores a completion shown only for a moment, to avoid accepting it unread.
             await visit.page.wait_for_timeout(150)
             await visit.page.keyboard.press("Tab")
         await visit.page.keyboard.type(" ?topic", delay=20)
@@ -49,7 +49,7 @@ def test_completion_knows_the_class_and_declares_prefixes(browser: Chromium, sit
 
 @editing
 def test_what_is_wrong_is_underlined(browser: Chromium, site: str) -> None:
-    """The misfit is underlined behind a tab and an emoji; its fix, taken by the keyboard, mends it (C33)."""
+    """The error is underlined after a tab and an emoji; its fix, applied by keyboard, corrects it (C33)."""
 
     async def mistake(visit: Visit) -> tuple[str, str, str, int]:
         await typed(visit, "SELECT * {\n\t?s ?p '\U0001f600' FILTR(?s != ?p) }")
@@ -76,7 +76,7 @@ def test_what_is_wrong_is_underlined(browser: Chromium, site: str) -> None:
 
 @editing
 def test_names_are_explained(browser: Chromium, site: str) -> None:
-    """The pointer on a name shows what the store says about it."""
+    """Hovering over a name shows its description from the store."""
 
     async def point(visit: Visit) -> str:
         await typed(visit, "SELECT * { ?n rnkg:publishes ?t }")
@@ -87,7 +87,7 @@ def test_names_are_explained(browser: Chromium, site: str) -> None:
 
 
 def test_rows_lead_to_code_and_things(browser: Chromium, site: str) -> None:
-    """A stored query with a value runs at once; its lines and things are links, its columns sort."""
+    """A stored query with a value runs at once; its lines and entities are links, its columns sort."""
 
     async def rows(visit: Visit) -> tuple[str, list[str], str, str, str]:
         end = await ran(visit)
@@ -117,7 +117,7 @@ _ASKED: Final = {
 
 @pytest.mark.parametrize("name", _ASKED)
 def test_answers_of_the_first_questions_fit_a_laptop(browser: Chromium, site: str, name: str) -> None:
-    """At 1280 pixels the lines of code and the reasons stand beside the rest, and no cell is wider than its column."""
+    """At 1280 pixels lines of code and reasons are next to the rest, and no cell is wider than its column."""
 
     async def look(visit: Visit) -> tuple[list[int], list[str], list[str]]:
         page = visit.page
@@ -143,7 +143,7 @@ _HIDDEN: Final = """() => [...document.querySelectorAll("#result tbody td:not(.r
 
 @pytest.mark.parametrize("width", [390, 1280])
 def test_no_cell_lies_under_the_reasons(browser: Chromium, site: str, width: int) -> None:
-    """Names are cut where they do not fit, with all of them in a title; two columns and the reasons fit a phone."""
+    """Long names are cut, with the full name as title; two columns and the reasons fit a phone."""
 
     async def look(visit: Visit) -> tuple[list[str], list[int], str]:
         page = visit.page
@@ -165,7 +165,7 @@ LONG: Final = f"# {'long ' * 2000}\n{NAMES}"
 
 @pytest.mark.parametrize("query", [NAMES, LONG], ids=["short", "too long for an address"])
 def test_rows_say_why_they_are_there(browser: Chromium, site: str, query: str) -> None:
-    """Beside a row stands the way to the facts that the query matched for it, down to the line of code."""
+    """Each row has a link to the facts matched by the query, down to the line of code."""
 
     async def proof(visit: Visit) -> tuple[list[str], str, int]:
         await ran(visit)
@@ -185,7 +185,7 @@ def test_rows_say_why_they_are_there(browser: Chromium, site: str, query: str) -
 
 
 def test_rows_without_facts_of_their_own_say_so(site: str) -> None:
-    """What cannot be traced back is no error of the page: it says what can be asked instead."""
+    """A row that cannot be traced back is not an error: the page suggests another question."""
     asked = {"query": NAMES, "row": '{"n": "<urn:x>"}'}
     with httpx.Client(base_url=site, timeout=patient(10)) as client:
         for answer in (client.get("/why", params=asked), client.post("/why", data=asked)):
@@ -201,7 +201,7 @@ def test_rows_without_facts_of_their_own_say_so(site: str) -> None:
 
 
 def test_triples_say_which_are_inferred(browser: Chromium, site: str) -> None:
-    """A graph is a picture and a table; in the table derived triples lead to their proof."""
+    """A graph is a picture and a table; in the table derived triples link to their proof."""
 
     async def graph(visit: Visit) -> tuple[int, int, str]:
         await ran(visit)
@@ -225,7 +225,7 @@ _PICTURED: Final = """() => document.querySelector("#result .graph-canvas")._cyr
 
 @editing
 def test_a_picture_calls_things_as_the_store_does(browser: Chromium, site: str) -> None:
-    """Things have their names and shapes in a picture though the graph has neither; namespaces of nodes are groups."""
+    """A picture shows entities with their names and shapes even if the graph lacks both, grouped by node namespace."""
 
     async def graph(visit: Visit) -> list[list[str]]:
         await ran(visit)
@@ -239,7 +239,7 @@ def test_a_picture_calls_things_as_the_store_does(browser: Chromium, site: str) 
 
 
 def test_cancel_ends_the_work(browser: Chromium, site: str) -> None:
-    """While a query runs its seconds are shown; Cancel, reached by Tab, ends it on the server too (C15)."""
+    """A running query shows its seconds; Cancel, reached by Tab, ends it on the server, too (C15)."""
 
     async def stop(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -250,7 +250,7 @@ def test_cancel_ends_the_work(browser: Chromium, site: str) -> None:
 
     async def visit() -> tuple[str, str]:
         async with browser.visit(f"{site}/query?name=explore/topics") as opened:
-            # Opened by its text in the field: a page that runs at once is never at rest.
+            # Opened by its text in the field: a page that runs a query at once is never idle.
             await opened.page.goto(f"{site}/query?{urlencode({'query': RUNAWAY})}", wait_until="load")
             return await stop(opened)
 
@@ -261,7 +261,7 @@ def test_cancel_ends_the_work(browser: Chromium, site: str) -> None:
 
 
 def test_an_old_link_says_that_the_data_has_changed(browser: Chromium, site: str) -> None:
-    """A link with another snapshot shows no rows until somebody asks for those of now (C31)."""
+    """A link with another snapshot shows no rows until the user requests current ones (C31)."""
 
     async def follow(visit: Visit) -> tuple[str, int, str]:
         await ran(visit)
@@ -277,7 +277,7 @@ def test_an_old_link_says_that_the_data_has_changed(browser: Chromium, site: str
 
 
 def test_a_query_is_shared_with_its_snapshot(browser: Chromium, site: str) -> None:
-    """The link to share holds the query and the snapshot that it was asked of, and answers the same."""
+    """A shared link contains the query and its snapshot, and gives the same result."""
 
     async def share(visit: Visit) -> tuple[str, str, str]:
         end = await ran(visit)
@@ -294,7 +294,7 @@ def test_a_query_is_shared_with_its_snapshot(browser: Chromium, site: str) -> No
 
 @editing
 def test_a_link_opens_the_tab_that_it_opened_before(browser: Chromium, site: str) -> None:
-    """Followed again, a link opens no further tab; where the query was changed there, that is kept and told."""
+    """Following a link again opens no second tab; an edited query is preserved, with a notice."""
 
     async def follow(visit: Visit) -> tuple[list[str], str, str, list[str]]:
         page = visit.page
@@ -316,7 +316,7 @@ def test_a_link_opens_the_tab_that_it_opened_before(browser: Chromium, site: str
 
 
 def test_errors_of_the_endpoint_are_told_with_their_place(browser: Chromium, site: str) -> None:
-    """What the endpoint refuses is told with its code, its place and what was meant."""
+    """An error of the endpoint is shown with its code, its place and a suggestion."""
 
     async def fail(visit: Visit) -> str:
         await ran(visit)
@@ -330,7 +330,7 @@ def test_errors_of_the_endpoint_are_told_with_their_place(browser: Chromium, sit
 
 
 def test_more_rows_and_files(browser: Chromium, site: str) -> None:
-    """An answer that was cut says so and gives the rows behind; links save all of it in each format."""
+    """A truncated result is marked and offers the next rows; links save all of it in each format."""
 
     async def more(visit: Visit) -> tuple[str, str, str, list[str]]:
         page = visit.page
@@ -356,7 +356,7 @@ def test_more_rows_and_files(browser: Chromium, site: str) -> None:
 
 
 def test_tabs_and_history_stay_in_the_browser(browser: Chromium, site: str) -> None:
-    """What was written and what ran is there after the page was opened again; the history is searched."""
+    """Texts and past queries are restored when the page is opened again; the history can be searched."""
 
     async def reopen(visit: Visit) -> tuple[list[str], str, int, str]:
         page = visit.page
@@ -380,7 +380,7 @@ def test_tabs_and_history_stay_in_the_browser(browser: Chromium, site: str) -> N
 
 
 def test_stored_queries_take_values(browser: Chromium, site: str) -> None:
-    """A stored query is found by its words, asks for its parameters, and runs with what was filled in."""
+    """A stored query is found by its words, asks for its parameters, and runs with their values."""
 
     async def choose(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -397,7 +397,7 @@ def test_stored_queries_take_values(browser: Chromium, site: str) -> None:
 
 
 def test_works_without_libraries(browser: Chromium, site: str) -> None:
-    """Where the editor is not installed a plain field takes its place: problems, Ctrl-Enter and results as ever."""
+    """Without the editor a plain field is used: problems, Ctrl-Enter and results work as usual."""
 
     async def plain() -> tuple[str, str, int]:
         async with browser.visit(f"{site}/rules") as visit:
@@ -422,7 +422,7 @@ def test_works_without_libraries(browser: Chromium, site: str) -> None:
 
 
 def test_results_are_text(browser: Chromium, site: str) -> None:
-    """Markup in literals is shown as it is, and no IRI of data becomes the address of a link (C27)."""
+    """Markup in literals is shown literally, and no IRI of data becomes the address of a link (C27)."""
 
     async def show(visit: Visit) -> tuple[list[str], list[str], bool]:
         await ran(visit)
@@ -442,7 +442,7 @@ def test_results_are_text(browser: Chromium, site: str) -> None:
 
 @editing
 def test_each_window_keeps_its_own_tabs(browser: Chromium, site: str) -> None:
-    """A second window begins with the tabs of the first; what is written in it leaves those of the first alone."""
+    """A second window starts with the tabs of the first; its edits do not affect those of the first."""
 
     async def both(visit: Visit) -> tuple[str, str, str]:
         field = visit.page.locator("#query-text")

@@ -1,4 +1,4 @@
-"""The page on which rules are made of blocks: composed with the mouse, tried, downloaded, and run from the file."""
+"""The block editor of rules: composing with the mouse, trying, downloading, and running the file."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _WIDE: Final = {"width": 1500, "height": 1100}
 
 
 def _visited(browser: Chromium, site: str, work: Callable[[Visit], Awaitable[Found]], path: str = "") -> Found:
-    """Return what `work` finds out on the page, on which nothing may go wrong."""
+    """Return the result of `work` on the page, which must report no problem."""
 
     async def visit() -> Found:
         async with browser.visit(f"{site}/rule-blocks{path}", viewport=_WIDE) as visited:
@@ -43,20 +43,20 @@ def _visited(browser: Chromium, site: str, work: Callable[[Visit], Awaitable[Fou
 
 
 async def _checked(page: Page) -> str:
-    """Return what the page says of its rule once it has been checked."""
+    """Return the status of the rule once it has been checked."""
     state = page.locator("#state[aria-busy=false]", has_text=re.compile(r"\w"))
     await state.wait_for()
     return await state.inner_text()
 
 
 async def _begun(page: Page) -> None:
-    """Begin a new rule."""
+    """Start a new rule."""
     await page.click("#new")
     await page.locator("#state", has_text="start from an example").wait_for()
 
 
 async def _dropped(page: Page, category: str, block: str, where: str, part: str) -> None:
-    """Drag a block that is offered to the opening behind a word of the rule, whose text then has a part of it."""
+    """Drag a block from the palette to the socket after a word of the rule, whose text then contains a part of it."""
     await page.locator(".blocklyToolboxCategory", has_text=re.compile(f"^{category}$")).click()
     offered = page.locator(".blocklyFlyout .blocklyDraggable", has_text=re.compile(block)).first
     await offered.hover()
@@ -75,14 +75,14 @@ async def _dropped(page: Page, category: str, block: str, where: str, part: str)
 
 
 def _word(page: Page, text: str) -> Locator:
-    """Return the last field of the blocks that shows this."""
+    """Return the last field of the blocks with this text."""
     return page.locator(
         ".blocklyBlockCanvas .blocklyEditableField", has_text=re.compile(f"^{text}$".replace(" ", "."))
     ).last
 
 
 async def _chosen(page: Page, word: str, typed: str, choice: str) -> None:
-    """Click a word of a block, type, and take a choice of the dialog."""
+    """Click a word of a block, type, and select an option of the dialog."""
     await _word(page, word).click()
     await page.fill("#choose-field", typed)
     await page.locator("#choose-list button", has_text=choice).first.click()
@@ -90,7 +90,7 @@ async def _chosen(page: Page, word: str, typed: str, choice: str) -> None:
 
 
 async def _text(page: Page, part: str) -> str:
-    """Return the text of the rule once it has a part."""
+    """Return the text of the rule once it contains a part."""
     await page.wait_for_function("part => document.getElementById('text').value.includes(part)", arg=part)
     return await page.locator("#text").input_value()
 
@@ -161,7 +161,7 @@ def _kg(*words: str, rules: Path, store: Path) -> subprocess.CompletedProcess[st
 
 
 def test_what_is_not_said_is_named_as_its_fields(browser: Chromium, site: str) -> None:
-    """A finding about the documentation names the fields that are empty, and leads to the first of them."""
+    """A finding about the documentation names the empty fields, and links to the first of them."""
 
     async def find(visit: Visit) -> tuple[str, str | None]:
         page = visit.page
@@ -179,7 +179,7 @@ def test_what_is_not_said_is_named_as_its_fields(browser: Chromium, site: str) -
 
 @pytest.mark.parametrize("name", ["capability/evokes", "architecture/near-miss-topic", "function/weighed"])
 def test_rules_of_the_store_are_shown(browser: Chromium, site: str, name: str) -> None:
-    """A rule at hand is opened as blocks, and its text comes back from them: parts without a block stay SPARQL."""
+    """An existing rule is opened as blocks that give its text; parts without a block remain SPARQL."""
 
     async def look(visit: Visit) -> str:
         return await visit.page.input_value("#text")
@@ -190,7 +190,7 @@ def test_rules_of_the_store_are_shown(browser: Chromium, site: str, name: str) -
 
 
 def test_text_becomes_blocks(browser: Chromium, site: str) -> None:
-    """What is typed as text is shown as blocks; what cannot be read is told with its line, and the blocks stay."""
+    """Typed text is shown as blocks; a syntax error is reported with its line, and the blocks remain."""
     header = "# T\n#\n# ## Why\n#\n# W\n#\n# since: 0.1\n\n"
     text = f"{header}CONSTRUCT {{ ?a rnkg:feeds ?b }} WHERE {{ ?a rnkg:calls ?c . ?b rnkg:provides ?c"
 
@@ -200,7 +200,7 @@ def test_text_becomes_blocks(browser: Chromium, site: str) -> None:
         await page.keyboard.press("Control+a")
         await page.keyboard.press("Delete")
         await page.keyboard.insert_text(text)
-        # A rule without any text, which it was for a moment, cannot be shown either.
+        # A rule without any text, as in between, cannot be shown either.
         await page.locator("#state[aria-busy=false]", has_text="cannot be shown").wait_for()
         error = await page.locator("#findings li.error").inner_text()
         await page.keyboard.insert_text(" }")
@@ -218,7 +218,7 @@ def test_text_becomes_blocks(browser: Chromium, site: str) -> None:
 
 
 def test_rules_are_kept_and_things_renamed(browser: Chromium, site: str) -> None:
-    """A thing gets another name wherever it stands; the rule is kept in the browser, opened again, and undone."""
+    """A variable is renamed everywhere; the rule is saved in the browser, opened again, and undone."""
 
     async def keep(visit: Visit) -> tuple[str, str, str]:
         page = visit.page
@@ -264,7 +264,7 @@ _FITTING: Final = """async () => {
 
 
 def test_connectors_take_what_fits(browser: Chromium, site: str) -> None:
-    """The ontology tells what a property is said of and leads to; a kind of it fits, anything else is told in words."""
+    """The ontology gives the domain and range of a property; a subclass fits, any other block is explained in words."""
 
     async def ask(visit: Visit) -> dict[str, object]:
         found: dict[str, object] = await visit.page.evaluate(_FITTING)
@@ -284,7 +284,7 @@ def test_connectors_take_what_fits(browser: Chromium, site: str) -> None:
 
 
 def test_without_libraries_the_text_is_there(browser: Chromium, site: str) -> None:
-    """Where the libraries are not there, a rule is written as text, checked and tried all the same."""
+    """Without the libraries, a rule is written as text, checked and tried as usual."""
 
     async def use() -> tuple[bool, str]:
         async with browser.visit(f"{site}/search") as visit:

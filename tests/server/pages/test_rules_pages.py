@@ -1,4 +1,4 @@
-"""The pages of rules, and with them tables and pictures as all pages have them."""
+"""The pages of rules, including the tables and pictures shared by all pages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
 
 
 def test_rules_can_be_searched(browser: Chromium, site: str) -> None:
-    """The field finds rules by words of their documentation, in families that are closed too."""
+    """The field finds rules by words of their documentation, also in collapsed families."""
 
     async def search() -> tuple[str, int]:
         async with browser.visit(f"{site}/rules") as visit:
@@ -33,7 +33,7 @@ def test_rules_can_be_searched(browser: Chromium, site: str) -> None:
 
 
 def test_tables_sort(browser: Chromium, site: str) -> None:
-    """The heading of a column sorts by it, numbers as numbers, and says which way."""
+    """The heading of a column sorts by it, numerically for numbers, and shows the direction."""
 
     async def sort() -> tuple[list[str], str | None]:
         async with browser.visit(f"{site}/rules") as visit:
@@ -50,7 +50,7 @@ def test_tables_sort(browser: Chromium, site: str) -> None:
 
 
 def test_a_rule_is_shown_whole(browser: Chromium, site: str) -> None:
-    """Its page has the documentation of `kg rules show`, numbered lines, what it derived, and the way to why."""
+    """The page has the documentation of `kg rules show`, numbered lines, the derived triples, and the link to why."""
 
     async def read() -> tuple[str, str, str]:
         async with browser.visit(f"{site}/rule?name=feeds") as visit:
@@ -67,7 +67,7 @@ def test_a_rule_is_shown_whole(browser: Chromium, site: str) -> None:
 
 @_NEEDS_LIBRARIES
 def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> None:
-    """Keys move and zoom it, groups open, its list marks a rule, and it is saved as SVG, PNG and JSON."""
+    """Keys move and zoom the picture, groups open, its list selects a rule, and it is saved as SVG, PNG and JSON."""
 
     async def use() -> tuple[str, str, list[Path]]:
         async with browser.visit(f"{site}/rules") as visit:
@@ -113,7 +113,7 @@ def test_a_picture_always_looks_the_same(browser: Chromium, site: str, tmp_path:
 
 
 def test_without_libraries_the_list_says_it(browser: Chromium, site: str) -> None:
-    """Where the libraries are not there, the page says so and shows the list that stands for the picture."""
+    """Without the libraries, the page reports that and shows the list in place of the picture."""
 
     async def read() -> str:
         async with browser.visit(f"{site}/search") as visit:

@@ -1,4 +1,4 @@
-"""The start page, search, the layout that all pages have."""
+"""The start page, search, and the common layout of pages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def test_a_question_is_one_press_away(browser: Chromium, site: str) -> None:
-    """There are eight questions; asking one leads to the query page with the value that stands in its field."""
+    """The page has eight questions; each leads to the query page with the value of its field."""
 
     async def ask() -> tuple[int, str]:
         async with browser.visit(site) as visit:
@@ -29,7 +29,7 @@ def test_a_question_is_one_press_away(browser: Chromium, site: str) -> None:
 
 
 def test_search_with_the_keyboard_alone(browser: Chromium, site: str) -> None:
-    """A slash leads to the search box, Enter to the hits, Tab and Enter to a node."""
+    """A slash focuses the search box, Enter shows the hits, Tab and Enter open a node."""
 
     async def walk() -> str:
         async with browser.visit(f"{site}/rules") as visit:
@@ -49,7 +49,7 @@ def test_search_with_the_keyboard_alone(browser: Chromium, site: str) -> None:
 
 
 def test_the_skip_link_comes_first(browser: Chromium, site: str) -> None:
-    """The first Tab shows the link to the content, which has the focus after it is followed."""
+    """The first Tab shows the link to the content, which receives the focus."""
 
     async def walk() -> tuple[str, str]:
         async with browser.visit(site) as visit:
@@ -63,7 +63,7 @@ def test_the_skip_link_comes_first(browser: Chromium, site: str) -> None:
 
 
 def test_the_theme_is_kept(browser: Chromium, site: str) -> None:
-    """The switch goes from what the system says to light and dark, and the choice holds on other pages."""
+    """The switch cycles through system, light and dark, and the choice applies to other pages."""
 
     async def switch() -> list[str]:
         async with browser.visit(site, color_scheme="light") as visit:
@@ -81,7 +81,7 @@ def test_the_theme_is_kept(browser: Chromium, site: str) -> None:
 
 
 def test_typing_tells_nobody(browser: Chromium, site: str) -> None:
-    """What is typed into search fields leaves the page with the form, and never to another host (C28)."""
+    """Text typed into search fields is sent only with the form, and never to another host (C28)."""
 
     async def type_words() -> list[str]:
         async with browser.visit(f"{site}/search?q=scan") as visit:
@@ -93,7 +93,7 @@ def test_typing_tells_nobody(browser: Chromium, site: str) -> None:
 
 
 def test_filters_are_told_and_kept(browser: Chromium, site: str) -> None:
-    """A filter goes with the words, stays in its field, and narrows what is found."""
+    """A filter is sent with the words, stays in its field, and narrows the hits."""
 
     async def narrow() -> tuple[int, int, str]:
         async with browser.visit(f"{site}/search?q=laser") as visit:
@@ -110,7 +110,7 @@ def test_filters_are_told_and_kept(browser: Chromium, site: str) -> None:
 
 
 def test_each_hit_has_its_evidence(browser: Chromium, site: str) -> None:
-    """Every hit says where it is declared, with a link that opens the line."""
+    """Every hit has its declaration, with a link that opens the line."""
 
     async def links() -> list[list[str]]:
         async with browser.visit(f"{site}/search?q=scan_filter") as visit:
@@ -123,7 +123,7 @@ def test_each_hit_has_its_evidence(browser: Chromium, site: str) -> None:
 
 
 def test_a_link_with_the_token_logs_in(browser: Chromium, store: Path) -> None:
-    """The link that `kg serve` prints leads to the start page; the token is gone from the address."""
+    """The link printed by `kg serve` leads to the start page; the token is removed from the address."""
 
     async def follow(address: str) -> tuple[str, int]:
         async with browser.visit(f"{address}/login#token={TOKEN}") as visit:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="session", autouse=True)
 def _rover() -> Iterator[None]:
-    """Let addresses of rovers be known in this process."""
+    """Register addresses of rovers in this process."""
     SCHEMES["rover"] = "rover"
     yield
     del SCHEMES["rover"]
@@ -27,6 +27,6 @@ def _rover() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def robot_site(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no server without a browser
-    """The address of a server with a rover, whose token is that of tests."""
+    """The address of a server with a rover, which uses the token of the tests."""
     with served(store, before=PREPARED, log="off", token=TOKEN, robot="rover://one") as server:
         yield server.address

@@ -1,4 +1,4 @@
-"""Who may do what with the robot of a server, and what its routes answer without one."""
+"""Access rights to the robot of a server, and the responses of its routes without one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SITES: Final = (
 
 @pytest.fixture(scope="module")
 def robot(store: Path) -> Iterator[TestClient]:
-    """A server with a robot that is not there, and a token."""
+    """A server with an unreachable robot, and a token."""
     with application(store, token=TOKEN, log="off", robot=f"memory://{uuid4().hex}") as found:
         yield found
 
@@ -43,7 +43,7 @@ def code(answer: Any) -> str:
 
 @pytest.mark.parametrize("path", MOVING)
 def test_moving_needs_the_token(robot: TestClient, path: str) -> None:
-    """Whatever moves the robot is refused without the token, and with a wrong one (C37)."""
+    """Every route that moves the robot rejects a missing or wrong token (C37)."""
     for headers in ({}, {"Authorization": "Bearer wrong-wrong-wrong-wrong"}):
         answer = robot.post(path, json=MOVING[path], headers=headers)
         assert (answer.status_code, code(answer)) == (401, "KG529")
@@ -53,7 +53,7 @@ def test_moving_needs_the_token(robot: TestClient, path: str) -> None:
 
 @pytest.mark.parametrize("path", MOVING)
 def test_without_a_token_nobody_moves_it(store: Path, path: str) -> None:
-    """A server without a token moves no robot for anybody, be it with `--write` or open to all (C37)."""
+    """A server without a token never moves a robot, even with `--write` or open access (C37)."""
     with application(store, log="off", open_to_all=True, robot=f"memory://{uuid4().hex}") as client:
         answer = client.post(path, json=MOVING[path])
     assert (answer.status_code, code(answer)) == (403, "KG530")
@@ -62,7 +62,7 @@ def test_without_a_token_nobody_moves_it(store: Path, path: str) -> None:
 @pytest.mark.parametrize("headers", SITES)
 @pytest.mark.parametrize("path", [*MOVING, "/robot/stop", "/robot/read"])
 def test_no_page_of_another_site_moves_it(robot: TestClient, path: str, headers: dict[str, str]) -> None:
-    """A page of another site neither moves nor stops the robot, though its browser has logged in (C37)."""
+    """A page of another site can neither move nor stop the robot, even if its browser has logged in (C37)."""
     robot.post("/login", data={"token": TOKEN})
     try:
         answer = robot.post(path, json=MOVING.get(path, {}), headers=headers)
@@ -77,7 +77,7 @@ def test_who_looks_on_may_stop(robot: TestClient) -> None:
 
 
 def test_who_looks_on_may_ask_why(robot: TestClient, client: TestClient) -> None:
-    """A proof needs no token: KG520 without a name, KG846 while the robot is not there, KG845 without one."""
+    """A proof needs no token: KG520 without a name, KG846 while the robot is unreachable, KG845 without a proof."""
     assert [code(robot.get(f"/robot/why{asked}")) for asked in ("", "?capability=")] == ["KG520", "KG520"]
     answer = robot.get("/robot/why?capability=drivingAtVelocity")
     assert (answer.status_code, code(answer)) == (503, "KG846")
@@ -85,7 +85,7 @@ def test_who_looks_on_may_ask_why(robot: TestClient, client: TestClient) -> None
 
 
 def test_bodies_are_read_strictly(robot: TestClient) -> None:
-    """What is no JSON of the right form, too long or too deep is refused with the reason, never a defect."""
+    """Invalid JSON, a wrong form, or a body too long or too deep is rejected with the reason, never a defect."""
     deep = '{"text": ' + "[" * 50_000 + "]" * 50_000 + "}"
     for body, kind, expected in (
         ("{", "application/json", "KG520"),
@@ -104,7 +104,7 @@ def test_bodies_are_read_strictly(robot: TestClient) -> None:
 
 @pytest.mark.parametrize("depth", [150, 900, 20_000])
 def test_deep_programs_are_refused(robot: TestClient, depth: int) -> None:
-    """A program nested more deeply than a text can be is refused, never a defect."""
+    """A program nested more deeply than text allows is rejected, never a defect."""
     block = '{"block": "while", "condition": {"expression": "value", "value": true}, "body": ['
     body = '{"program": {"body": [' + block * depth + "]}" * depth + "]}}"
     for path in ("/robot/check", "/robot/convert", "/robot/run"):
@@ -113,11 +113,11 @@ def test_deep_programs_are_refused(robot: TestClient, depth: int) -> None:
 
 
 def test_a_server_without_a_robot(client: TestClient) -> None:
-    """Without a robot the page and the language are there, and the rest says that there is none."""
+    """Without a robot, the page and the language are available; other routes report the missing robot."""
     assert client.get("/api/robot").json() == {"address": None, "state": "none", "may_move": False, "capabilities": []}
     page = client.get("/robot").text
     assert "No robot is connected" in page
-    assert "kg robot simulate office --port 11311" in page  # where the second of the two commands looks for it
+    assert "kg robot simulate office --port 11311" in page  # the path used by the second of the two commands
     for path in ("/robot/events", "/robot/view"):
         answer = client.get(path)
         assert (answer.status_code, code(answer)) == (404, "KG845")
@@ -126,7 +126,7 @@ def test_a_server_without_a_robot(client: TestClient) -> None:
 
 
 def test_programs_become_text_and_back(client: TestClient) -> None:
-    """A program is told as tree and as text, with the line of each statement; its identities stay."""
+    """A program is returned as tree and as text, with the line of each statement; its identities are preserved."""
     tree = {"name": "try", "body": [
         {"block": "repeat", "id": "a", "times": {"expression": "value", "value": 2},
          "body": [{"block": "stop", "id": "b"}]},
@@ -141,7 +141,7 @@ def test_programs_become_text_and_back(client: TestClient) -> None:
 
 
 def test_a_text_that_cannot_be_read_has_a_place(client: TestClient) -> None:
-    """What is wrong with a text is told with its line and column, and there is no program."""
+    """A syntax error has its line and column, and no program is returned."""
     found = client.post("/robot/check", json={"text": "log 1\nif then\n"}).json()
     assert found["program"] is None
     (problem,) = found["problems"]

@@ -1,4 +1,4 @@
-"""A server with a robot that is told to stop."""
+"""A server with a robot that is asked to stop."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def test_pages_that_listen_do_not_hold_up_the_end(store: Path) -> None:
-    """The robot is stopped and streams end at once, not when the grace of requests is over (C39)."""
+    """The robot is stopped and streams end at once, before the grace period of requests is over (C39)."""
     with served(store, before=PREPARED, log="off", token=TOKEN, robot="rover://ending", grace=60) as server:
         with httpx.stream("GET", f"{server.address}/robot/events", timeout=patient(30)) as stream:
             lines = stream.iter_lines()

@@ -1,4 +1,4 @@
-"""Programs that are posted to a server with a robot: as text, and as behaviour trees."""
+"""Programs posted to a server with a robot: as text, and as behaviour trees."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def client(robot_site: str) -> Iterator[httpx.Client]:
 
 
 def test_a_program_is_run_as_text(client: httpx.Client) -> None:
-    """`POST /robot/run` takes the text of a program; it has run when it is done."""
+    """`POST /robot/run` takes the text of a program and runs it to its end."""
     assert client.post("/robot/run", json={"text": 'program "as text"\nwait 100 ms\n'}).status_code == 204
     assert robot_told(client, "done")["program"] == {"state": "done", "name": "as text", "running": []}
 
 
 def test_a_text_that_is_no_program_is_not_run(client: httpx.Client) -> None:
-    """What cannot be read is told with its line; a body with both forms, or with none, is refused."""
+    """A syntax error is reported with its line; a body with both forms, or with none, is rejected."""
     found = client.post("/robot/run", json={"text": "wait 1 s\nif then\n"}).json()
     assert (found["code"], found["line"]) == ("KG830", 2)
     for body in ({}, {"text": TEXT, "program": {"body": []}}):
@@ -40,7 +40,7 @@ def test_a_text_that_is_no_program_is_not_run(client: httpx.Client) -> None:
 
 
 def test_behaviour_trees_are_written_and_read(client: httpx.Client) -> None:
-    """A program becomes a tree by the capabilities of the robot, and the same program again."""
+    """A program becomes a tree by the capabilities of the robot, and then the same program again."""
     program = client.post("/robot/check", json={"text": TEXT}).json()["program"]
     tree = client.post("/robot/convert", json={"program": program, "to": "bt"}).json()["text"]
     assert '<drivingAtVelocity forward="0.2" for_seconds="0.5"' in tree

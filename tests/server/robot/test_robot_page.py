@@ -1,4 +1,4 @@
-"""The robot page in a browser: programs by mouse, by keys and as text, run on a robot that moves, and stopped."""
+"""The robot page in a browser: programs by mouse, keys and text, run on a moving robot, and stopped."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ log "there"
 
 
 def test_why_it_can_is_shown_step_by_step(browser: Chromium, robot_site: str) -> None:
-    """Behind the words stands the proof as nested lists, down to the node that was seen; filtering keeps it open."""
+    """The proof is below the words as nested lists, down to the observed node; filtering keeps it open."""
 
     async def look(visit: Visit) -> tuple[str, int, str]:
         page = visit.page
@@ -61,7 +61,7 @@ EXAMPLES: Final = """async () => {
 
 
 def test_examples_that_fit_come_first(browser: Chromium, robot_site: str) -> None:
-    """The list of examples begins with those that the robot can do, and says of the others what it lacks."""
+    """The list of examples starts with those the robot can run, and names the missing capabilities of the others."""
 
     async def look(visit: Visit) -> tuple[list[list[str]], list[str]]:
         page = visit.page
@@ -81,7 +81,7 @@ def test_examples_that_fit_come_first(browser: Chromium, robot_site: str) -> Non
 
 @needs_blocks
 def test_blocks_that_hang_loose_are_told(browser: Chromium, robot_site: str) -> None:
-    """A block that is dropped near the program joins it; one that is dropped far away is told to do nothing."""
+    """A block dropped near the program joins it; one dropped far away is marked as having no effect."""
 
     async def build(visit: Visit) -> tuple[str, str, bool]:
         page = visit.page
@@ -103,7 +103,7 @@ def test_blocks_that_hang_loose_are_told(browser: Chromium, robot_site: str) -> 
 
 @needs_blocks
 def test_another_size_leaves_the_blocks_in_sight(browser: Chromium, robot_site: str) -> None:
-    """When the window becomes smaller and larger, the blocks stay where they were, or come back into sight."""
+    """When the window is resized, the blocks stay in place, or return into view."""
     place = """() => {
       const box = (one) => document.querySelector(one).getBoundingClientRect();
       const [block, room] = [box(".blocklyBlockCanvas .blocklyDraggable"), box("#blocks")];
@@ -138,7 +138,7 @@ def test_another_size_leaves_the_blocks_in_sight(browser: Chromium, robot_site: 
 
 
 def test_a_robot_that_is_lost_is_told_and_met_again(browser: Chromium, robot_site: str) -> None:
-    """While the robot is gone the page says so and moves nothing; when it is back, programs run as before."""
+    """While the robot is lost the page reports it and moves nothing; after reconnecting, programs run as before."""
     hello = 'retry: 300\ndata: {"event": "hello", "listener": "x"}\n\n'
 
     async def lose(visit: Visit) -> tuple[bool, bool, str]:
@@ -165,7 +165,7 @@ def test_a_robot_that_is_lost_is_told_and_met_again(browser: Chromium, robot_sit
 
 
 async def apart(page: Page) -> bool:
-    """Tell whether what is noticed stands apart from what is above and below it, on a screen and on a phone."""
+    """Whether the notice is separated from its neighbours above and below, on a screen and on a phone."""
     gaps = """() => {
       const box = (one) => document.querySelector(one).getBoundingClientRect();
       const [above, notice, below] = [box("#connection"), box(".notice"), box("#abilities-title")];
@@ -179,7 +179,7 @@ async def apart(page: Page) -> bool:
 
 
 def test_says_nothing_wrong_and_is_accessible(browser: Chromium, robot_site: str) -> None:
-    """With a robot: no complaint, no violation of the policy, axe is content in light and dark, a phone is enough."""
+    """With a robot: no complaint, no policy violation, no finding of axe in light and dark, and it fits a phone."""
 
     async def look(visit: Visit) -> Any:
         await wrote(visit.page, PROGRAM)
@@ -194,7 +194,7 @@ def test_says_nothing_wrong_and_is_accessible(browser: Chromium, robot_site: str
 
 
 def test_what_it_can_do_is_searched_and_explained(browser: Chromium, robot_site: str) -> None:
-    """Words find capabilities by what they are called; each says why the robot can do it, in units and limits."""
+    """Words find capabilities by their names; each shows why the robot has it, in units and limits."""
 
     async def search(visit: Visit) -> tuple[list[str], str, str]:
         page = visit.page
@@ -215,7 +215,7 @@ def test_what_it_can_do_is_searched_and_explained(browser: Chromium, robot_site:
 
 @needs_blocks
 def test_a_program_by_mouse(browser: Chromium, robot_site: str) -> None:
-    """Blocks that are dragged together are the program, at once as text; undo takes the last one back."""
+    """Dragged blocks form the program, at once as text; undo removes the last one."""
 
     async def build(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -238,7 +238,7 @@ KEPT: Final = """() => {
   window.kgRunning = [];
   new MutationObserver(() => window.kgRunning.push(running.textContent)).observe(running, { childList: true });
 }"""
-"""Keeps what is said of a program that runs, as much of it is true for a moment only."""
+"""Records the status of a running program, because some of it is visible only briefly."""
 
 
 @needs_blocks
@@ -255,7 +255,7 @@ def test_a_program_by_keys_is_run(browser: Chromium, robot_site: str) -> None:
         await reads(page, "move at a velocity +for 2 s")
         await page.locator(".blocklyToolbox").first.wait_for()
         await page.locator("#fit").focus()
-        # Past the list of blocks into the program; down to the block, right to its first number.
+        # Past the palette into the program; down to the block, right to its first number.
         for key in ("Tab", "w", "ArrowDown", "ArrowDown", "ArrowRight", "ArrowRight", "Enter"):
             await page.keyboard.press(key)
             await still(page)
@@ -279,7 +279,7 @@ def test_a_program_by_keys_is_run(browser: Chromium, robot_site: str) -> None:
 
 @needs_blocks
 def test_text_and_blocks_are_one_program(browser: Chromium, robot_site: str) -> None:
-    """A program that is written as text is shown as blocks; what does not fit is told at both."""
+    """A program written as text is shown as blocks; a type error is reported at both."""
 
     async def write(visit: Visit) -> tuple[int, str, list[str], int, list[str]]:
         page = visit.page
@@ -302,7 +302,7 @@ def test_text_and_blocks_are_one_program(browser: Chromium, robot_site: str) -> 
 
 @needs_blocks
 def test_places_have_names(browser: Chromium, robot_site: str) -> None:
-    """The robot's places are gone to by a click, by blocks and in the text; a point of the picture gets a name."""
+    """The robot's places are destinations by click, by blocks and in the text; a point of the picture can be named."""
 
     async def go(visit: Visit) -> tuple[str, str, list[str], str]:
         page = visit.page
@@ -339,7 +339,7 @@ def test_places_have_names(browser: Chromium, robot_site: str) -> None:
 
 @needs_blocks
 def test_a_goal_that_is_not_said_is_missing(browser: Chromium, robot_site: str) -> None:
-    """A text that names no place for a goal gets a block with empty places, which stay empty when others are added."""
+    """A goal without a place gets a block with empty places, which remain empty when others are added."""
 
     async def write(visit: Visit) -> tuple[list[str], str, list[str]]:
         page = visit.page
@@ -358,7 +358,7 @@ def test_a_goal_that_is_not_said_is_missing(browser: Chromium, robot_site: str) 
 
 
 def test_running_marks_pauses_and_stops(browser: Chromium, robot_site: str) -> None:
-    """While a program runs its block is marked; it pauses and goes on; Escape stops it, wherever the focus is."""
+    """The running block is marked; the program pauses and resumes; Escape stops it, wherever the focus is."""
 
     async def run(visit: Visit) -> tuple[int, str, str, int]:
         page = visit.page
@@ -382,7 +382,7 @@ def test_running_marks_pauses_and_stops(browser: Chromium, robot_site: str) -> N
 
 
 def test_driving_by_hand_shows_values_and_ends_with_the_page(browser: Chromium, robot_site: str) -> None:
-    """By hand the robot moves, its pose is shown as it changes; when the page is closed the robot stops (C38)."""
+    """By hand the robot moves, its pose is shown live; when the page is closed the robot stops (C38)."""
 
     async def drive(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -413,7 +413,7 @@ def test_driving_by_hand_shows_values_and_ends_with_the_page(browser: Chromium, 
 
 
 def test_programs_are_kept_and_shared(browser: Chromium, robot_site: str) -> None:
-    """A program stays in the browser, is saved as files, and a link shows it without running it."""
+    """A program is stored in the browser and saved as files, and a link shows it without running it."""
 
     async def keep(visit: Visit) -> tuple[list[str], str, str, str]:
         page = visit.page
@@ -450,7 +450,7 @@ def test_programs_are_kept_and_shared(browser: Chromium, robot_site: str) -> Non
 
 
 def test_without_libraries_the_text_is_enough(browser: Chromium, robot_site: str) -> None:
-    """Where Blockly cannot be loaded, programs are written as text, checked and run all the same."""
+    """If Blockly cannot be loaded, programs are written as text, checked and run as usual."""
 
     async def run() -> tuple[bool, list[str]]:
         async with browser.visit(f"{robot_site}/login") as visit:
@@ -470,7 +470,7 @@ def test_without_libraries_the_text_is_enough(browser: Chromium, robot_site: str
 
 
 def test_nothing_of_the_robot_becomes_code(browser: Chromium, robot_site: str) -> None:
-    """Markup in what a program says is shown as text; a script in a picture of the robot never runs (C40)."""
+    """Markup printed by a program is shown as text; a script in a picture of the robot never runs (C40)."""
 
     async def show(visit: Visit) -> tuple[str, bool, bool]:
         page = visit.page
@@ -493,7 +493,7 @@ def test_nothing_of_the_robot_becomes_code(browser: Chromium, robot_site: str) -
 
 
 def test_who_has_not_logged_in_only_looks(browser: Chromium, robot_site: str) -> None:
-    """Without the token the page shows all and moves nothing, and says how to log in (C37)."""
+    """Without the token the page shows everything, moves nothing, and explains how to log in (C37)."""
 
     async def look() -> tuple[bool, str, bool]:
         async with browser.visit(f"{robot_site}/login") as visit:

@@ -1,4 +1,4 @@
-"""Edits of the robot page while the server judges an older one: none is lost, whichever way it was made."""
+"""Edits of the robot page during the check of an older one: none is lost, by blocks or by text."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from browsing import Chromium, Visit
     from playwright.async_api import Page, Route
 
-# Answers of checks are held until the test lets them through, in the same turn of the page's loop as what it does then.
+# Responses of checks are held until the test releases them, in the same turn of the page's loop as its next action.
 HELD: Final = """() => {
   const real = window.fetch;
   const open = new Promise((resolve) => { window.kgLet = resolve; });
@@ -29,14 +29,14 @@ HELD: Final = """() => {
 
 
 async def held(page: Page, text: str) -> None:
-    """Write a program as text whose check has been answered, but not yet to the page."""
+    """Write a program as text whose check has finished, with its response held."""
     await page.evaluate(HELD)
     await page.locator("#text").fill(text)
     await page.wait_for_function("() => window.kgHeld >= 1")
 
 
 async def let_through(page: Page, act: str = "") -> str:
-    """Do something in the page and let the answers through at once; return the text once all was judged."""
+    """Act in the page and release the responses at once; return the text after all checks."""
     await page.evaluate(f"() => {{ {act}; window.kgLet(); }}")
     await still(page, 600)
     await page.locator("#text-state[aria-busy=false]").wait_for()
@@ -45,7 +45,7 @@ async def let_through(page: Page, act: str = "") -> str:
 
 @needs_blocks
 def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, robot_site: str) -> None:
-    """What is done with blocks while an older text is judged stays, and the text says it."""
+    """An edit of blocks during the check of an older text is preserved, and the text contains it."""
 
     async def edit(visit: Visit) -> str:
         page = visit.page
@@ -59,7 +59,7 @@ def test_a_block_is_not_lost_to_an_older_text(browser: Chromium, robot_site: str
 
 @needs_blocks
 def test_a_block_is_added_to_the_text_that_is_seen(browser: Chromium, robot_site: str) -> None:
-    """What adds a block waits for a text that is still judged, and adds to that."""
+    """Adding a block waits for the pending check of the text, and extends that text."""
 
     async def edit(visit: Visit) -> str:
         page = visit.page
@@ -71,7 +71,7 @@ def test_a_block_is_added_to_the_text_that_is_seen(browser: Chromium, robot_site
 
 @needs_blocks
 def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, robot_site: str) -> None:
-    """What is typed while older blocks are judged stays in the field, and the blocks become it."""
+    """Text typed during the check of older blocks stays in the field, and becomes the blocks."""
 
     async def edit(visit: Visit) -> tuple[str, int]:
         page = visit.page
@@ -91,7 +91,7 @@ def test_a_text_is_not_lost_to_older_blocks(browser: Chromium, robot_site: str) 
 
 @needs_blocks
 def test_a_text_is_not_lost_to_blocks_that_come_late(browser: Chromium, robot_site: str) -> None:
-    """What is written before the blocks are there stays, and becomes blocks."""
+    """Text written before the blocks are loaded is preserved, and becomes blocks."""
 
     async def hurry(visit: Visit) -> tuple[str, int]:
         page = visit.page
@@ -119,7 +119,7 @@ def test_a_text_is_not_lost_to_blocks_that_come_late(browser: Chromium, robot_si
 
 @needs_blocks
 def test_what_runs_is_what_is_seen(browser: Chromium, robot_site: str) -> None:
-    """Who changes a block and runs the program in the same moment runs the changed one."""
+    """Changing a block and running at once runs the changed program."""
 
     async def run(visit: Visit) -> tuple[Any, str]:
         page = visit.page
@@ -138,7 +138,7 @@ def test_what_runs_is_what_is_seen(browser: Chromium, robot_site: str) -> None:
 
 @needs_blocks
 def test_what_is_saved_is_what_was_seen_then(browser: Chromium, robot_site: str) -> None:
-    """Who saves a program and begins another in the same moment has saved the first one, and sees the other."""
+    """Saving a program and starting another at once saves the first one and shows the other."""
 
     async def edit(visit: Visit) -> tuple[str, str]:
         page = visit.page
@@ -155,7 +155,7 @@ def test_what_is_saved_is_what_was_seen_then(browser: Chromium, robot_site: str)
 
 @needs_blocks
 def test_undo_brings_a_program_back_that_does_not_fit(browser: Chromium, robot_site: str) -> None:
-    """A program whose blocks may not be joined by hand comes back whole when the one after it is undone."""
+    """Undo restores a program completely, even if its blocks could not be joined by hand."""
     wrong = "wait 2 m\nlog there\n"
 
     async def undo(visit: Visit) -> tuple[str, bool]:
@@ -170,7 +170,7 @@ def test_undo_brings_a_program_back_that_does_not_fit(browser: Chromium, robot_s
 
 
 async def answered(page: Page) -> list[dict[str, Any]]:
-    """Let the page ask every 300 ms what the robot is; the last of these answers is what it is told."""
+    """Make the page request the robot every 300 ms; it receives the last of the returned responses."""
     hello = 'retry: 300\ndata: {"event": "hello", "listener": "x"}\n\n'
     answers = [await page.evaluate("fetch('/api/robot').then((answer) => answer.json())")]
     await page.route("**/api/robot", lambda route: route.fulfill(json=answers[-1]))
@@ -181,13 +181,13 @@ async def answered(page: Page) -> list[dict[str, Any]]:
 
 
 def at_the_door(robot: dict[str, Any]) -> dict[str, Any]:
-    """Return what a robot is once it knows another place."""
+    """Return the description of a robot with an additional place."""
     return {**robot, "places": {**robot["places"], "the door": robot["places"]["the desk"]}}
 
 
 @needs_blocks
 def test_a_block_stays_in_the_hand_when_the_robot_changes(browser: Chromium, robot_site: str) -> None:
-    """While a block is dragged no other takes its place; the page tells all the same what the robot has become."""
+    """A dragged block is not replaced while the page updates its description of the robot."""
 
     async def drag(visit: Visit) -> str:
         page = visit.page
@@ -208,7 +208,7 @@ def test_a_block_stays_in_the_hand_when_the_robot_changes(browser: Chromium, rob
 
 @needs_blocks
 def test_a_number_is_written_while_the_robot_changes(browser: Chromium, robot_site: str) -> None:
-    """While a number of a block is written the page tells that the robot is lost, and the number stays open."""
+    """While a number of a block is edited, the page reports the loss of the robot, and the number stays open."""
 
     async def write(visit: Visit) -> str:
         page = visit.page

@@ -1,4 +1,4 @@
-"""What lies above what on the robot page, and what its forms ask for."""
+"""Stacking of elements on the robot page, and the fields of its forms."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ABOVE = """() => {
 
 @needs_blocks
 def test_the_bar_with_stop_lies_above_the_blocks(browser: Chromium, robot_site: str) -> None:
-    """Scrolled, the blocks that are offered go below the bar, and not over it."""
+    """When scrolled, the palette of blocks is below the bar."""
 
     async def scroll(visit: Visit) -> list[bool]:
         found: list[bool] = await visit.page.evaluate(ABOVE)
@@ -32,7 +32,7 @@ def test_the_bar_with_stop_lies_above_the_blocks(browser: Chromium, robot_site: 
 
 
 def test_a_goal_is_not_sent_without_its_place(browser: Chromium, robot_site: str) -> None:
-    """The form has no place of its own, and asks for one where it is to be done without."""
+    """The form has no default place, and asks for one if it is submitted without."""
 
     async def send(visit: Visit) -> tuple[str, str, str]:
         page = visit.page

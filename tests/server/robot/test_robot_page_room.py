@@ -1,4 +1,4 @@
-"""The room that the program has on the robot page, and what slots of blocks take from their neighbours."""
+"""The space of the program on the robot page, and units that slots of blocks take from their neighbours."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ROOM = """() => {
 @needs_blocks
 @pytest.mark.parametrize(("width", "least"), [(1440, 900), (1024, 500), (390, 200)])
 def test_the_program_has_the_room(browser: Chromium, robot_site: str, width: int, least: int) -> None:
-    """With the text folded, most of the page is the program's; a condition of several parts wraps into it."""
+    """With the text folded, the program fills most of the page; a condition of several parts wraps into it."""
 
     async def look(visit: Visit) -> tuple[float, float]:
         page = visit.page
@@ -32,12 +32,12 @@ def test_the_program_has_the_room(browser: Chromium, robot_site: str, width: int
 
     room, condition = visited(browser, robot_site, look, viewport={"width": width, "height": 900})
     assert room >= least
-    assert condition <= 520  # 621, and more for longer ones, when all parts stood in one row
+    assert condition <= 520  # 621, and more for longer ones, when all parts were in one row
 
 
 @needs_blocks
 def test_the_text_is_folded_until_it_is_wanted(browser: Chromium, robot_site: str) -> None:
-    """A button shows and folds the text, and says so; a text that cannot be read is shown."""
+    """A button shows and folds the text, and is labelled accordingly; text with a syntax error is shown."""
 
     async def fold(visit: Visit) -> list[tuple[str | None, bool]]:
         page = visit.page
@@ -55,7 +55,7 @@ def test_the_text_is_folded_until_it_is_wanted(browser: Chromium, robot_site: st
 
 @needs_blocks
 def test_a_number_takes_the_unit_of_its_neighbour(browser: Chromium, robot_site: str) -> None:
-    """Next to a length that was put into a comparison, a plain number is in metres; the text has the unit."""
+    """In a comparison with a length, a plain number is in metres; the text has the unit."""
 
     async def put(visit: Visit) -> str:
         page = visit.page
@@ -75,7 +75,7 @@ def test_a_number_takes_the_unit_of_its_neighbour(browser: Chromium, robot_site:
 
 
 def test_hints_name_what_the_page_has(browser: Chromium, robot_site: str) -> None:
-    """A place without a name is told without commands of the terminal, which the page does not have."""
+    """The hint about an unnamed place omits terminal commands, which are unavailable on the page."""
 
     async def write(visit: Visit) -> str:
         await wrote(visit.page, "go to a pose  at: nowhere\n")

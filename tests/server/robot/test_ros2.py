@@ -1,4 +1,4 @@
-"""The robot of a server over DDS: nodes of ROS 2's wire names, in a process of their own."""
+"""The robot of a server over DDS: nodes with ROS 2 wire names, in a process of their own."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ PROGRAM = "move at a velocity forward: 0.25 m/s for 60 s"
 
 
 async def heard(connection: Connection) -> AsyncGenerator[float, None]:
-    """Yield the forward speeds that the peer got."""
+    """Yield the forward speeds received by the peer."""
     subscription = await connection.subscribe("/echo", "geometry_msgs/Twist")
     async for one in subscription:
         yield one.value["linear"]["x"]
 
 
 async def scene(number: int) -> dict[str, Any]:
-    """Run a program on the robot, and stop it; return what is told of it."""
+    """Run a program on the robot, and stop it; return the reported states."""
     async with Session(f"dds://{number}?settle=2", load({}, environment={})) as session:
         while session.capabilities is None or not session.capabilities.capabilities:  # noqa: ASYNC110 - nothing tells it
             await asyncio.sleep(0.05)
@@ -59,7 +59,7 @@ async def scene(number: int) -> dict[str, Any]:
 
 
 def test_programs_run_and_stop_over_dds() -> None:
-    """Capabilities are inferred, a program moves the robot, stopping ends it; clashes of QoS are told."""
+    """Capabilities are inferred, a program moves the robot, stopping ends it; QoS mismatches are reported."""
     with domain() as number, subprocess.Popen(
         [sys.executable, str(PEER), str(number)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as peer:  # fmt: skip
@@ -75,7 +75,7 @@ def test_programs_run_and_stop_over_dds() -> None:
 
 
 def test_what_an_inactive_node_would_do_is_told_as_not_available() -> None:
-    """A page is told why something cannot be done now, and, when the node is active, that it can."""
+    """A page shows why a capability is unavailable, and its availability once the node is active."""
 
     async def scene(number: int, node: subprocess.Popen[str]) -> list[str | None]:
         async with Session(f"dds://{number}?settle=1", load({}, environment={})) as session:

@@ -1,4 +1,4 @@
-"""The session of a server with its robot: driving by hand, programs, and above all that it stops."""
+"""The session of a server with its robot: manual driving, programs, and above all reliable stopping."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ DRIVE = {"forward": 0.5}
 
 
 async def until(holds: Callable[[], bool], seconds: float = 10) -> None:
-    """Wait until something holds."""
+    """Wait until a condition holds."""
     async with asyncio.timeout(patient(seconds)):
         while not holds():  # noqa: ASYNC110 - what is waited for is told by nobody
             await asyncio.sleep(0.02)
 
 
 def still(rover: Rover) -> bool:
-    """Tell whether the last command was to stand still."""
+    """Whether the last command was zero."""
     return bool(rover.commands) and rover.commands[-1] == (0.0, 0.0)
 
 
 @asynccontextmanager
 async def met() -> AsyncIterator[tuple[Session, Rover]]:
-    """Yield a session that is connected, and its robot."""
+    """Yield a connected session, and its robot."""
     name = uuid4().hex
     try:
         async with Session(f"rover://{name}", load({}, environment={})) as session:
@@ -58,7 +58,7 @@ async def met() -> AsyncIterator[tuple[Session, Rover]]:
 
 
 async def drive(session: Session, rover: Rover, seconds: float = 30) -> Listener:
-    """Begin to drive by hand, as an open page; return that when the robot moves."""
+    """Start manual driving, as an open page; return the page when the robot moves."""
     page = session.listen()
     session.do(page.identity, "drivingAtVelocity", DRIVE, seconds)
     await until(lambda: (0.5, 0.0) in rover.commands)
@@ -66,7 +66,7 @@ async def drive(session: Session, rover: Rover, seconds: float = 30) -> Listener
 
 
 def waiting(page: Listener) -> list[dict[str, Any]]:
-    """Return the events that wait for a page."""
+    """Return the pending events of a page."""
     found = []
     while not page.waiting.empty():
         found.append(page.waiting.get_nowait() or {})
@@ -74,12 +74,12 @@ def waiting(page: Listener) -> list[dict[str, Any]]:
 
 
 def told(page: Listener, kind: str) -> list[dict[str, Any]]:
-    """Return the events of a kind that wait for a page."""
+    """Return the pending events of a kind."""
     return [event for event in waiting(page) if event.get("event") == kind]
 
 
 async def hears(page: Listener, holds: Callable[[list[dict[str, Any]]], bool]) -> list[dict[str, Any]]:
-    """Return the events that a page is told until something holds of them; how many others come is nobody's promise."""
+    """Return the events received by a page until a condition on them holds; their number is unspecified."""
     found: list[dict[str, Any]] = []
     async with asyncio.timeout(patient(10)):
         while not holds(found):
@@ -88,7 +88,7 @@ async def hears(page: Listener, holds: Callable[[list[dict[str, Any]]], bool]) -
 
 
 def states(events: list[dict[str, Any]], kind: str) -> list[str]:
-    """Return the states that events of a kind tell."""
+    """Return the states in events of a kind."""
     return [event["state"] for event in events if event.get("event") == kind]
 
 
@@ -103,7 +103,7 @@ class Broken:
 
 
 def test_the_robot_is_told_with_reasons() -> None:
-    """What a connected robot can do is told by groups, each with the part of the robot that does it."""
+    """The capabilities of a connected robot are grouped, each with the responsible part of the robot."""
 
     async def ask() -> dict[str, Any]:
         async with met() as (session, _):
@@ -117,13 +117,13 @@ def test_the_robot_is_told_with_reasons() -> None:
 
 
 def leaves(proof: dict[str, Any]) -> list[str]:
-    """Return where the facts at the end of a proof stand."""
+    """Return the places of the facts at the end of a proof."""
     below = [place for one in proof.get("premises", ()) for place in leaves(one)]
     return below + ([proof["evidence"]["path"]] if proof.get("evidence") else [])
 
 
 def test_why_it_can_is_proven_down_to_the_node_that_was_seen() -> None:
-    """A proof ends at the node that was seen, where and since when, and at the ontology; KG818, KG846."""
+    """A proof ends at the observed node, with place and time, and at the ontology; KG818, KG846."""
 
     async def ask() -> tuple[dict[str, Any], dict[str, Any], list[str]]:
         codes = []
@@ -154,7 +154,7 @@ def test_why_it_can_is_proven_down_to_the_node_that_was_seen() -> None:
 
 
 def test_what_is_done_by_hand_ends_by_itself() -> None:
-    """A movement by hand goes on for its time, then the robot stands still; the page is told both."""
+    """A manual movement runs for its time, then the robot stops; the page receives both events."""
 
     async def do() -> list[str]:
         async with met() as (session, rover):
@@ -166,7 +166,7 @@ def test_what_is_done_by_hand_ends_by_itself() -> None:
 
 
 def test_what_ends_before_it_is_done_is_told_as_that() -> None:
-    """A movement by hand that another takes over, or that the driver stops, is not told as done."""
+    """A manual movement replaced by another, or stopped by the driver, is not reported as done."""
 
     async def do() -> list[str]:
         async with met() as (session, rover):
@@ -182,7 +182,7 @@ def test_what_ends_before_it_is_done_is_told_as_that() -> None:
 
 
 def test_a_page_that_vanishes_stops_what_it_drives() -> None:
-    """The robot stops when the page that drives it by hand is closed, and not when another is (C38)."""
+    """The robot stops when the page that drives it is closed, but not for any other page (C38)."""
 
     async def vanish() -> tuple[bool, bool]:
         async with met() as (session, rover):
@@ -197,7 +197,7 @@ def test_a_page_that_vanishes_stops_what_it_drives() -> None:
 
 
 def test_a_page_that_falls_silent_stops_what_it_drives(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The robot stops when the page that drives it says nothing for a while, as when its machine was shut (C38)."""
+    """The robot stops when the driving page is silent for a while, as after closing a laptop (C38)."""
     silence = patient(0.6)
     monkeypatch.setattr(work, "SILENT", silence)
 
@@ -215,7 +215,7 @@ def test_a_page_that_falls_silent_stops_what_it_drives(monkeypatch: pytest.Monke
 
 
 def test_a_program_goes_on_without_pages_until_it_is_stopped() -> None:
-    """A program needs nobody to look on; stopping ends it, whoever asks (C38)."""
+    """A program continues without pages; any client can stop it (C38)."""
 
     async def run() -> tuple[bool, str, bool]:
         async with met() as (session, rover):
@@ -233,7 +233,7 @@ def test_a_program_goes_on_without_pages_until_it_is_stopped() -> None:
 
 
 def test_the_end_of_the_server_stops_the_robot() -> None:
-    """When the session ends, the robot stands still and streams have ended, whether by hand or program (C39)."""
+    """When the session ends, the robot is stopped and streams have ended, for manual driving and programs (C39)."""
 
     async def leave(program: str | None) -> tuple[bool, bool]:
         async with met() as (session, rover):
@@ -253,7 +253,7 @@ def test_the_end_of_the_server_stops_the_robot() -> None:
 
 
 def test_the_robot_stops_although_leaving_it_is_cut_short(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever is impatient and ends the server twice ends no more than what leads up to stopping the robot."""
+    """Cancelling the end of the server a second time does not interrupt stopping the robot."""
 
     async def end() -> bool:
         async with met() as (session, rover):
@@ -276,7 +276,7 @@ def test_the_robot_stops_although_leaving_it_is_cut_short(monkeypatch: pytest.Mo
 
 
 def test_one_thing_moves_the_robot_at_a_time() -> None:
-    """While a program runs nothing is done by hand, and no other program: KG847."""
+    """While a program runs, manual movements and other programs are KG847."""
 
     async def both() -> list[str]:
         codes = []
@@ -299,7 +299,7 @@ def test_one_thing_moves_the_robot_at_a_time() -> None:
 
 
 def test_what_cannot_be_done_by_hand() -> None:
-    """What the robot cannot do, a time without end, and a page that is not open are refused with their codes."""
+    """Missing capabilities, unlimited times and closed pages are rejected with their codes."""
 
     async def ask() -> list[str]:
         codes = []
@@ -320,7 +320,7 @@ def test_what_cannot_be_done_by_hand() -> None:
 
 
 def test_values_are_told_to_who_follows_them() -> None:
-    """Who follows a capability is told its values at a pace for people, who does not is told none."""
+    """A follower of a capability receives its values at a readable rate; other pages receive none."""
     many = 6
 
     def enough(found: list[dict[str, Any]]) -> bool:
@@ -343,14 +343,14 @@ def test_values_are_told_to_who_follows_them() -> None:
 
 
 async def laser(session: Session, rover: Rover) -> None:
-    """Let another node join, and wait until the robot can do more."""
+    """Start another node, and wait for the additional capability."""
     before = session.capabilities
     await rover.bus.join("/laser").advertise("/scan", "sensor_msgs/LaserScan")
     await until(lambda: session.capabilities != before, 30)
 
 
 def test_what_goes_on_when_the_robot_can_do_more() -> None:
-    """A program and what is followed go on when a node joins and leaves that they do not use; no zero command."""
+    """A program and followed values continue when an unrelated node joins and leaves; no zero command is sent."""
 
     async def go_on() -> tuple[str, set[tuple[float, float]]]:
         async with met() as (session, rover):
@@ -370,7 +370,7 @@ def test_what_goes_on_when_the_robot_can_do_more() -> None:
 
 
 def test_a_program_whose_capability_is_gone_is_told_so() -> None:
-    """It fails at the block that uses it, the robot stands still; who follows it is told, and again when it is back."""
+    """The program fails at its block and the robot stops; followers are notified of the loss and of the return."""
 
     def unread(event: dict[str, Any]) -> bool:
         return event.get("event") == "value" and "problem" in event
@@ -408,7 +408,7 @@ def test_a_program_whose_capability_is_gone_is_told_so() -> None:
 
 
 def test_nodes_that_are_dead_are_told_at_the_block() -> None:
-    """A node that dies without saying so is a warning at the block that needs it, and pages are told."""
+    """A node that dies silently is a warning at the block that needs it, and pages are notified."""
 
     async def die() -> tuple[list[dict[str, Any]], list[str]]:
         async with met() as (session, rover):
@@ -426,7 +426,7 @@ def test_nodes_that_are_dead_are_told_at_the_block() -> None:
 
 
 def test_a_defect_reaches_the_page(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
-    """A defect while somebody drives, a program runs or values are followed is told as KG900, and reported."""
+    """A defect during driving, a program or followed values is reported to the page as KG900, and logged."""
 
     async def broken(*_: Any, **__: Any) -> Any:
         raise ValueError("no such wheel")
@@ -450,7 +450,7 @@ def test_a_defect_reaches_the_page(monkeypatch: pytest.MonkeyPatch, caplog: pyte
 
 
 def test_a_robot_that_does_not_stop_in_time_keeps_no_server(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A session ends, and leaves nothing running, although stopping takes longer than the end of the server may."""
+    """A session ends with no work left, even if stopping exceeds the time limit of the server."""
     monkeypatch.setattr(ending, "_LAST", 0.05)
     stop = Driver.stop
 
@@ -468,7 +468,7 @@ def test_a_robot_that_does_not_stop_in_time_keeps_no_server(monkeypatch: pytest.
 
 
 def test_steps_and_values_of_a_program_are_told() -> None:
-    """Which statements run, what is read and said, and the end are told to all pages."""
+    """Running statements, read values, printed text and the end are sent to all pages."""
 
     async def run() -> tuple[list[dict[str, Any]], str]:
         async with met() as (session, _):
@@ -488,7 +488,7 @@ def test_steps_and_values_of_a_program_are_told() -> None:
 
 
 def test_what_is_stopped_before_it_began_does_not_go_on_for_pages() -> None:
-    """A program, or a movement by hand, that is stopped in the same moment is not told as one that goes on."""
+    """A program or manual movement stopped at once is not reported as running."""
 
     async def hurry() -> tuple[str, list[str], list[str]]:
         async with met() as (session, _):
@@ -507,7 +507,7 @@ def test_what_is_stopped_before_it_began_does_not_go_on_for_pages() -> None:
 
 
 def test_a_robot_that_comes_later_is_met() -> None:
-    """A robot that is not there is tried again; meanwhile the reason is told: KG846."""
+    """Connecting to a missing robot is retried; until then the reason is KG846."""
 
     async def wait() -> tuple[str, str, str]:
         name = uuid4().hex
@@ -531,7 +531,7 @@ def test_a_robot_that_comes_later_is_met() -> None:
 
 
 def test_a_defect_does_not_freeze_the_page(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
-    """A defect while the robot is followed is told as KG900, reported, and the robot is met all the same."""
+    """A defect while the robot is observed is reported as KG900 and logged, and the connection succeeds."""
     infer = live.infer
     broken: list[str] = []
 
@@ -558,7 +558,7 @@ def test_a_defect_does_not_freeze_the_page(monkeypatch: pytest.MonkeyPatch, capl
 
 
 def test_why_there_is_no_picture() -> None:
-    """Where the picture cannot be subscribed to, the reason is told at once."""
+    """If the picture cannot be subscribed to, the reason is reported at once."""
 
     class Closed:
         async def subscribe(self, *_: Any, **__: Any) -> Any:
@@ -573,7 +573,7 @@ def test_why_there_is_no_picture() -> None:
 
 
 def test_the_picture_of_a_simulation_is_shown() -> None:
-    """A simulation that shows itself is seen from above; the topic is the one that simulations publish."""
+    """A simulation with a picture is shown from above; the topic is the one simulations publish to."""
 
     async def look() -> str:
         async with met() as (session, _):

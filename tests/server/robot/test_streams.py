@@ -1,4 +1,4 @@
-"""Streams of events to pages, and what waits to be told."""
+"""Event streams of pages, and their pending events."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def test_a_page_that_goes_before_it_was_told_anything_is_forgotten() -> None:
-    """Who goes away while the head of the answer is sent keeps no place among those who look on."""
+    """A page that disconnects while the response headers are sent is removed from the listeners."""
 
     async def receive() -> Message:
         return {"type": "http.disconnect"}
@@ -43,7 +43,7 @@ def test_a_page_that_goes_before_it_was_told_anything_is_forgotten() -> None:
 
 
 class _Reader:
-    """What is read for pages: values as they are put there."""
+    """Source of values for pages: yields the values put into it."""
 
     def __init__(self) -> None:
         self.values: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
@@ -54,7 +54,7 @@ class _Reader:
 
 
 def test_what_was_read_of_a_robot_that_has_gone_is_not_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A value that waits for its turn when the robot is lost is not told as that of the robot that comes next."""
+    """A pending value of a lost robot is not sent as a value of the next robot."""
     monkeypatch.setattr(work, "_VALUES_EVERY", 0.01)
 
     async def scene() -> list[float]:

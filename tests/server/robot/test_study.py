@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @needs_blocks
 def test_a_study_gives_results(browser: Chromium, robot_site: str, tmp_path: Path) -> None:
-    """The clock starts when the task was read; each run counts; what is saved has the program and its size."""
+    """The clock starts after reading the task; each run counts; the saved results have the program and its size."""
     kept = tmp_path / "study.csv"
 
     async def study(visit: Visit) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""`kg serve --robot` whose process is suspended or blocked while a program runs: the robot stops and stays stopped."""
+"""`kg serve --robot` suspended or blocked while a program runs: the robot stops and stays stopped."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
 
 
 def _resume(process: subprocess.Popen[str], number: signal.Signals) -> None:
-    """Let a process run again, as often as it takes: by Ctrl-Z it is suspended some time after the robot stops."""
+    """Resume a process, repeatedly if needed: Ctrl-Z suspends it some time after the robot stops."""
     while process.poll() is None:
         process.send_signal(number)
         time.sleep(0.2)
@@ -52,7 +52,7 @@ def _resume(process: subprocess.Popen[str], number: signal.Signals) -> None:
 def test_a_silent_server_stops_the_robot(
     robot: Drivable, store: Path, pause: signal.Signals, resume: signal.Signals
 ) -> None:
-    """The robot gets zero; when the server runs again its program has failed, and nothing moves."""
+    """The robot gets zero; when the server resumes its program has failed, and nothing moves."""
     with served(store, before=BLOCKABLE, log="off", token=TOKEN, robot=robot.address) as server:
         headers = {"Authorization": f"Bearer {TOKEN}"}
         with httpx.Client(base_url=server.address, headers=headers, timeout=patient(20)) as client:

@@ -25,11 +25,11 @@ WORDS: Final = {
     "time",
 }
 WORDS_OF_THE_START: Final = {"when", "the", "program", "starts"}
-"""What the first block says, which the text has no line for."""
+"""The words of the first block, which has no line in the text."""
 
 
 def test_what_blocks_say_is_written_in_the_text_alike() -> None:
-    """Each word on a block of the language is one of the text's."""
+    """Each word on a block of the language is a word of the text."""
     rows = re.findall(r'\[\["(.*?)".*?\]\]', BLOCKS) + re.findall(r'\], \["([^"]*?%1[^"]*?)"', BLOCKS)
     said = {word for row in rows for word in re.findall(r"[a-z]+", row)}
     assert {"while", "forever", "during", "contains"} <= said
@@ -37,7 +37,7 @@ def test_what_blocks_say_is_written_in_the_text_alike() -> None:
 
 
 def test_operators_of_blocks_are_those_of_the_text() -> None:
-    """What is chosen on a block is shown as the sign that it is in the text."""
+    """An option of a block is shown as its operator in the text."""
     for name, signs in (("COMPARED", "< <= = != >= >"), ("COUNTED", "+ - * /"), ("OF_ONE", "absolute - round count")):
         found = re.search(rf"const {name} = \[(.*?)\]", BLOCKS)
         assert found is not None

@@ -1,4 +1,4 @@
-"""Tests of the sizes of requests, C26, as the application sees them."""
+"""Tests of request sizes, C26, at the level of the application."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ QUERY = {"Content-Type": "application/sparql-query"}
 
 @pytest.fixture(scope="module")
 def small(store: Path) -> Iterator[TestClient]:
-    """A server that takes small bodies only, and may be changed."""
+    """A writable server that accepts small bodies only."""
     with application(store, body=MOST, write=True, token=TOKEN, log="off") as found:
         yield found
 
@@ -36,7 +36,7 @@ def refused(answer: Any) -> tuple[int, str]:
 
 
 def test_a_body_that_announces_too_much_is_not_read(small: TestClient) -> None:
-    """Content-Length is believed before anything is read."""
+    """An excessive Content-Length is rejected before reading the body."""
 
     def never() -> Iterator[bytes]:
         yield b"x" * (MOST + 1)
@@ -47,7 +47,7 @@ def test_a_body_that_announces_too_much_is_not_read(small: TestClient) -> None:
 
 
 def test_queries_are_bounded_more_closely(store: Path) -> None:
-    """What is read into memory for whoever may read is smaller than what the holder of the token may write."""
+    """The limit for queries, which are read into memory, is lower than that for writes with the token."""
     with application(store, write=True, token=TOKEN, log="off") as found:
         headers = {"Content-Length": str(QUERY_BYTES + 1), "Authorization": f"Bearer {TOKEN}"}
         for address in ("/sparql", "/api/find", "/login"):
@@ -57,7 +57,7 @@ def test_queries_are_bounded_more_closely(store: Path) -> None:
 
 
 def test_a_body_that_grows_is_stopped() -> None:
-    """A body without a length is counted while it comes, and read no further than the limit."""
+    """A body without a length is counted while it arrives, and read no further than the limit."""
     taken = 0
 
     async def receive() -> Any:
@@ -81,7 +81,7 @@ def test_a_body_that_grows_is_stopped() -> None:
 
 @pytest.mark.parametrize("pause", ["never", "dribble"])
 def test_a_body_that_comes_too_slowly_is_stopped(pause: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A body that does not come, or byte by byte, is given up."""
+    """A body that stalls or arrives byte by byte is aborted."""
     monkeypatch.setattr(bodies, "_PAUSE", 0.05)
 
     async def receive() -> Any:
@@ -103,14 +103,14 @@ def test_a_body_that_comes_too_slowly_is_stopped(pause: str, monkeypatch: pytest
 
 
 def test_a_body_that_is_just_small_enough(small: TestClient) -> None:
-    """The limit itself passes."""
+    """A body of exactly the limit is accepted."""
     text = "ASK{}#".ljust(MOST, "x")
     assert small.post("/sparql", content=text, headers=QUERY).status_code == 200
 
 
 @pytest.mark.parametrize("encoding", ["gzip", "deflate", "br", "x-gzip", "gzip, gzip"])
 def test_compressed_bodies_are_refused(small: TestClient, encoding: str) -> None:
-    """A bomb of ten kilobytes is not unpacked to ten gigabytes: 415, and which encoding is taken."""
+    """A compression bomb of ten kilobytes is never unpacked: 415, with the accepted encoding."""
     headers = {**QUERY, "Content-Encoding": encoding}
     answer = small.post("/sparql", content=gzip.compress(b"ASK{}"), headers=headers)
     assert refused(answer) == (415, "KG524")
@@ -118,7 +118,7 @@ def test_compressed_bodies_are_refused(small: TestClient, encoding: str) -> None
 
 
 def test_long_addresses(client: TestClient) -> None:
-    """Path and query together may be 8 KB; the way out is a POST."""
+    """Path and query together may be 8 KB; the error suggests POST."""
     fitting = "/sparql?query=" + "ASK{}%23".ljust(ADDRESS_BYTES - len("/sparqlquery="), "x")
     assert client.get(fitting).status_code == 200
     answer = client.get(fitting + "xx")
@@ -128,7 +128,7 @@ def test_long_addresses(client: TestClient) -> None:
 
 
 def test_many_or_long_headers(client: TestClient) -> None:
-    """A request with more headers than any browser sends, or much longer ones, is refused."""
+    """A request with more headers than any browser sends, or much longer ones, is rejected."""
     many = {f"X-{number}": "x" for number in range(HEADERS + 1)}
     assert refused(client.get("/health", headers=many)) == (431, "KG535")
     assert refused(client.get("/health", headers={"Cookie": "x" * 40_000})) == (431, "KG535")
@@ -136,6 +136,6 @@ def test_many_or_long_headers(client: TestClient) -> None:
 
 @pytest.mark.parametrize("length", ["-1", "ten", "1e3", "0x10"])
 def test_lengths_that_are_no_numbers(client: TestClient, length: str) -> None:
-    """Content-Length has digits, and nothing else."""
+    """Content-Length consists of digits only."""
     answer = client.request("GET", "/health", headers={"Content-Length": length})
     assert refused(answer) == (400, "KG520")

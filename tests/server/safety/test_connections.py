@@ -1,4 +1,4 @@
-"""Tests of what guards a connection below the application: C26 over a real port."""
+"""Tests of connection limits below the application: C26 over a real port."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ from kg.server.safety import bodies, connections
 connections.HEAD_SECONDS = connections.REST_SECONDS = connections.STALLED_SECONDS = 1.0
 bodies._PAUSE = 1.0
 """
-"""The same server with less patience, so that the tests need not have more."""
+"""The same server with shorter timeouts, for faster tests."""
 
 
 @pytest.fixture(scope="module")
 def server(store: Path) -> Iterator[Serving]:
-    """A server with little patience, of which eight connections may wait."""
+    """A server with short timeouts and at most eight waiting connections."""
     with served(store, before=PATIENT, connections=8, body=100_000, write=True, token=TOKEN, log="off") as found:
         yield found
 
 
 def opened(server: Serving, said: bytes = b"") -> socket.socket:
-    """Return a connection on which something was said."""
+    """Return a connection after sending some bytes."""
     found = socket.create_connection(("127.0.0.1", server.port), timeout=patient(10))
     found.sendall(said)
     return found
 
 
 def heard(connection: socket.socket) -> bytes:
-    """Return all that the server says until it closes."""
+    """Return everything the server sends until it closes."""
     parts = []
     with suppress(ConnectionError):
         while part := connection.recv(65536):
@@ -53,7 +53,7 @@ def heard(connection: socket.socket) -> bytes:
 
 
 def is_alive(server: Serving) -> bool:
-    """Tell whether the next request is answered."""
+    """Whether the next request is answered."""
     return b" 200 OK" in heard(opened(server, b"GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"))
 
 
@@ -61,7 +61,7 @@ def is_alive(server: Serving) -> bool:
     "said", [b"", b"G", b"GET / HTTP/1.1\r\n", b"GET / HTTP/1.1\r\nHost: localhost\r\nX-A: b", b"\r\n\r\n"]
 )
 def test_headers_that_do_not_come(server: Serving, said: bytes) -> None:
-    """Who connects and says nothing, or not all, is not waited for."""
+    """A connection with incomplete headers times out."""
     began = time.monotonic()
     answer = heard(opened(server, said))
     assert time.monotonic() - began < patient(2)
@@ -70,7 +70,7 @@ def test_headers_that_do_not_come(server: Serving, said: bytes) -> None:
 
 
 def test_headers_that_dribble(server: Serving) -> None:
-    """A header every moment does not keep a connection."""
+    """Headers sent byte by byte do not extend the timeout."""
     connection = opened(server, b"GET / HTTP/1.1\r\nHost: localhost\r\n")
     began = time.monotonic()
     with suppress(ConnectionError):
@@ -81,7 +81,7 @@ def test_headers_that_dribble(server: Serving) -> None:
 
 
 def test_a_second_request_that_does_not_come(server: Serving) -> None:
-    """The patience holds for each request of a connection."""
+    """The timeout applies to each request of a connection."""
     first = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
     began = time.monotonic()
     answer = heard(opened(server, first + b"GET /hea"))
@@ -91,7 +91,7 @@ def test_a_second_request_that_does_not_come(server: Serving) -> None:
 
 
 def test_a_body_that_does_not_come(server: Serving) -> None:
-    """A request whose body stays away is answered 408 and closed."""
+    """A request without its body gets 408, and the connection is closed."""
     head = (
         b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\nContent-Length: 99\r\n"
     )
@@ -101,7 +101,7 @@ def test_a_body_that_does_not_come(server: Serving) -> None:
 
 
 def test_a_body_that_nobody_waits_for(server: Serving) -> None:
-    """A body that goes on behind its answer does not keep the connection for ever."""
+    """A body that continues after its response does not keep the connection open forever."""
     head = b"POST /nothing HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999\r\n\r\n"
     connection = opened(server, head)
     began = time.monotonic()
@@ -113,7 +113,7 @@ def test_a_body_that_nobody_waits_for(server: Serving) -> None:
 
 
 def test_headers_without_end(server: Serving) -> None:
-    """A header bomb is cut off: 431, or the connection, and little is read."""
+    """Excessive headers are cut off with 431 or a closed connection, and little is read."""
     connection = opened(server, b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Bomb: ")
     sent = 0
     with suppress(ConnectionError, TimeoutError):
@@ -127,7 +127,7 @@ def test_headers_without_end(server: Serving) -> None:
 
 
 def test_an_answer_comes_before_a_large_body(server: Serving) -> None:
-    """Who asks first (Expect: 100-continue) is told 413 and need not send."""
+    """A request with `Expect: 100-continue` gets 413 and need not send its body."""
     head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
     connection = opened(server, head + b"Content-Length: 200000000\r\nExpect: 100-continue\r\n\r\n")
     answer = connection.recv(65536)
@@ -137,7 +137,7 @@ def test_an_answer_comes_before_a_large_body(server: Serving) -> None:
 
 
 def test_a_chunked_body_without_end(server: Serving) -> None:
-    """A body of unknown length is answered 413 when it gets too long."""
+    """A body of unknown length gets 413 when it exceeds the limit."""
     head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
     connection = opened(server, head + b"Transfer-Encoding: chunked\r\n\r\n")
     chunk = b"1000\r\n" + b"x" * 4096 + b"\r\n"
@@ -162,7 +162,7 @@ def test_a_chunked_body_without_end(server: Serving) -> None:
     ],
 )
 def test_what_is_no_request(server: Serving, said: bytes) -> None:
-    """What is no HTTP, or two requests in one, is refused in the shape of all errors, and closed."""
+    """Invalid HTTP, or two requests in one, gets an error of the common form, and the connection is closed."""
     answer = heard(opened(server, said))
     assert b"HTTP/1.1 4" in answer
     assert b"KG5" in answer
@@ -173,11 +173,11 @@ def test_what_is_no_request(server: Serving, said: bytes) -> None:
 HALF = b"GET /health HTTP/1.1\r\nHost: localhost\r\n"
 CHEAP = b"GET /sparql?query=ASK{} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
 UNHURRIED = "from kg.server.safety import connections; connections.HEAD_SECONDS = 3600.0"
-"""A server that does not end a connection for being slow."""
+"""A server without timeouts for slow connections."""
 
 
 def test_half_open_connections_keep_nobody_out(store: Path) -> None:
-    """C26: however many connections wait with half a request, a new one is answered; the oldest are closed."""
+    """C26: however many connections wait with half a request, a new one is served; the oldest are closed."""
     with served(store, before=UNHURRIED, connections=8, log="off") as server:
         held = [opened(server, HALF) for _ in range(40)]
         assert is_alive(server)
@@ -190,7 +190,7 @@ def test_half_open_connections_keep_nobody_out(store: Path) -> None:
 
 
 def test_bodies_that_dribble_keep_nobody_out(store: Path) -> None:
-    """C26: a request without the end of its body counts as one that waits."""
+    """C26: a request with an incomplete body counts as a waiting one."""
     head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
     with served(store, connections=4, log="off") as server:
         held = [opened(server, head + b"Content-Length: 99\r\n\r\nASK") for _ in range(20)]
@@ -200,7 +200,7 @@ def test_bodies_that_dribble_keep_nobody_out(store: Path) -> None:
 
 
 def test_a_busy_server_is_healthy(store: Path) -> None:
-    """C26: above the limit requests are refused with 503, but a supervisor is answered."""
+    """C26: above the limit requests get 503, but health checks succeed."""
     endless = "SELECT (COUNT(*) AS ?n) {" + " ".join(f"?a{i} ?b{i} ?c{i} ." for i in range(14)) + "}"
     with served(store, connections=2, seconds=600.0, log="off") as server:
         lines = f"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Length: {len(endless)}\r\n"
@@ -222,7 +222,7 @@ def test_a_busy_server_is_healthy(store: Path) -> None:
 
 
 class _Connection:
-    """A connection that notes that it was closed."""
+    """A connection that records that it was closed."""
 
     closed = False
 
@@ -232,7 +232,7 @@ class _Connection:
 
 @given(st.lists(st.tuples(st.sampled_from("abc"), st.sampled_from(["wait", "answer", "forget"])), max_size=60))
 def test_the_address_with_most_waiting_connections_loses_one(steps: list[tuple[str, str]]) -> None:
-    """C26: never more wait than may, and what is closed is the oldest of an address with no fewer than any other."""
+    """C26: the number of waiting connections is limited; the oldest one of an address with the most is closed."""
     crowd = connections.Crowd(4, "")
     waiting: dict[str, list[Any]] = {name: [] for name in "abc"}
     for address, step in steps:
@@ -251,7 +251,7 @@ def test_the_address_with_most_waiting_connections_loses_one(steps: list[tuple[s
 
 
 def holds(server: Serving, connection: socket.socket) -> bool:
-    """Tell whether the server has not let go of a connection; its client, which reads nothing, cannot see that."""
+    """Whether the server holds a connection; its client, which reads nothing, cannot detect that."""
     ends = f":{server.port:04X}", f":{connection.getsockname()[1]:04X}"
     for line in Path("/proc/net/tcp").read_text().splitlines():
         fields = line.split()
@@ -262,7 +262,7 @@ def holds(server: Serving, connection: socket.socket) -> bool:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="whose a connection is is looked up in /proc")
 def test_a_client_that_takes_nothing(server: Serving) -> None:
-    """An answer that is not taken does not keep the connection."""
+    """An unread response does not keep the connection open."""
     text = b"SELECT * { ?a ?b ?c . ?d ?e ?f } LIMIT 30000"
     head = (
         b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\nContent-Length: %d\r\n"

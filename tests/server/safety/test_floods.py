@@ -1,4 +1,4 @@
-"""Tests of the bound on the unanswered requests of one address."""
+"""Tests of the limit on pending requests of one address."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     ],
 )
 def test_one_address_has_a_bound(address: str, path: str, *, refused: bool) -> None:
-    """C26: while an address has as many unanswered requests as it may, its next is 429, unless it asks for health."""
+    """C26: at the limit of pending requests of an address, its next one gets 429, except for health checks."""
     free = asyncio.Event()
     begun: list[str] = []
 

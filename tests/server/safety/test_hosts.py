@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def refusal(options: Options, *hosts: str) -> str | None:
-    """Return the code that a request with these headers `Host` is refused with, None when it passes."""
+    """Return the error code for a request with these `Host` headers, None if it passes."""
     headers = [(b"host", host.encode()) for host in hosts]
     scope = {"type": "http", "headers": headers, "path": "/", "query_string": b"", "method": "GET"}
     found = Hosts(options)(HTTPConnection(scope))
@@ -28,7 +28,7 @@ def refusal(options: Options, *hosts: str) -> str | None:
 
 
 def allows(options: Options, *hosts: str) -> bool:
-    """Tell whether a request with these headers `Host` passes."""
+    """Whether a request with these `Host` headers passes."""
     return refusal(options, *hosts) is None
 
 
@@ -36,7 +36,7 @@ def allows(options: Options, *hosts: str) -> bool:
     "host", ["localhost", "LOCALHOST:7878", "127.0.0.1", "127.0.0.1:1", "[::1]:7878", "localhost."]
 )
 def test_names_of_this_machine_pass(host: str) -> None:
-    """Each name of loopback is answered for, at any port."""
+    """Each loopback name is accepted, at any port."""
     assert allows(Options(), host)
 
 
@@ -44,7 +44,7 @@ def test_names_of_this_machine_pass(host: str) -> None:
     "host", ["evil.example", "evil.example:7878", "localhost.evil.example", "127.0.0.1.evil.example", "192.168.0.1"]
 )
 def test_other_hosts_are_refused(host: str) -> None:
-    """What leads here by another name is refused."""
+    """Other names that resolve to this machine are rejected."""
     assert refusal(Options(), host) == "KG527"
 
 
@@ -62,7 +62,7 @@ def test_other_hosts_are_refused(host: str) -> None:
     ],
 )
 def test_what_is_no_host_is_malformed(host: str) -> None:
-    """What is no host is refused as a malformed request (RFC 9112, section 3.2)."""
+    """An invalid host is rejected as a malformed request (RFC 9112, section 3.2)."""
     assert refusal(Options(), host) == "KG520"
 
 
@@ -75,7 +75,7 @@ def test_one_host_and_no_more() -> None:
 
 @pytest.mark.parametrize("headers", ["", "Host: 127.0.0.1\r\nHost: 127.0.0.1\r\n", "Host: a b\r\n"])
 def test_a_malformed_request_is_answered_400(store: Path, headers: str) -> None:
-    """On a connection the answer to a request without one proper Host has status 400."""
+    """Over a connection, a request without exactly one valid Host gets status 400."""
     with (
         served(store, log="off") as server,
         socket.create_connection(("127.0.0.1", server.port), timeout=patient(30)) as link,
@@ -85,14 +85,14 @@ def test_a_malformed_request_is_answered_400(store: Path, headers: str) -> None:
 
 
 def test_names_that_are_allowed() -> None:
-    """Names given with the options pass, and only those."""
+    """Names given in the options pass, and only those."""
     options = Options(hosts=("Robot.lab",))
     assert allows(options, "robot.lab:80")
     assert not allows(options, "other.lab")
 
 
 def test_addresses_pass_where_others_may_come() -> None:
-    """A server for other machines answers for any address, since no trick of DNS leads to one, but for no name."""
+    """A server open to other machines accepts any address, which DNS tricks cannot fake, but no unknown name."""
     options = Options(host=EVERYWHERE)
     assert allows(options, "192.168.0.7:7878")
     assert not allows(options, "evil.example")
@@ -100,7 +100,7 @@ def test_addresses_pass_where_others_may_come() -> None:
 
 
 def test_the_answer_says_why(client: TestClient) -> None:
-    """A wrong host is answered 421 with the code and the way out."""
+    """A wrong host gets 421 with the code and instructions."""
     answer = client.get("/health", headers={"Host": "evil.example"})
     assert answer.status_code == 421
     assert answer.json()["code"] == "KG527"
@@ -113,5 +113,5 @@ def test_the_answer_says_why(client: TestClient) -> None:
      ("::", False), ("192.168.0.1", False), ("robot.lab", False), ("", False)],
 )  # fmt: skip
 def test_loopback(host: str, *, expected: bool) -> None:
-    """Only what this machine alone reaches is loopback."""
+    """Only addresses reachable from this machine alone are loopback."""
     assert is_loopback(host) is expected

@@ -1,4 +1,4 @@
-"""Tests of requests that pages of other sites send: C23 and C24."""
+"""Tests of requests sent by pages of other sites: C23 and C24."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ LISTED = "https://friend.example"
 
 @pytest.fixture(scope="module")
 def writing(store: Path) -> Iterator[TestClient]:
-    """A server that may be changed with a token, and whose data one other site may read."""
+    """A server writable with a token, whose data one other site may read."""
     with application(store, write=True, token=TOKEN, origins=(LISTED,), log="off") as found:
         yield found
 
 
 def stopped(client: TestClient, method: str, path: str, headers: dict[str, str], **named: Any) -> bool:
-    """Tell whether a request is refused as one of another site."""
+    """Whether a request is rejected as one of another site."""
     answer = client.request(method, path, headers=headers, **named)
     return answer.status_code == 403 and answer.json()["code"] == "KG528"
 
@@ -57,7 +57,7 @@ def stopped(client: TestClient, method: str, path: str, headers: dict[str, str],
     ],
 )
 def test_changes(writing: TestClient, method: str, headers: dict[str, str], *, expected: bool) -> None:
-    """A change passes from this site, from programs, and with a token that no page could send unasked."""
+    """A change passes from this site, from programs, and with a token that no page can send automatically."""
     assert stopped(writing, method, "/store?default", headers) is expected
 
 
@@ -75,12 +75,12 @@ def test_changes(writing: TestClient, method: str, headers: dict[str, str], *, e
     ],
 )
 def test_reading(writing: TestClient, headers: dict[str, str], *, expected: bool) -> None:
-    """Links from elsewhere are followed, but no other page makes this server work for it."""
+    """Links from other sites work, but their pages cannot make requests."""
     assert stopped(writing, "GET", "/sparql?query=ASK{}", headers) is expected
 
 
 def test_no_other_site_reads_unless_listed(client: TestClient) -> None:
-    """CORS is off: no answer names an origin, and preflights get nothing."""
+    """CORS is off: no response names an origin, and preflights are denied."""
     asked = {"Origin": LISTED, "Access-Control-Request-Method": "GET"}
     for answer in (
         client.get("/health", headers={"Origin": LISTED}),
@@ -91,7 +91,7 @@ def test_no_other_site_reads_unless_listed(client: TestClient) -> None:
 
 
 def test_a_listed_site_reads(writing: TestClient) -> None:
-    """Answers name the listed origin and no other, never `*`, and no cookies."""
+    """Responses name the listed origin and no other, never `*`, and allow no cookies."""
     answer = writing.post("/sparql", data={"query": "ASK{}"}, headers={"Origin": LISTED})
     assert answer.status_code == 200
     assert answer.headers["access-control-allow-origin"] == LISTED
@@ -103,7 +103,7 @@ def test_a_listed_site_reads(writing: TestClient) -> None:
 
 
 def test_a_preflight_lists_methods_that_read(writing: TestClient) -> None:
-    """What a listed site may ask is said beforehand, and is nothing that changes."""
+    """A preflight lists the methods of a listed site, none of which changes data."""
     headers = {"Origin": LISTED, "Access-Control-Request-Method": "POST"}
     answer = writing.options("/sparql", headers=headers)
     assert answer.status_code == 204
@@ -112,6 +112,6 @@ def test_a_preflight_lists_methods_that_read(writing: TestClient) -> None:
 
 
 def test_a_listed_site_changes_nothing(writing: TestClient) -> None:
-    """To be listed lets a site read, and change nothing that a cookie would allow."""
+    """A listed site may read, and cannot change anything that needs a cookie."""
     assert stopped(writing, "POST", "/update", {"Origin": LISTED, "Cookie": "kg_session_7878=x"})
     assert stopped(writing, "PUT", "/store?default", {"Origin": LISTED})

@@ -23,32 +23,32 @@ WRONG = "x" * len(TOKEN)
 
 
 def bearer(token: str = TOKEN) -> dict[str, str]:
-    """Return the header that says a token."""
+    """Return the header with a token."""
     return {"Authorization": f"Bearer {token}"}
 
 
 @pytest.fixture(scope="module")
 def guarded(store: Path) -> Iterator[TestClient]:
-    """A server that other machines reach, so that all of it needs the token."""
+    """A server reachable from other machines, which always requires the token."""
     with application(store, OPEN, host=EVERYWHERE, hosts=("robot.lab",), token=TOKEN, log="off") as found:
         yield found
 
 
 @pytest.fixture
 def browser(guarded: TestClient) -> Iterator[TestClient]:
-    """The same, asked by a browser without cookies."""
+    """The same server, with a browser without cookies as client."""
     guarded.cookies.clear()
     yield guarded
     guarded.cookies.clear()
 
 
 def login(client: TestClient, token: str, **named: Any) -> Any:
-    """Send the form of the page."""
+    """Send the login form."""
     return client.post("/login", data={"token": token, **named}, headers={"Sec-Fetch-Site": "same-origin"})
 
 
 def test_all_needs_the_token_where_others_reach(guarded: TestClient) -> None:
-    """Without the token, or with a wrong one, nothing of the store is told: 401 and how to say it."""
+    """Without the token, or with a wrong one, no data is revealed: 401 with instructions."""
     for path in ("/", "/sparql?query=ASK{}", "/metrics", "/api/overview", "/openapi.json", "/jobs", "/nothing"):
         for headers in ({}, bearer(WRONG), bearer(""), {"Authorization": "Basic " + TOKEN}, bearer(TOKEN + " x")):
             answer = guarded.get(path, headers=headers)
@@ -59,13 +59,13 @@ def test_all_needs_the_token_where_others_reach(guarded: TestClient) -> None:
 
 
 def test_whether_it_lives_is_open(guarded: TestClient) -> None:
-    """Who watches the server needs no token, nor does the page that asks for it."""
+    """Health checks need no token, nor does the login page."""
     assert guarded.get("/health").status_code == 200
     assert guarded.get("/login").status_code == 200
 
 
 def test_names_that_only_begin_as_what_is_open(guarded: TestClient) -> None:
-    """An address that begins like an open one without being it is not open."""
+    """An address that only begins like an open one is protected."""
     assert guarded.get("/healthy").status_code == 401
     assert guarded.get("/login/../metrics").status_code == 401
 
@@ -80,7 +80,7 @@ def test_reading_needs_no_token_on_this_machine(store: Path) -> None:
 
 
 def test_a_browser_is_led_to_the_page_and_back(browser: TestClient) -> None:
-    """A page without token leads to the form, the token to a cookie that scripts and other sites do not get."""
+    """A page without token redirects to the form; the token becomes a cookie hidden from scripts and other sites."""
     led = browser.get("/query?query=ASK%7B%7D&x=1", headers={"Accept": "text/html"})
     assert led.status_code == 303
     assert led.headers["location"] == "/login?next=%2Fquery%3Fquery%3DASK%257B%257D%26x%3D1"
@@ -100,7 +100,7 @@ def test_a_browser_is_led_to_the_page_and_back(browser: TestClient) -> None:
 
 
 def test_pages_let_out_who_logged_in(browser: TestClient) -> None:
-    """Pages have the button to log out for who logged in; who uses it has to log in again."""
+    """After login, pages have a logout button; after logout, a new login is required."""
     login(browser, TOKEN)
     assert 'action="/logout"' in browser.get("/query").text
     assert browser.post("/logout").headers["location"] == "/login"
@@ -108,7 +108,7 @@ def test_pages_let_out_who_logged_in(browser: TestClient) -> None:
 
 
 def test_a_wrong_token_logs_nobody_in(browser: TestClient) -> None:
-    """The form is shown again, without what was typed and without a cookie."""
+    """The form is shown again, without the typed text and without a cookie."""
     answer = login(browser, WRONG)
     assert answer.status_code == 401
     assert "set-cookie" not in answer.headers
@@ -120,19 +120,19 @@ def test_a_wrong_token_logs_nobody_in(browser: TestClient) -> None:
     "following", ["https://evil.example/", "//evil.example", "/\\evil.example", "/\t/evil.example", "javascript:1", ""]
 )
 def test_logging_in_leads_to_this_server_only(browser: TestClient, following: str) -> None:
-    """No address of a login leads to another site."""
+    """A login redirects only within this server."""
     assert login(browser, TOKEN, next=following).headers["location"] == "/"
     assert "evil" not in browser.get("/login", params={"next": following}).text
 
 
 def test_forms_that_are_none(browser: TestClient) -> None:
-    """A login without token, or of a foreign form, is an error like others."""
+    """A login without token, or with a foreign form, is an ordinary error."""
     assert browser.post("/login", data={"other": "x"}).json()["code"] == "KG520"
     assert browser.post("/login", data={"token": TOKEN}, headers={"Origin": "http://evil.example"}).status_code == 403
 
 
 def test_the_token_changes_with_its_file(tmp_path: Path) -> None:
-    """What the file holds counts at once; without it, or with too little in it, nothing is the token."""
+    """A change of the file takes effect at once; if it is missing or too short, no token is accepted."""
     file = tmp_path / "token"
     file.write_text("first-token-of-the-file\n")
     tokens = Tokens(None, file)
@@ -153,19 +153,19 @@ def test_the_token_changes_with_its_file(tmp_path: Path) -> None:
 
 
 def test_a_cookie_ends_with_the_server() -> None:
-    """Two servers with one token do not take each other's cookies."""
+    """Two servers with one token reject each other's cookies."""
     assert Tokens(TOKEN).proof != Tokens(TOKEN).proof
 
 
 @pytest.mark.parametrize("candidate", ["", "\x00", "ü" * 20, "\ud800", TOKEN[:-1], TOKEN + "x", TOKEN.upper()])
 def test_what_is_not_the_token(candidate: str) -> None:
-    """Only the whole token matches, and no text, however odd, fails to be compared."""
+    """Only the whole token matches, and any text can be compared."""
     assert not Tokens(TOKEN).matches(candidate)
     assert not Tokens(None).matches(candidate)
 
 
 def test_the_token_is_never_told(store: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """Neither logs nor errors nor the options say the token, whatever is asked with it."""
+    """Logs, errors and options never contain the token, for any request."""
     caplog.set_level(logging.DEBUG)
     said = [repr(Options(token=TOKEN))]
     with application(store, write=True, token=TOKEN) as client:

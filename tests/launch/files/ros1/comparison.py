@@ -1,4 +1,4 @@
-"""Compares configurations with what roslaunch makes of the same files."""
+"""Compares configurations with those that roslaunch loads from the same files."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SPECIAL = re.compile(r"(?:[~/A-Za-z{}]|__?)[\w/{}]*:=.*", re.DOTALL)
 
 @cache
 def reason_to_skip() -> str | None:
-    """Return why roslaunch cannot be asked, None when it can."""
+    """Return why roslaunch is unavailable, or None."""
     try:
         command = [PYTHON, "-c", "import roslaunch"]
         found = subprocess.run(command, capture_output=True, timeout=patient(60), check=False)
@@ -46,7 +46,7 @@ def reason_to_skip() -> str | None:
 
 @dataclass(frozen=True)
 class Job:
-    """A question to roslaunch: a launch file with its arguments, and the folders of the packages."""
+    """A request to roslaunch: a launch file with its arguments, and the folders of the packages."""
 
     file: str
     args: list[str]
@@ -55,7 +55,7 @@ class Job:
 
 
 def job(workspace: Workspace, found: LaunchConfiguration, environment: Mapping[str, str]) -> Job:
-    """Return the question what roslaunch makes of the file of a configuration."""
+    """Return the request for the file of a configuration."""
     source = workspace.source(found.repository)
     assert source is not None
     folders: dict[str, str] = {}
@@ -67,7 +67,7 @@ def job(workspace: Workspace, found: LaunchConfiguration, environment: Mapping[s
 
 
 def ask(jobs: list[Job]) -> list[dict[str, Any]]:
-    """Return what roslaunch makes of files, with `package://NAME` for the folders of packages."""
+    """Return the results of roslaunch for files, with `package://NAME` for the folders of packages."""
     lines = "\n".join(json.dumps(asdict(one)) for one in jobs)
     command = [PYTHON, str(SCRIPT)]
     done = subprocess.run(command, input=lines, capture_output=True, text=True, check=True, env={})
@@ -83,14 +83,13 @@ def _as_packages(text: str, folders: Mapping[str, str]) -> str:
 
 
 def differences(ours: LaunchConfiguration, theirs: Mapping[str, Any]) -> list[str]:
-    """Return what roslaunch sees in another way, in words."""
+    """Describe the differences between roslaunch and our configuration."""
     refused = [f"{one.location}: {one.message}" for one in ours.problems if one.kind in REFUSED]
     names = [f"{node.namespace.rstrip('/')}/{node.name}" for node in ours.nodes if node.kind != "test"]
     twice = sorted({name for name in names if names.count(name) > 1})
     if "error" in theirs:
-        waits = any(one.value is None for one in ours.arguments) or any(
-            ANONYMOUS in one.namespace for one in ours.nodes
-        )
+        waits = any(one.value is None for one in ours.arguments)
+        waits = waits or any(ANONYMOUS in one.namespace for one in ours.nodes)
         return [] if refused or twice or waits else [f"only roslaunch refuses it: {theirs['error']}"]
     if refused or twice:
         return [f"only roslaunch takes it: {(refused or twice)[0]}"]
@@ -115,7 +114,7 @@ def _identity(node: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def _ours(node: StartedNode) -> dict[str, Any]:
-    """Return a node as roslaunch tells of it; remappings of `args` stand with the others there."""
+    """Return a node in the form of roslaunch; remappings of `args` are included in the others."""
     return {
         "name": node.name,
         "namespace": f"{node.namespace.rstrip('/')}/",
@@ -129,7 +128,7 @@ def _ours(node: StartedNode) -> dict[str, Any]:
 
 
 def _theirs(node: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a node of roslaunch with what its `args` say where it has its effect."""
+    """Return a node of roslaunch, with the content of its `args` applied."""
     words = shlex.split(node["args"])
     mappings = [word.split(":=", 1) for word in words if SPECIAL.fullmatch(word)]
     return {

@@ -1,4 +1,4 @@
-"""Writes launch trees at random, with much of what roslaunch refuses, for comparisons with roslaunch."""
+"""Generator of random launch trees, with many constructs that roslaunch rejects, for comparisons with it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _PLAIN_TAGS: Final = ("arg", "param", "rosparam", "remap", "node", "node", "grou
 
 
 class _Writer:
-    """Writes one tree; included files stand in an order, so that there are no cycles."""
+    """Generator of one tree; files include only later ones, which avoids cycles."""
 
     def __init__(self, random: Random, files: int) -> None:
         self._random = random
@@ -78,7 +78,7 @@ class _Writer:
         return self._tag("arg", name=name, value=self._text()) if kind < 0.95 else self._tag("arg", name=name)
 
     def _is_wild(self) -> bool:
-        """Tell whether to write what roslaunch may refuse."""
+        """Whether to write a construct that roslaunch may reject."""
         return self._random.random() < self._wild
 
     def _tag(self, tag: str, body: str = "", **attributes: str | None) -> str:

@@ -1,8 +1,8 @@
-"""Loads launch files with roslaunch itself and prints what they mean: run by the Python that has roslaunch.
+"""Loads launch files with roslaunch itself and prints the result: run by the Python that has roslaunch.
 
 Reads one job as JSON a line from standard input: `file`, `args` (`x:=y`), `environment`, `packages` (folders by name).
-Writes one result a line. Nothing is executed: commands of parameters are replaced by None, and packages that are not
-among those given are empty ones below `/unknown`.
+Writes one result a line. Nothing is executed: commands of parameters are replaced by None, and unknown packages are
+empty ones below `/unknown`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ NOTHING = "what a command prints or a file of an unknown package holds"
 
 
 class Packages:
-    """Stands in for rospkg's index of packages."""
+    """Stand-in for rospkg's index of packages."""
 
     def __init__(self, folders: dict[str, str]) -> None:
         self.folders = folders
@@ -38,15 +38,15 @@ class Packages:
         return self.folders.get(name, UNKNOWN + name)
 
     def get_custom_cache(self, _: str, default: object) -> object:
-        """Return nothing that was kept."""
+        """Return an empty cache."""
         return default
 
     def set_custom_cache(self, _: str, __: object) -> None:
-        """Keep nothing."""
+        """Cache nothing."""
 
 
 class Loader(roslaunch.xmlloader.XmlLoader):  # type: ignore[misc]  # its base has no types
-    """roslaunch's loader, which takes files of unknown packages for empty ones and executes nothing."""
+    """roslaunch's loader, which treats files of unknown packages as empty and executes nothing."""
 
     def _parse_launch(self, filename: str, verbose: object) -> Any:
         if filename.startswith(UNKNOWN):

@@ -26,7 +26,7 @@ CASES = sorted((Path(__file__).parent / "cases").glob("*/expected.json"))
 
 
 def case_workspace(root: Path, case: Path) -> Workspace:
-    """Return the workspace of a case, each folder of which is a package."""
+    """Return the workspace of a case, with a package in each folder."""
     files = {str(path.relative_to(case)): path.read_bytes() for path in case.glob("*/**/*") if path.is_file()}
     manifests = {f"{folder.name}/package.xml": manifest(folder.name) for folder in case.iterdir() if folder.is_dir()}
     return written(root, {**files, **manifests})
@@ -35,7 +35,7 @@ def case_workspace(root: Path, case: Path) -> Workspace:
 def configuration(
     workspace: Workspace, path: str, given: Mapping[str, str], environment: Mapping[str, str]
 ) -> LaunchConfiguration:
-    """Return what the launch file at `path` of the one source of a workspace is evaluated to."""
+    """Return the configuration evaluated from the launch file at `path` of the one source of a workspace."""
     (source,) = workspace.sources
     reader = Reader(workspace, source, source.packages[0])
     file = FilePath(source.repository.name, path)
@@ -50,7 +50,7 @@ def evaluated(root: Path, files: Mapping[str, str], given: Mapping[str, str] | N
 
 
 def record(found: LaunchConfiguration) -> dict[str, Any]:
-    """Return a configuration as a case tells of it: what is empty is left out."""
+    """Return a configuration in the form of a case, without empty fields."""
     whole = {
         "arguments": [
             f"{one.name} = {json.dumps(one.value)}{' fixed' * one.fixed} {one.location}" for one in found.arguments

@@ -1,6 +1,6 @@
-"""Cases are files: `cases/CASE/PACKAGE/...` are launch trees, `expected.json` tells what the file `launch` starts.
+"""Cases are files: `cases/CASE/PACKAGE/...` are launch trees, `expected.json` describes the system of `launch`.
 
-`about` is the rule that the case is about; `given` and `environment` are what the caller sets.
+`about` is the rule under test; `given` and `environment` are set by the caller.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda path: path.parent.name)
 def test_case(case: Path, tmp_path: Path) -> None:
-    """A launch tree starts what its case expects: nodes, parameters and problems with their lines."""
+    """A launch tree gives the expected nodes, parameters and problems with their lines."""
     expected = json.loads(case.read_text(encoding="utf-8"))
     workspace = case_workspace(tmp_path, case.parent)
     given, environment = expected.get("given", {}), expected.get("environment", {})

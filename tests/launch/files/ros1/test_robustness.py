@@ -1,4 +1,4 @@
-"""Whatever stands in launch files, they are evaluated to an end, within bounds and without an error."""
+"""Any launch files are evaluated completely, within limits and without an error."""
 
 from __future__ import annotations
 
@@ -65,14 +65,14 @@ def kinds(found: LaunchConfiguration) -> set[LaunchProblemKind]:
 @given(st.lists(st.sampled_from(WORDS), max_size=25).map("".join))
 @SLOW
 def test_any_text_is_evaluated(tmp_path: Path, text: str) -> None:
-    """A file with anything in it gives a configuration."""
+    """Any content of a file gives a configuration."""
     assert evaluated(tmp_path, {"main.launch": text}).path == "demo/main.launch"
 
 
 @given(st.integers(10_000, 10**6), st.sampled_from(["", "unknown", "1"]))
 @settings(SLOW, max_examples=25)
 def test_any_tree_is_evaluated_alike(tmp_path: Path, seed: int, value: str) -> None:
-    """A tree is evaluated to the same configuration each time."""
+    """A tree gives the same configuration each time."""
     tree = launch_tree(Random(seed))  # noqa: S311 - no secret
     tree["main.launch"] = tree["f0.launch"]
     given_values = {"a": value} if value else {}
@@ -80,7 +80,7 @@ def test_any_tree_is_evaluated_alike(tmp_path: Path, seed: int, value: str) -> N
 
 
 def test_doubling_texts(tmp_path: Path) -> None:
-    """Arguments that repeat each other stop growing, and that is told."""
+    """Arguments that repeat each other stop growing, which is reported."""
     lines = [f"<arg name='a{n}' default='$(arg a{n - 1})$(arg a{n - 1})'/>" for n in range(1, 60)]
     found = evaluated(tmp_path, {"main.launch": f"<launch><arg name='a0' default='xx'/>{''.join(lines)}</launch>"})
     assert kinds(found) == {LaunchProblemKind.LIMIT}
@@ -88,7 +88,7 @@ def test_doubling_texts(tmp_path: Path) -> None:
 
 
 def test_includes_that_fan_out(tmp_path: Path) -> None:
-    """Files that include each other many times are not read for ever."""
+    """Evaluation of files that include each other many times terminates."""
     includes = {n: f"<include file='$(find demo)/f{n + 1}.launch'/>" * 8 for n in range(12)}
     tree = {f"f{n}.launch": f"<launch>{text}</launch>" for n, text in includes.items()}
     found = evaluated(tmp_path, {**tree, "main.launch": tree["f0.launch"], "f12.launch": "<launch/>"})
@@ -104,7 +104,7 @@ def test_recursion_that_counts_up(tmp_path: Path) -> None:
 
 
 def test_a_file_that_includes_itself(tmp_path: Path) -> None:
-    """A cycle is named, with the file that it leads back to."""
+    """A cycle is reported, with the file at its start."""
     found = evaluated(tmp_path, {"main.launch": "<launch>\n<include file='$(find demo)/main.launch'/>\n</launch>"})
     (problem,) = found.problems
     assert (problem.kind, problem.subject, problem.location.line) == (LaunchProblemKind.CYCLE, "demo/main.launch", 2)
@@ -119,20 +119,20 @@ def test_entities_are_refused(tmp_path: Path) -> None:
 
 
 def test_lines_of_long_files(tmp_path: Path) -> None:
-    """Lines behind 65535 are right, and the line of an element is that of its start."""
+    """Lines after 65535 are right, and an element has the line of its start."""
     text = "<launch>" + "\n" * 70_000 + "<node\n  pkg='p'\n  type='t'\n  name='n'/>\n</launch>"
     (node,) = evaluated(tmp_path, {"main.launch": text}).nodes
     assert node.location.line == 70_001
 
 
 def test_deep_elements(tmp_path: Path) -> None:
-    """Elements in elements without end are not read on."""
+    """Excessively nested elements are not read."""
     found = evaluated(tmp_path, {"main.launch": "<launch>" + "<group>" * 50_000})
     assert kinds(found) == {LaunchProblemKind.MALFORMED}
 
 
 def test_yaml_that_repeats_itself(tmp_path: Path) -> None:
-    """Aliases that mean billions of values are cut, and that is told."""
+    """Aliases that expand to billions of values are cut off, which is reported."""
     lines = ["a0: &a0 {x: 1}", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 12))]
     found = evaluated(
         tmp_path,
@@ -143,7 +143,7 @@ def test_yaml_that_repeats_itself(tmp_path: Path) -> None:
 
 
 def test_deep_and_large_parameter_files(tmp_path: Path) -> None:
-    """Parameter files that nest too deep, are too large, or hold numbers without end are problems."""
+    """Parameter files with deep nesting, large size or unbounded numbers are problems."""
     files = {
         "deep": "a: " + "[" * 100_000,
         "large": "a: 1\n" * 300_000,
@@ -160,7 +160,7 @@ def test_deep_and_large_parameter_files(tmp_path: Path) -> None:
 
 
 def test_many_nodes_and_parameters(tmp_path: Path) -> None:
-    """More nodes than a configuration may have are not kept."""
+    """Nodes above the limit of a configuration are dropped."""
     nodes = "<node pkg='p' type='t' name='n'/>" * 20_010
     found = evaluated(tmp_path, {"main.launch": f"<launch>{nodes}</launch>"})
     assert len(found.nodes) == 20_000
@@ -168,7 +168,7 @@ def test_many_nodes_and_parameters(tmp_path: Path) -> None:
 
 
 def test_names_that_no_file_can_have(tmp_path: Path) -> None:
-    """Names that are too long, or hold what no name can, lead to no file."""
+    """Names that are too long, or have invalid characters, lead to no file."""
     strange = ["$(find " + "x" * 5000 + ")/a", "$(find demo)/" + "y" * 5000, "$(eval '/\\x00')", "$(eval '\\ud800')"]
     text = "".join(f'<include file="{one}"/><param name="p" textfile="{one}"/>' for one in strange)
     found = evaluated(tmp_path, {"main.launch": f"<launch>{text}</launch>"})
@@ -177,7 +177,7 @@ def test_names_that_no_file_can_have(tmp_path: Path) -> None:
 
 
 def test_a_tag_that_yaml_does_not_know_is_malformed() -> None:
-    """A value of an unknown tag ends the reading of its text, and is told with its line."""
+    """A value of an unknown tag stops the parsing of its text, and is reported with its line."""
     tree = read_tree("a: 1\nb: !include c\nd: 2\n")
     assert [leaf.keys for leaf in tree.leaves] == [("a",)]
     assert [line for _, line in tree.problems] == [2]

@@ -1,4 +1,4 @@
-"""What roslaunch itself makes of launch files is what we make of them: nodes, names, remappings, parameters, faults.
+"""kg and roslaunch give the same nodes, names, remappings, parameters and faults for launch files.
 
 Runs where the system's Python has roslaunch (Debian's `python3-roslaunch`).
 """
@@ -25,7 +25,7 @@ ENVIRONMENT = {"HOME_OF": "5"}
 
 
 def test_cases_agree(tmp_path: Path) -> None:
-    """The cases are what roslaunch loads, or what it refuses where we tell of a fault."""
+    """Each case is loaded by roslaunch, or rejected where kg reports a fault."""
     jobs, found = [], []
     for case in CASES:
         expected = json.loads(case.read_text(encoding="utf-8"))
@@ -39,7 +39,7 @@ def test_cases_agree(tmp_path: Path) -> None:
 
 
 def test_trees_at_random_agree(tmp_path: Path) -> None:
-    """Launch trees at random mean the same to roslaunch, and what it refuses is a problem."""
+    """Random launch trees give the same result in roslaunch, and its rejections are problems."""
     jobs, found = [], []
     for seed in range(TREES):
         tree = {f"demo/{path}": text for path, text in launch_tree(Random(seed)).items()}  # noqa: S311 - no secret

@@ -1,8 +1,8 @@
-"""Evaluation cases are files: `cases/<case>/` is a package, and `expected.json` says what its launch files give.
+"""Evaluation cases are files: `cases/<case>/` is a package, and `expected.json` has the results of its launch files.
 
-`expected.json` maps launch files to what is expected of them: `nodes` in order, each with the keys that the case is
-about; `problems` as kind, subject and place, all of them; `includes`, `arguments` and `files` where given; `given` and
-`environment` are what the evaluation begins with.
+`expected.json` maps launch files to their expected results: `nodes` in order, each with the keys under test; `problems`
+as kind, subject and place, all of them; `includes`, `arguments` and `files` if given; `given` and `environment` are the
+input of the evaluation.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def evaluated(case: Path, path: str, given: dict[str, str], environment: dict[st
 
 
 def node_record(node: StartedNode) -> Record:
-    """Return a node as cases write it."""
+    """Return a node in the notation of the cases."""
     return {
         "name": node.name,
         "namespace": node.namespace,
@@ -69,13 +69,13 @@ def _parameter_text(given: LaunchParameter) -> str:
 
 
 def problem_text(problem: LaunchProblem) -> str:
-    """Return a problem as cases write it."""
+    """Return a problem in the notation of the cases."""
     return f"{problem.kind.value} {problem.subject} {problem.location}"
 
 
 @pytest.mark.parametrize(("case", "path"), CASES, ids=[f"{case.name}/{path}" for case, path in CASES])
 def test_case(case: Path, path: str) -> None:
-    """A launch file starts what its case expects, with the names, remappings and parameters it expects."""
+    """A launch file starts the expected nodes, with their names, remappings and parameters."""
     expected = EXPECTED[case][path]
     found = evaluated(case, path, expected.get("given", {}), expected.get("environment", {}))
     records = [

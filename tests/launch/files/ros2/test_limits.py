@@ -25,7 +25,7 @@ NESTED = "\n".join(f"a{i}: &a{i} {{p: *a{i - 1}, q: *a{i - 1}}}" for i in range(
 
 
 def evaluated(folder: Path, files: dict[str, str]) -> LaunchConfiguration:
-    """Write a package and return what its first file gives."""
+    """Write a package and return the result of its first file."""
     for name, text in {"package.xml": MANIFEST, **files}.items():
         (folder / name).write_text(text)
     source = scan(folder, Repository("local/demo", str(folder)))
@@ -76,7 +76,7 @@ MALFORMED = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_what_grows_without_end_is_cut_and_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, case: str) -> None:
-    """Includes, texts, nodes and parameters are bounded, and a problem says which bound was met."""
+    """Includes, texts, nodes and parameters are bounded, and a problem names the reached limit."""
     for what, most in {"actions": 1_000, "nodes": 100, "parameters": 2_000}.items():
         monkeypatch.setitem(MOST, what, most)
     assert LaunchProblemKind.LIMIT in {problem.kind for problem in evaluated(tmp_path, CASES[case]).problems}
@@ -89,7 +89,7 @@ def test_files_that_expand_endlessly_are_malformed(tmp_path: Path, case: str) ->
 
 
 def test_characters_that_are_no_text_are_not_known(tmp_path: Path) -> None:
-    """No text that cannot be written to a file comes of an expression, also in a file of parameters."""
+    """No expression gives a text that cannot be written to a file, also in a file of parameters."""
     strange = "$(eval 'chr(0xd800)')"
     node = f'<node pkg="p" exec="e" name="n{strange}"><param from="$(dirname)/p.yaml" allow_substs="true"/></node>'
     content = f"/**:\n  ros__parameters:\n    a: x{strange}\n"
@@ -122,6 +122,6 @@ ELEMENTS = st.recursive(
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], deadline=None)
 @given(st.lists(ELEMENTS, max_size=5))
 def test_no_launch_file_makes_evaluation_fail(tmp_path: Path, elements: list[str]) -> None:
-    """Any elements with any attributes give a configuration, if one with problems."""
+    """Any elements with any attributes give a configuration, possibly with problems."""
     found = evaluated(tmp_path, {"a.launch.xml": f"<launch>{''.join(elements)}</launch>", "b.launch.xml": "<launch/>"})
     assert found.path == "a.launch.xml"

@@ -12,7 +12,7 @@ WORDS = st.text("abc/._ '\"$()\\\n:", min_size=1, max_size=8)
 
 
 def texts(depth: int = 3) -> st.SearchStrategy[Text]:
-    """Texts with substitutions nested up to a depth, no two plain parts beside each other."""
+    """Texts with substitutions nested up to a depth, without adjacent plain parts."""
     plain: st.SearchStrategy[Text] = WORDS.map(lambda word: (word,))
     if depth == 0:
         return plain
@@ -23,7 +23,7 @@ def texts(depth: int = 3) -> st.SearchStrategy[Text]:
 
 
 def joined(pieces: list[Text]) -> Text:
-    """Put parts together as the parser does: plain text beside plain text is one part."""
+    """Join parts like the parser: adjacent plain texts are one part."""
     parts: list[str | Substitution] = []
     for (piece,) in pieces:
         if isinstance(piece, str) and parts and isinstance(parts[-1], str):
@@ -34,7 +34,7 @@ def joined(pieces: list[Text]) -> Text:
 
 
 def printed(text: Text) -> str:
-    """Write a text so that it reads as the same, every special character behind a backslash."""
+    """Write a text that parses to itself, with every special character escaped."""
     return "".join(
         "".join(f"\\{character}" for character in part)
         if isinstance(part, str)
@@ -51,7 +51,7 @@ def test_what_is_written_reads_as_the_same(text: Text) -> None:
 
 @given(st.text("ab $()'\"\\-\n", max_size=40))
 def test_any_text_is_parsed_or_refused(text: str) -> None:
-    """No text makes the parser fail in any other way than with its own error."""
+    """Any text is parsed, or rejected with the parser's own error."""
     try:
         parts = parse_template(text)
     except TemplateError:
@@ -76,12 +76,12 @@ def test_any_text_is_parsed_or_refused(text: str) -> None:
     ],
 )
 def test_forms_of_substitutions(text: str, expected: Text) -> None:
-    """Operands stand between spaces or in quotes, and substitutions in them are nested."""
+    """Operands are separated by spaces or in quotes, and may contain substitutions."""
     assert parse_template(text) == expected
 
 
 @pytest.mark.parametrize("text", ["$(", "$()", "$(var", "$(var 'a)", "$(var a'b')", "$(eval 1 * (2))", "$(a " * 50])
 def test_what_launch_refuses_is_refused(text: str) -> None:
-    """A substitution that is not closed, not named, or has a quote or a bracket in the midst of a word is an error."""
+    """A substitution that is not closed, unnamed, or has a quote or a bracket inside a word is an error."""
     with pytest.raises(TemplateError):
         parse_template(text)

@@ -14,7 +14,7 @@ SCALARS = st.one_of(
 
 @given(st.text(max_size=60))
 def test_a_quoted_text_reads_as_itself(text: str) -> None:
-    """A text written as YAML is that text again when it is read, on one line."""
+    """A text written as YAML is parsed to the same text, on one line."""
     written = quoted(text)
     assert "\n" not in written
     if text.isprintable():
@@ -23,14 +23,14 @@ def test_a_quoted_text_reads_as_itself(text: str) -> None:
 
 @given(st.text(max_size=60), st.sampled_from([None, "string", "int", "double", "bool"]))
 def test_any_text_is_a_value(text: str, wanted: str | None) -> None:
-    """No text of a parameter makes reading it fail, and its value stays on one line."""
+    """Any text of a parameter can be read, and its value is on one line."""
     value, _ = of_text(text, wanted)
     assert value is None or "\n" not in value
 
 
 @given(SCALARS)
 def test_values_of_python_keep_their_meaning(value: object) -> None:
-    """A value of Python is written as YAML that means the same."""
+    """A Python value is written as equivalent YAML."""
     written, kind = of_object(value)
     if written is not None and (not isinstance(value, str) or value.isprintable()):
         assert yaml.safe_load(written) == value
@@ -62,5 +62,5 @@ def test_values_of_python_keep_their_meaning(value: object) -> None:
 def test_texts_are_read_as_yaml_unless_a_type_is_asked_for(
     text: str, wanted: str | None, expected: tuple[str | None, str | None]
 ) -> None:
-    """The value and type of a text are those that launch gives it."""
+    """The value and type of a text equal those in launch."""
     assert of_text(text, wanted) == expected

@@ -1,6 +1,6 @@
-"""Cases are files: `cases/CASE/PACKAGE/...` are descriptions, `case.toml` tells which plugins one of them has.
+"""Cases are files: `cases/CASE/PACKAGE/...` are descriptions, `case.toml` has the plugins of one of them.
 
-A line `! KIND PLACE: MESSAGE` is a problem; places are those of files, after `<` those of includes that led there.
+A line `! KIND PLACE: MESSAGE` is a problem; places are those of files, followed by `<` and their includes.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ CASES = sorted((Path(__file__).parent / "cases").glob("*/case.toml"))
 
 
 def shown(read: Read) -> Iterator[str]:
-    """Yield the lines that a case expects."""
+    """Yield the lines in the notation of a case."""
     for plugin in read.plugins:
         condition = f" if {plugin.condition}" if plugin.condition else ""
         yield f"{plugin.library} {plugin.name} {place(plugin.location, plugin.chain)}{condition}"
@@ -36,13 +36,13 @@ def shown(read: Read) -> Iterator[str]:
 
 
 def place(location: Location, chain: tuple[Location, ...]) -> str:
-    """Return a place with those that led to it."""
+    """Return a place with its includes."""
     return " < ".join(map(str, (location, *chain)))
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda path: path.parent.name)
 def test_case(case: Path, tmp_path: Path) -> None:
-    """A description has the plugins that its case expects, with the lines of their elements."""
+    """A description has the plugins expected by its case, with the lines of their elements."""
     expected = tomllib.loads(case.read_text("utf-8"))
     folder = case.parent
     files = {str(path.relative_to(folder)): path.read_bytes() for path in folder.glob("*/**/*") if path.is_file()}

@@ -1,4 +1,4 @@
-"""Robot descriptions that launch files name: plugins stand in the configuration, with the parameter they are in."""
+"""Robot descriptions named by launch files: the configuration has their plugins, with their parameter."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def texts(found: LaunchConfiguration) -> list[tuple[str, str]]:
 
 
 def test_commands_and_files_of_roslaunch_are_descriptions(tmp_path: Path) -> None:
-    """The last of two settings counts; the chain has the line of the parameter."""
+    """The last of two settings wins; the chain has the line of the parameter."""
     found = configuration(
         tmp_path,
         1,
@@ -74,20 +74,20 @@ def test_commands_and_files_of_roslaunch_are_descriptions(tmp_path: Path) -> Non
 
 
 def test_arguments_that_are_not_known_stay_so(tmp_path: Path) -> None:
-    """What depends on an argument without default is `{}` in the plugin."""
+    """Text that depends on an argument without default is `{}` in the plugin."""
     text = """<launch><arg name="t"/>
   <param name="d" command="$(find xacro)/xacro $(find demo)/urdf/r.xacro topic:=x_$(arg t)"/></launch>"""
     assert texts(configuration(tmp_path, 1, "a.launch", text)) == [("/d", "x_{}")]
 
 
 def test_commands_and_functions_of_ros_2_are_descriptions(tmp_path: Path) -> None:
-    """A parameter of a node holds the plugins, by the absolute name of the node."""
+    """A parameter of a node has the plugins, by the absolute name of the node."""
     found = configuration(tmp_path, 2, "a.launch.py", PYTHON)
     assert texts(found) == [("/rsp/robot_description", "front"), ("/two/other/robot_description", "rear")]
 
 
 def test_commands_of_ros_2_xml_are_descriptions(tmp_path: Path) -> None:
-    """The substitution `command` of XML is the same."""
+    """The substitution `command` of XML behaves the same."""
     text = """<launch><node pkg="rsp" exec="rsp" name="n">
   <param name="robot_description" value="$(command 'xacro $(find-pkg-share demo)/urdf/r.xacro topic:=x')"/>
 </node></launch>"""
@@ -95,7 +95,7 @@ def test_commands_of_ros_2_xml_are_descriptions(tmp_path: Path) -> None:
 
 
 def test_files_that_commands_of_ros_2_print_are_descriptions(tmp_path: Path) -> None:
-    """A description that `cat` prints holds plugins too."""
+    """A description printed by `cat` has plugins, too."""
     text = """<launch><node pkg="rsp" exec="rsp" name="n">
   <param name="robot_description" value="$(command 'cat $(find-pkg-share demo)/urdf/plain.urdf')"/>
 </node></launch>"""

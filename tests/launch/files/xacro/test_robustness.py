@@ -1,4 +1,4 @@
-"""No description makes the evaluation raise, run without end, or grow without bound."""
+"""For any description the evaluation terminates, within limits and without raising."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ ATTRIBUTES = st.dictionaries(
 
 
 def quoted(text: str) -> str:
-    """Return a text as it stands in an attribute."""
+    """Return a text escaped for an attribute."""
     return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
 
 
@@ -58,7 +58,7 @@ ELEMENTS = st.recursive(
 
 
 def read(root: Path, text: str | bytes, arguments: dict[str, str] | None = None) -> Read:
-    """Return what the description `demo/r.xacro` of this text comes to."""
+    """Return the result of the description `demo/r.xacro` with this text."""
     workspace = written(root, {"demo/package.xml": manifest("demo"), "demo/r.xacro": text})
     (source,) = workspace.sources
     file = FilePath(source.repository.name, "demo/r.xacro")
@@ -70,7 +70,7 @@ def read(root: Path, text: str | bytes, arguments: dict[str, str] | None = None)
     max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 def test_no_combination_of_commands_raises(tmp_path: Path, parts: list[str]) -> None:
-    """Whatever commands stand in one another, there is a result, and the same one again."""
+    """Any nesting of commands gives a result, and the same one again."""
     text = f"<robot>{''.join(parts)}</robot>"
     assert read(tmp_path, text, {"a": "x"}) == read(tmp_path, text, {"a": "x"})
 
@@ -105,7 +105,7 @@ def test_what_grows_without_end_is_cut_and_named(tmp_path: Path, text: str) -> N
 
 
 def test_texts_that_double_are_cut(tmp_path: Path) -> None:
-    """A text that grows too long is not known."""
+    """A text that grows too long is unknown."""
     text = f'<r><xacro:property name="p0" value="x_"/>{BOMB}<plugin filename="a.so" name="${{p60}}"/></r>'
     (found,) = read(tmp_path, text).plugins
     assert found.name is not None
@@ -113,13 +113,13 @@ def test_texts_that_double_are_cut(tmp_path: Path) -> None:
 
 
 def test_a_property_that_depends_on_itself_is_not_known(tmp_path: Path) -> None:
-    """Nothing is evaluated in a circle."""
+    """Circular definitions are not evaluated."""
     text = '<r><xacro:property name="a" value="${b}"/><xacro:property name="b" value="${a}"/>'
     (found,) = read(tmp_path, f'{text}<plugin filename="${{a}}.so"/></r>').plugins
     assert found.library == "{}.so"
 
 
 def test_arguments_of_a_command_line_are_those_with_a_sign() -> None:
-    """Options and the file are none."""
+    """Options and the file are not arguments."""
     words = ["/opt/bin/xacro", "--inorder", "robot.xacro", "a:=b", "c:="]
     assert named_description(words) == ("robot.xacro", {"a": "b", "c": ""})

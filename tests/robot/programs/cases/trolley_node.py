@@ -1,6 +1,7 @@
-"""A trolley as a node of ROS 1, in Debian's rospy: it rolls, tells where it is and how far the wall, takes goals.
+"""A trolley as a node of ROS 1, in Debian's rospy: it rolls, publishes its position and the wall's distance, takes
+goals.
 
-It stands alone, for it is run by the system's Python.
+It imports no test module, because the system's Python runs it.
 """
 
 import threading
@@ -19,12 +20,12 @@ WALL = 3.0
 
 
 class Trolley:
-    """Where it is and how fast it rolls."""
+    """Position and speed of the trolley."""
 
     def __init__(self) -> None:
-        """Offer and ask for topics."""
+        """Advertise and subscribe to topics."""
         self.place = 0.0
-        self.lock = threading.Lock()  # goals come in another thread than that which rolls
+        self.lock = threading.Lock()  # goals arrive in another thread than the rolling one
         self.speed = 0.0
         self.since = rospy.get_time()
         self.odometry = rospy.Publisher("/odom", Odometry, queue_size=1)
@@ -36,13 +37,13 @@ class Trolley:
         rospy.Service("/wait", Trigger, self.wait)
 
     def wait(self, _: object) -> TriggerResponse:
-        """Answer when it is too late."""
+        """Answer too late."""
         print("called", flush=True)
         rospy.sleep(1000)
         return TriggerResponse()
 
     def on_velocity(self, message: Twist) -> None:
-        """Roll as told."""
+        """Roll at the commanded velocity."""
         self.speed = message.linear.x
         print(f"speed {self.speed:g}", flush=True)
 
@@ -57,18 +58,18 @@ class Trolley:
             return
         with self.lock:
             self.place = goal.target_pose.pose.position.x
-        self.tell()  # before the result: the robot is where it was sent when it says so
+        self.tell()  # before the result: the robot is at its goal when it reports success
         self.server.set_succeeded(MoveBaseResult())
 
     def step(self) -> None:
-        """Roll for the time that has passed, which may be more than a step, and publish the place."""
+        """Roll for the elapsed time, which may exceed a step, and publish the position."""
         since, self.since = self.since, rospy.get_time()
         with self.lock:
             self.place += self.speed * (self.since - since)
         self.tell()
 
     def tell(self) -> None:
-        """Publish where it is and how far the wall is."""
+        """Publish the position and the distance of the wall."""
         odometry = Odometry()
         odometry.pose.pose.position.x = self.place
         odometry.pose.pose.orientation.w = 1.0

@@ -13,7 +13,7 @@ from kg.rules.specialise import specialise
 __all__ = ["canonical", "evaluated", "triples"]
 
 LIMIT = Limits(max_triples=10_000)
-"""Rules that make terms from types may run: whether a class is below another, only the data tells."""
+"""Allow rules that create terms from types: only the data shows whether a class is below another."""
 
 
 def triples(text: str) -> list[Triple]:
@@ -22,7 +22,7 @@ def triples(text: str) -> list[Triple]:
 
 
 def evaluated(shapes: str, data: list[Triple], *, cut: bool = False) -> list[Triple]:
-    """Return the inferences of the rules of a shapes graph from data; `cut`: with rules cut to its schema."""
+    """Return the inferences of the rules of a shapes graph from data; `cut`: with rules specialised to its schema."""
     facts = [(triple.subject, triple.predicate, triple.object) for triple in data]
     compiled = rules(shapes, "tests/case", "rules.ttl")
     found = inferred(specialise(compiled, data) if cut else compiled, facts, LIMIT)

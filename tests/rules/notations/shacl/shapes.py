@@ -1,7 +1,7 @@
-"""Shapes graphs and data for comparison with another implementation, as hypothesis strategies that give Turtle.
+"""Shapes graphs and data for comparison with another implementation, as hypothesis strategies of Turtle.
 
-Shapes have different orders, so that theirs is the only order of evaluation. A rule of shape n derives `ex:e{n}` (whose
-values are names), `ex:v{n}` (any values) or the type `ex:T{n}`; conditions read what shapes before it derived.
+Shapes have different orders, which fixes the order of evaluation. A rule of shape n derives `ex:e{n}` (with names as
+values), `ex:v{n}` (any values) or the type `ex:T{n}`; conditions read derivations of earlier shapes.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ one_of = st.sampled_from
 
 
 def data() -> SearchStrategy[str]:
-    """Give data as Turtle: links between a few nodes, literals, types and a class hierarchy."""
+    """Draw data as Turtle: links between a few nodes, literals, types and a class hierarchy."""
     link = st.builds("{} {} {} .".format, one_of(NODES), one_of(LINKS), one_of(NODES))
     literal = st.builds("{} ex:l0 {} .".format, one_of(NODES), one_of(LITERALS))
     number = st.builds("{} {} {} .".format, one_of(NODES), one_of(NUMBERS), one_of(LITERALS[:3]))
@@ -71,7 +71,7 @@ def _values(level: int) -> list[str]:
 
 
 def _tests(level: int, *, classes: bool) -> SearchStrategy[str]:
-    """Give constraints on value nodes."""
+    """Draw constraints on value nodes."""
     found = [
         one_of(["IRI", "Literal", "BlankNode", "IRIOrLiteral", "BlankNodeOrIRI"]).map("sh:nodeKind sh:{}".format),
         one_of(["integer", "string"]).map("sh:datatype xsd:{}".format),
@@ -107,7 +107,7 @@ def _property(level: int, *, classes: bool) -> SearchStrategy[str]:
 
 
 def _shape(level: int, *, classes: bool, depth: int = 2) -> SearchStrategy[str]:
-    """Give the inside of a shape."""
+    """Draw the content of a shape."""
     closed = one_of(
         [f"sh:closed true ; sh:ignoredProperties ( ex:p0 ex:l0 <{RDF_TYPE}> {DERIVED} )", "sh:closed false"]
     )
@@ -200,7 +200,7 @@ def _node_shape(level: int, *, types: bool) -> SearchStrategy[str]:
 
 @st.composite
 def shapes_graphs(draw: st.DrawFn) -> str:
-    """Give a shapes graph of one to three shapes with rules, as Turtle."""
+    """Draw a shapes graph of one to three shapes with rules, as Turtle."""
     types = draw(st.booleans())
     levels = draw(st.integers(1, 3))
     found = [draw(_node_shape(level, types=types)) for level in range(1, levels + 1)]

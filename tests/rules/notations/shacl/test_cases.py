@@ -1,4 +1,4 @@
-"""SHACL rules by cases: each folder of `cases` has rules, data, and the triples that they infer, all in Turtle."""
+"""SHACL rules by cases: each folder of `cases` has rules, data, and the inferred triples, all in Turtle."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CASES = sorted((Path(__file__).parent / "cases").iterdir())
 @pytest.mark.parametrize("cut", [False, True], ids=["as written", "cut to the schema"])
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_rules_infer_what_the_case_expects(case: Path, *, cut: bool) -> None:
-    """The rules infer the expected triples and no others, also where class hierarchies are solved beforehand."""
+    """The rules infer exactly the expected triples, also with class hierarchies resolved in advance."""
     shapes, data, expected = ((case / f"{name}.ttl").read_text() for name in ("rules", "data", "expected"))
     assert canonical(evaluated(shapes, triples(data), cut=cut)) == canonical(triples(expected))
 
@@ -36,7 +36,7 @@ ex:Shape a sh:NodeShape ;
 
 
 def test_types_may_be_given_to_new_terms_where_the_hierarchy_is_known() -> None:
-    """A class as target reads any type, until the schema says which classes are below it."""
+    """A class as target reads any type, unless the schema gives its subclasses."""
     written = rules(TYPES, "tests/types", "types.ttl")
     with pytest.raises(RuleError, match="makes new terms"):
         Program(written).refuse_minting()

@@ -36,7 +36,7 @@ def test_a_triple_rule_stands_where_its_type_does() -> None:
 
 
 def test_parts_of_a_query_stand_inside_their_string() -> None:
-    """A pattern and an expression have the place of their first character, also behind escapes."""
+    """A pattern and an expression have the place of their first character, also after escapes."""
     rule = rules(SHAPES, "tests/places", "shapes.ttl")[1]
     (atom,) = [element for element in rule.body if isinstance(element, Atom)]
     (bound,) = [element for element in rule.body if isinstance(element, Assignment)]
@@ -47,6 +47,6 @@ def test_parts_of_a_query_stand_inside_their_string() -> None:
 
 
 def test_parts_count_through_the_file() -> None:
-    """Rules of one file have one name, and parts from one on."""
+    """Rules of one file have one name, and parts numbered from one."""
     found = rules(SHAPES, "tests/places", "shapes.ttl")
     assert [(rule.name, rule.part) for rule in found] == [("tests/places", 1), ("tests/places", 2)]

@@ -1,4 +1,4 @@
-"""Shapes graphs that are refused: the first line of each file of `refused` has the code, the place and the message."""
+"""Rejected shapes graphs: the first line of each file of `refused` has the code, the place and the message."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_a_shapes_graph_is_refused_with_its_place(file: Path) -> None:
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_a_refusal_says_the_way_out(file: Path) -> None:
-    """Errors that the parser of Turtle or of SPARQL does not make have a hint."""
+    """Errors raised outside the parsers of Turtle and SPARQL have a hint."""
     if file.stem in {"turtle-syntax", "turtle-prefix", "construct-expression"}:
         return
     with pytest.raises(RuleError) as raised:

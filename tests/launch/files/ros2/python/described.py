@@ -1,4 +1,4 @@
-"""Reading a launch file of a test, and what it describes as lines of text."""
+"""Reading a launch file of a test, and its description as lines of text."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["described", "executed", "read_text"]
 def read_text(
     root: Path, files: Mapping[str, str | bytes], given: Mapping[str, str] | None = None
 ) -> tuple[list[Action], list[LaunchProblem]]:
-    """Return actions and problems of `launch.py` in the package `demo`, bodies of opaque functions included."""
+    """Return actions and problems of `launch.py` in the package `demo`, including bodies of opaque functions."""
     reader = reader_of(root, files)
     named = Files(reader)
     file = reader.file("demo/launch.py")
@@ -36,7 +36,7 @@ def read_text(
 
 
 def executed(actions: Iterable[Action], context: Context) -> Iterator[Action]:
-    """Yield actions with opaque functions replaced by what they return, where arguments have their defaults."""
+    """Yield actions with opaque functions replaced by their results, with default arguments."""
     for action in actions:
         if isinstance(action, DeclareArgument) and action.default is not None:
             context.scope.configurations.setdefault(action.name, context.perform(action.default))
@@ -50,7 +50,7 @@ def executed(actions: Iterable[Action], context: Context) -> Iterator[Action]:
 
 
 def described(actions: Sequence[Action], problems: Sequence[LaunchProblem]) -> str:
-    """Return a line for each action, with what it holds below it, and then one for each problem."""
+    """Return a line for each action, with its content below it, and then one for each problem."""
     lines = [line for action in actions for line in _lines(action, 0)]
     lines += [f"{problem.location.line} {problem.kind}: {problem.message}" for problem in problems]
     return "\n".join(lines) + "\n"

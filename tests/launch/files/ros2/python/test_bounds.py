@@ -1,4 +1,4 @@
-"""Whatever a file holds, reading it ends, and answers with actions and problems."""
+"""Any file is read in bounded time, and gives actions and problems."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ WRAPPED = (
 
 
 def read(text: bytes) -> str:
-    """Return what a text gives as a launch file."""
+    """Return the result of reading a text as a launch file."""
     with TemporaryDirectory() as folder:
         return described(*read_text(Path(folder), {"launch.py": text}))
 
 
 def mutated(text: bytes, seed: int) -> bytes:
-    """Return a text in which lines and words have changed their places, or were lost."""
+    """Return a text with lines and words moved or removed."""
     source = random.Random(seed)  # noqa: S311 - nothing secret
     words = text.replace(b"(", b" ( ").replace(b")", b" ) ").replace(b",", b" , ").split(b" ")
     for _ in range(source.randint(1, 4)):
@@ -42,7 +42,7 @@ def mutated(text: bytes, seed: int) -> bytes:
 @settings(max_examples=100, deadline=None)
 @given(st.sampled_from(SEEDS), st.integers(0, 2**32))
 def test_mutations(text: bytes, seed: int) -> None:
-    """A file in which words changed places is read, or is malformed."""
+    """A file with moved words is read, or is malformed."""
     read(mutated(text, seed))
 
 
@@ -76,18 +76,18 @@ def test_bytes(text: bytes) -> None:
     ids=lambda expression: expression[:20],
 )
 def test_hostile_expressions(expression: str) -> None:
-    """An expression that would take all memory, time or stack is not known."""
+    """An expression that would exhaust memory, time or stack is unknown."""
     assert read(WRAPPED.format(expression).encode())
 
 
 def test_doubling() -> None:
-    """A text or list that is doubled again and again ends at a bound."""
+    """A text or list that is doubled repeatedly ends at a limit."""
     body = "    a, b = 'x', [1]\n    for i in range(1000):\n        a += a\n        b += b\n    return a\n"
     assert "limit" in read(f"def generate_launch_description():\n{body}".encode())
 
 
 def test_aliases_of_yaml(tmp_path: Path) -> None:
-    """A YAML file whose aliases would grow without end is read within the bounds."""
+    """A YAML file with unbounded aliases is read within the limits."""
     layers = "".join(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]\n" for n in range(1, 30))
     text = "import yaml\ndef generate_launch_description():\n    return yaml.safe_load(open(FILE))\n".replace(
         "FILE", "__file__[:-9] + 'x.yaml'"

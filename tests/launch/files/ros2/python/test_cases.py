@@ -1,7 +1,7 @@
-"""Cases are files: `cases/<case>/launch.py`, and in `expected.txt` the actions and problems that it gives.
+"""Cases are files: `cases/<case>/launch.py`, with its actions and problems in `expected.txt`.
 
-Other files of a case stand in the package `demo` beside it; those below `packages/` are packages of their own, and
-`given.json` has the arguments that the caller sets. To see what is read now, run this file with the name of a case.
+Other files of a case are in the same package `demo`; those below `packages/` are separate packages, and `given.json`
+has the arguments set by the caller. To see the current result, run this file with the name of a case.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ CASES = sorted(path.parent for path in (Path(__file__).parent / "cases").glob("*
 
 
 def read(case: Path, root: Path) -> str:
-    """Return what a case gives."""
+    """Return the result of a case."""
     files = {
         path.relative_to(case).as_posix().replace("packages/", "../", 1): path.read_bytes()
         for path in sorted(case.rglob("*"))
@@ -30,7 +30,7 @@ def read(case: Path, root: Path) -> str:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_case(case: Path, tmp_path: Path) -> None:
-    """A launch file gives the actions and problems that its case expects."""
+    """A launch file gives the actions and problems expected by its case."""
     assert read(case, tmp_path) == (case / "expected.txt").read_text()
 
 

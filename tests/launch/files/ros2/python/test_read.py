@@ -1,4 +1,4 @@
-"""What holds for all launch files in Python."""
+"""Properties of all launch files in Python."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def generate_launch_description():
 
 
 def test_body_is_read_again(tmp_path: Path) -> None:
-    """The body of an opaque function gives the same each time, whatever it changes outside of itself."""
+    """The body of an opaque function gives the same each time, despite its side effects."""
     reader = reader_of(tmp_path, {"launch.py": COLLECTING})
     files, file = Files(reader), reader.file("demo/launch.py")
     problems: list[LaunchProblem] = []
@@ -49,7 +49,7 @@ def test_body_is_read_again(tmp_path: Path) -> None:
 
 
 def test_problems_of_a_body_are_those_of_its_execution(tmp_path: Path) -> None:
-    """What is unknown in the body of an opaque function is said where it is executed, not where it is read."""
+    """Unknown parts of an opaque function's body are reported when it is executed, not when it is read."""
     text = COLLECTING.replace("return found", "return unknown_thing()")
     reader = reader_of(tmp_path, {"launch.py": text})
     files, file = Files(reader), reader.file("demo/launch.py")
@@ -63,13 +63,13 @@ def test_problems_of_a_body_are_those_of_its_execution(tmp_path: Path) -> None:
 
 
 def test_parsed_once() -> None:
-    """A text is parsed once in a process."""
+    """A text is parsed once per process."""
     file = FilePath("local/demo", "launch.py")
     assert parse(file, b"x = 1") is parse(file, b"x = 1")
 
 
 def test_descriptions_of_tests(tmp_path: Path) -> None:
-    """A test of launch_testing gives the description that it returns, alone or with a context."""
+    """A test of launch_testing gives its returned description, alone or with a context."""
     text = """
 import launch_testing.actions
 from launch import LaunchDescription
@@ -82,7 +82,7 @@ def generate_test_description():
 
 
 def test_files_of_other_folders_are_not_read(tmp_path: Path) -> None:
-    """A path that leads out of the build is not read, in whatever way it is made."""
+    """A path that leads outside the build is not read, however it is computed."""
     outside = tmp_path / "secret.yaml"
     outside.write_text("name: secret\n")
     text = f"""
