@@ -61,7 +61,8 @@ def _case(case: etree._Element) -> Case:
     measured = {one.get("name", ""): float(one.get("value", 0)) for one in case.iter("property")}
     fixtures = {name.removeprefix(FIXTURE): spent for name, spent in measured.items() if name.startswith(FIXTURE)}
     seconds = measured.get(TEST, float(case.get("time", 0)))
-    return Case(file_of(case.get("classname", "")), case.get("name", ""), seconds, fixtures)
+    name = case.get("name", "")  # a module that is skipped as a whole has no class
+    return Case(file_of(case.get("classname") or name), name, seconds, fixtures)
 
 
 def file_of(dotted: str) -> str:
