@@ -55,6 +55,12 @@ for _number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
         signal.signal(_number, lambda *_: None)
 
 
+def pytest_xdist_auto_num_workers() -> int:
+    """Use three workers for two processors: tests wait for browsers, servers and clocks for a quarter of their time."""
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, processors * 3 // 2)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
     """Collect the tests with the garbage collector disabled, then exempt their objects from later collections.
