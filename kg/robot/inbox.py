@@ -98,9 +98,7 @@ class GoalProgress:
     def __init__(self) -> None:
         self._told: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
         self._done: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
-        self._done.add_done_callback(
-            lambda done: done.cancelled() or done.exception()
-        )  # the result need not be awaited
+        self._done.add_done_callback(lambda done: done.cancelled() or done.exception())  # it may never be awaited
 
     async def feedback(self) -> AsyncIterator[Value]:
         """Yield feedback until the goal has ended."""

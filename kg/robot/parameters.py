@@ -194,9 +194,8 @@ async def _read_nodes(connection: Connection, node: str | None) -> tuple[list[No
         raise RobotError("KG852", f"{connection.address} is a bridge, over which kg reads no parameters of ROS 1")
     graph = of_robot(await connection.graph())
     services = {end.name for end in graph.ends if end.role is Role.SERVICES and end.type == _LIST}
-    nodes = {
-        name.removesuffix(_LISTING) for name in services if name.endswith(_LISTING)
-    }  # a bridge may not report nodes
+    # A bridge may not report nodes, so they are found by their services.
+    nodes = {name.removesuffix(_LISTING) for name in services if name.endswith(_LISTING)}
     if node is not None:
         called = f"/{node.strip('/')}"
         if called not in nodes:

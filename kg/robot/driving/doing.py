@@ -133,9 +133,7 @@ class Channel:
                 self.lost = True
 
     async def _send(self, message: Value) -> None:
-        task = asyncio.ensure_future(
-            self._publish(message)
-        )  # its error is raised here, or nothing receives it any more
+        task = asyncio.ensure_future(self._publish(message))  # its error is raised here, or not needed any more
         self._sending.hold(task)
         await asyncio.shield(task)
 
