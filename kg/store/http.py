@@ -7,12 +7,14 @@ nodes must not run twice.
 from __future__ import annotations
 
 import base64
+import json
 import os
 import shutil
 import time
 import urllib.request
+from contextlib import suppress
 from dataclasses import dataclass
-from http.client import HTTPException
+from http.client import HTTPException, RemoteDisconnected
 from tempfile import SpooledTemporaryFile
 from typing import IO, TYPE_CHECKING, Final, cast
 from urllib.error import HTTPError, URLError
@@ -142,15 +144,15 @@ class Endpoint:
 
     def _refused(self, error: HTTPError) -> StoreError:
         with error:
-            line = _first_line(error.read(1 << 16))
-        if error.code in {401, 403}:
+            line, advice = _report(error.headers.get_content_type(), error.read(1 << 16))
+        if error.code == 401 or (error.code == 403 and not advice):  # noqa: PLR2004 - HTTP: a login is missing or wrong
             hint = _LOGIN if self._from_environment else "Give user and password as http://USER:PASSWORD@HOST/."
         elif 300 <= error.code < 400:  # noqa: PLR2004 - HTTP redirections
             hint = "Give the address that the server answers at itself; redirections are not followed."
         elif error.code in {404, 405}:
             hint = "Check the address: servers have one for queries and one for updates."
         else:
-            hint = "The server sent this text; see its log for details."
+            hint = advice or "The server sent this text; see its log for details."
         message = f"the server answered {error.code} {error.reason}" + (f": {line}" if line else "")
         return StoreError("KG225", message, place=Place(self.shown), hint=hint)
 
@@ -159,6 +161,9 @@ class Endpoint:
         if _timed_out(error):
             message = f"the server did not answer within {seconds:g} s"
             hint = "It may still be at work; allow more time, or give it less to do at once."
+        elif isinstance(reason, BrokenPipeError | ConnectionResetError) and not isinstance(reason, RemoteDisconnected):
+            message = "the server closed the connection before it had the whole request"
+            hint = "Servers do so if the login is wrong or the request too large for them; see the log of the server."
         else:
             message = f"cannot connect to the server: {reason or type(reason).__name__}"
             hint = "Check that the server runs and that the address is right."
@@ -194,6 +199,16 @@ def _unsent(error: OSError | HTTPException) -> bool:
 def _timed_out(error: OSError | HTTPException) -> bool:
     reason = error.reason if isinstance(error, URLError) else error
     return isinstance(reason, TimeoutError)
+
+
+def _report(content_type: str, body: bytes) -> tuple[str, str]:
+    """Return the message of an error and, from a server of kg, its hint (the JSON of RFC 9457, section 3)."""
+    if content_type == "application/problem+json":
+        with suppress(ValueError, AttributeError):
+            members = json.loads(body)
+            message = members.get("message") or members.get("detail") or members.get("title") or ""
+            return _first_line(str(message).encode()), _first_line(str(members.get("hint") or "").encode())
+    return _first_line(body), ""
 
 
 def _first_line(body: bytes) -> str:

@@ -115,8 +115,8 @@ def _stated(quad: Quad, graph: NamedNode | None) -> str:
     return f"GRAPH {named} {{ {quad.triple} }}\n" if named else f"{quad.triple} .\n"
 
 
-_REFUSED: Final = r"answered (?:(?:404|405|415|501) |400 .*(?:query must be set|[Mm]issing|[Nn]o query))"
-"""Responses to an update at an address for queries; Oxigraph responds 400 if the field `query` is missing."""
+_REFUSED: Final = r"answered (?:(?:404|405|415|501) |400 .*(?:query must be set|[Mm]issing|[Nn]o query|updates go to))"
+"""Responses to an update at an address for queries; Oxigraph (field `query` missing) and kg respond 400."""
 _VIRTUOSO_ASK: Final = Variable("__ASK_RETVAL")
 """Variable of Virtuoso's result of ASK, a row with 0 or 1."""
 _VIRTUOSO: Final = b'\n{ "head": { "link": ['

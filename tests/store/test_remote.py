@@ -136,7 +136,7 @@ def test_an_address_that_is_none_is_refused() -> None:
 
 
 class _Told(BaseHTTPRequestHandler):
-    """Responds by path: /moved, /secret, /html, /broken, and breaks the first connection of /flaky."""
+    """Responds by path: /moved, /secret, /kept, /html, /broken, and breaks the first connection of /flaky."""
 
     seen: ClassVar[list[tuple[str, str | None]]] = []
 
@@ -148,6 +148,7 @@ class _Told(BaseHTTPRequestHandler):
         status, kind, body = {
             "/moved": (301, "text/plain", b""),
             "/secret": (401, "text/plain", b"\n  who are you\nmore"),
+            "/kept": (403, "application/problem+json", b'{"message": "the graph is kept", "hint": "Leave it out."}'),
             "/html": (200, "text/html", b"<p>welcome"),
             "/broken": (200, "application/sparql-results+json", b"{"),
             "/flaky": (200, "application/sparql-results+json", b'{"head":{},"boolean":true}'),
@@ -182,6 +183,22 @@ def test_how_long_was_waited_is_told() -> None:
             store.read().query("ASK {}", timeout=0.05)
 
 
+def test_a_connection_closed_early_is_told_with_likely_reasons() -> None:
+    """A server that closes the connection without reading a large request is not reported as unreachable."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def close() -> None:
+            server.accept()[0].close()
+
+        closing = threading.Thread(target=close)
+        closing.start()
+        store = RemoteStore(f"http://127.0.0.1:{server.getsockname()[1]}/update")
+        with pytest.raises(StoreError, match="closed the connection before it had the whole request") as caught:
+            store.update("#" + "-" * (8 << 20))
+        closing.join()
+    assert "login" in str(caught.value.hint)
+
+
 @pytest.mark.parametrize(
     ("path", "message"),
     [
@@ -195,6 +212,13 @@ def test_answers_that_are_no_results_are_errors(told: str, path: str, message: s
     """A redirection, a refusal, an HTML page, and half a response are errors with a code and the way out."""
     with pytest.raises(StoreError, match=message):
         RemoteStore(f"http://{told}{path}").read().count()
+
+
+def test_a_reported_problem_is_told_with_its_hint(told: str) -> None:
+    """The hint in a problem document replaces the one about logins, which would not help."""
+    with pytest.raises(StoreError, match="answered 403 Forbidden: the graph is kept") as caught:
+        RemoteStore(f"http://{told}/kept").read().count()
+    assert caught.value.hint == "Leave it out."
 
 
 def test_user_and_password_are_sent(told: str) -> None:
