@@ -1,4 +1,4 @@
-"""How the readings of the graph ask it: SELECT over the union of all graphs, and lists of values for that."""
+"""Helpers for modules that read the graph: SELECT over the union of all graphs, and VALUES lists."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ def select(graph: Queryable, text: str) -> Iterable[Any]:
 
 
 def texts(graph: Queryable, text: str) -> Iterator[Any]:
-    """Yield the rows of a SELECT as tuples of IRIs and texts, None for what is not bound."""
+    """Yield the rows of a SELECT as tuples of IRIs and texts, with None for unbound variables."""
     for row in select(graph, text):
         yield tuple(None if term is None else term.value for term in row)
 
 
 def column(graph: Queryable, text: str) -> set[str]:
-    """Return what the first column of a SELECT has."""
+    """Return the values in the first column of a SELECT."""
     return {row[0].value for row in select(graph, text)}
 
 
 def one_of(variable: str, words: Iterable[str]) -> str:
-    """Return the pattern that gives a variable, without its sign, each of some texts."""
+    """Return a VALUES pattern that binds a variable, named without its sign, to each of some texts."""
     return f"VALUES ?{variable} {{ {' '.join(map(literal, sorted(set(words))))} }}"
 
 
 def among(variable: str, iris: Iterable[str]) -> str:
-    """Return the same for IRIs; ValueError for one that is none."""
+    """Return the same for IRIs; ValueError for an invalid one."""
     return f"VALUES ?{variable} {{ {' '.join(str(NamedNode(iri)) for iri in sorted(set(iris)))} }}"

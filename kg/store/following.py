@@ -1,11 +1,11 @@
-"""Notices that the data of a SPARQL server has changed, which the protocol has no word for.
+"""Detects that the data of a SPARQL server has changed; the protocol cannot report it.
 
     following = Following(layout)
-    following.check()       the server must answer
-    following.look()        the number of the data changes if it looks different
+    following.check()       raises an error if the server does not respond
+    following.look()        gives the data a new number if it has changed
 
-The look is at how many triples each graph has, and when builds and rules of `kg` last ended. A change that keeps all of
-this is not noticed.
+The number of triples in each graph and the end of the last build or run of rules are compared. A change that keeps
+all of these is missed.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _ENDED: Final = (
     "SELECT (MAX(STR(?moment)) AS ?last) WHERE { GRAPH ?g { ?run <http://www.w3.org/ns/prov#endedAtTime> ?moment } }"
 )
 _SHARE: Final = 20
-"""Looking takes at most this part of the server's time."""
+"""Pauses are this many times as long as a look, to keep the server free for others."""
 _LEAST_SECONDS: Final = 10.0
 
 
 class Following:
-    """Moves the pointer of a server's layout when the data of the server has changed; before the first look it is 1.
+    """Advances the generation of a server's layout when the data has changed; before the first look it is 1.
 
-    `pause` is how many seconds to wait before the next look, `failure` why the last one did not succeed.
+    `pause` is the number of seconds to wait before the next look, `failure` the error of the last one.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -43,12 +43,12 @@ class Following:
         self.failure: StoreError | None = None
 
     def check(self) -> None:
-        """Ask whether there is a triple; StoreError KG225 where the server does not answer."""
+        """Send a small query; StoreError KG225 if the server does not respond."""
         with RemoteReading(self._layout) as snapshot:
             snapshot.query("ASK { GRAPH ?g { ?s ?p ?o } }")
 
     def look(self) -> None:
-        """Compare the data with that of the last look. A server that does not answer keeps its number."""
+        """Compare the data with that of the last look; if the server does not respond, the generation stays."""
         began = time.monotonic()
         try:
             with RemoteReading(self._layout) as snapshot:

@@ -1,12 +1,12 @@
-"""Writes the graphs of a store to a SPARQL server, each replaced as a whole; only those that are not there already.
+"""Copies the graphs of a store to a SPARQL server; only those that differ, each as a whole.
 
     written = replace_on(store.layout, RemoteStore("https://example.org/query", "https://example.org/update"))
 
-    .kg/server-3f2a...      the generation that the server has, and how many triples each graph had then
+    .kg/server-3f2a...      the generation last copied to the server, and the names of its graphs
 
-All changes of up to 64 MB are one request, which servers run as a whole or not at all. Larger ones take several: a
-client may then see some graphs new and others old until the last one is done. Virtuoso 7 fails at several operations in
-one request, and `kg serve` refuses to write graphs that it keeps itself.
+Changes of up to 64 MB are one request, which servers run as a whole or not at all. Larger changes take several
+requests: until the last one is done, clients may see new and old graphs together. Virtuoso 7 rejects several operations
+in one request, and `kg serve` rejects changes of the inferred graph and the record of builds.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ if TYPE_CHECKING:
     from kg.store.remote import RemoteStore
 
 _REQUEST_BYTES: Final = 64 << 20
-"""Bytes of a request, encoded as a form; servers refuse larger ones (128 MB for Oxigraph)."""
+"""Size limit of a request, encoded as a form; servers have limits too (128 MB for Oxigraph)."""
 _LINES: Final = 10_000
-"""Triples of one operation."""
+"""Number of triples per operation."""
 _SIZES: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"
 
 
 @dataclass(frozen=True, slots=True)
 class Replaced:
-    """What was written: graphs and their triples, graphs that were removed, and requests it took."""
+    """Numbers of graphs and triples written, of graphs removed, and of requests sent."""
 
     graphs: int
     triples: int
@@ -50,13 +50,14 @@ class Replaced:
 
 
 def replace_on(layout: Layout, remote: RemoteStore, *, request_bytes: int = _REQUEST_BYTES) -> Replaced:
-    """Give a server the graphs of a store that differ there, and take away those that the store has no longer.
+    """Write the graphs of a store that differ on a server, and remove those that the store no longer has.
 
-    A graph differs if it has changed since the last time, or another number of triples on the server. Graphs that were
-    never in the store stay. Of graphs with blank nodes, which may share these, all are written if one is.
+    A graph differs if it has changed since the last call, or if its number of triples is another one on the server.
+    Graphs that were never in the store stay. Graphs may share blank nodes, so if one with blank nodes is written, all
+    of them are.
 
     Raises:
-        StoreError: KG225 when the server refuses or does not answer, KG301 for a store without data, KG302 while
+        StoreError: KG225 if the server refuses or does not respond, KG301 for a store without data, KG302 while
             another process writes.
     """
     record = layout.root / f"server-{hashlib.blake2b(remote.address.encode(), digest_size=8).hexdigest()}"
@@ -83,7 +84,7 @@ def replace_on(layout: Layout, remote: RemoteStore, *, request_bytes: int = _REQ
 
 
 def _recorded(record: Path) -> tuple[int, list[str]]:
-    """Return the generation that the server was given last, and its graphs; none where that is not known."""
+    """Return the generation last written to the server, and its graphs; 0 and no graphs if unknown."""
     with suppress(OSError, ValueError, KeyError):
         found = json.loads(record.read_bytes())
         return int(found["generation"]), list(found["graphs"])
@@ -91,7 +92,7 @@ def _recorded(record: Path) -> tuple[int, list[str]]:
 
 
 def _contents(snapshot: EmbeddedSnapshot, wanted: Sequence[str], counts: dict[str, int]) -> dict[str, list[str]]:
-    """Return the lines of N-Triples of each graph to write."""
+    """Return the N-Triples lines of each graph to write."""
     found = {name: _lines(snapshot, name) for name in wanted}
     if any(_is_blank(line) for lines in found.values() for line in lines):
         for name in counts.keys() - found.keys():
@@ -106,12 +107,12 @@ def _lines(snapshot: EmbeddedSnapshot, name: str) -> list[str]:
 
 
 def _is_blank(line: str) -> bool:
-    """Tell whether a line of N-Triples may have a blank node; a text with `_:` counts as one."""
+    """Return whether an N-Triples line may contain a blank node; a literal with `_:` counts too."""
     return "_:" in line
 
 
 def _requests(contents: dict[str, list[str]], gone: Sequence[str], most: int) -> Iterator[str]:
-    """Yield requests of operations, each of about `most` bytes as a form at most."""
+    """Yield requests of operations, each at most about `most` bytes as a form."""
     operations: list[str] = []
     size = 0
     for operation in _operations(contents, gone):
@@ -130,7 +131,7 @@ def _operations(contents: dict[str, list[str]], gone: Sequence[str]) -> Iterator
         yield f"DROP SILENT GRAPH <{name}>"
     blank = {name: [line for line in lines if _is_blank(line)] for name, lines in contents.items()}
     if any(blank.values()):
-        # In one operation a label is one node.
+        # A label means the same node only within one operation.
         parts = (f"GRAPH <{name}> {{\n" + "\n".join(lines) + "\n}" for name, lines in blank.items() if lines)
         yield "INSERT DATA {\n" + "\n".join(parts) + "\n}"
     for name, lines in contents.items():

@@ -1,7 +1,7 @@
-"""Where a build installs the files of a package: the share folder that launch files name is often not as the source.
+"""Finds the sources of installed files: the share folder that launch files name often differs from the source folder.
 
-Only what `install` of CMake and `data_files` of setup.py install is here. Of loops over the files of a folder, and of
-what CMake computes, the destination is not known.
+Read are `install` in CMake and `data_files` in setup.py. The destinations of loops over the files of a folder, and of
+paths that CMake computes, are unknown.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ _ROS2: Final = 2
 
 
 class Installed:
-    """The files of a package as they are installed: of ROS 2 alone, because ROS 1 can run from the source."""
+    """The installed files of a ROS 2 package; packages of ROS 1 can run from the source folder."""
 
     def __init__(self, reader: Reader, folder: PackageFolder) -> None:
         self._reader = reader
         self._share = f"share/{folder.name}"
         self._rules: list[tuple[str, str]] = []
-        """Pairs of what is installed and of its source. Both end in a slash for folders; names can be patterns."""
+        """Pairs of installed path and source. Both end in a slash for folders; names can be patterns."""
         self._unknown = False
         package = read_package_xml(reader, folder).package
         if package.ros == _ROS2:
@@ -43,11 +43,11 @@ class Installed:
 
     @property
     def complete(self) -> bool:
-        """Whether every destination is known, and there is one."""
+        """Whether there are destinations, and all are known."""
         return bool(self._rules) and not self._unknown
 
     def source(self, inner: str) -> str | None:
-        """Return the path, in the repository, of the file that is `inner` in the share folder; None if none is."""
+        """Return the repository path of the file installed as `inner` in the share folder; None if there is none."""
         wanted = posixpath.normpath(f"{self._share}/{inner}")
         for destination, source in self._rules:
             if destination.endswith("/"):
@@ -70,7 +70,7 @@ class Installed:
             self._rules.append((destination, source))
 
     def _data_files(self, folder: PackageFolder) -> Iterator[tuple[str, str]]:
-        """Yield what setup.py installs, with its source relative to the folder of the package."""
+        """Yield the files that setup.py installs as pairs of destination and source, relative to the package folder."""
         path = self._reader.file(folder.join("setup.py"))
         if self._reader.workspace.entry(path) is None:
             return
@@ -83,7 +83,7 @@ class Installed:
                 yield from self._pair(pair)
 
     def _pair(self, pair: Value) -> Iterator[tuple[str, str]]:
-        """Yield what a pair of a destination and a list of files installs."""
+        """Yield each file of a pair of a destination and a list of files."""
         match pair:
             case Sequence(items=(Text(known=str() as destination), Sequence(open=False) as files)):
                 names = lines(files)
