@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import until
 from serving import TOKEN, application
 from store.servers import load_server, oxigraph_server
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from starlette.testclient import TestClient
 
+COMPLETIONS = "/api/complete?text=SELECT+*+{+?x+ros:&position=21"
 PAGES = [
     "/",
     "/search?q=laser+scan",
@@ -44,7 +46,7 @@ PAGES = [
     "/findings",
     "/openapi.json",
     "/api/choices",
-    "/api/complete?text=SELECT+*+{+?x+ros:&position=21",
+    COMPLETIONS,
     "/api/diagnose?text=SELECT+*+{+?x+ros:foo+?y+}",
     "/api/find?text=laser+scan",
     "/api/lint",
@@ -79,9 +81,11 @@ def server(store: Path) -> Iterator[str]:
 
 
 @pytest.fixture(scope="module")
-def front(server: str) -> Iterator[TestClient]:
-    """A client of `kg serve` in front of the server."""
+def front(server: str, client: TestClient) -> Iterator[TestClient]:
+    """A client of `kg serve` in front of the server, when both have counted the terms that they complete."""
     with application(server, log="off") as found:
+        until(lambda: bool(client.get(COMPLETIONS).json()["ready"]))
+        until(lambda: bool(found.get(COMPLETIONS).json()["ready"]))
         yield found
 
 

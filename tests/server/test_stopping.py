@@ -8,15 +8,12 @@ import socket
 import threading
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import httpx
 import pytest
-from patience import patient
+from patience import patient, until
 from serving import UNASKED, Serving, served
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 RUNAWAY = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
 
@@ -49,14 +46,6 @@ def refuses(server: Serving) -> bool:
     except ConnectionError:
         return True
     return False
-
-
-def until(holds: Callable[[], bool], seconds: float = 20) -> None:
-    """Wait until a condition holds."""
-    end = time.monotonic() + patient(seconds)
-    while not holds():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 def children(server: Serving) -> list[int]:
