@@ -14,7 +14,7 @@ import time
 import urllib.request
 from contextlib import suppress
 from dataclasses import dataclass
-from http.client import HTTPException, RemoteDisconnected
+from http.client import HTTPException, IncompleteRead
 from tempfile import SpooledTemporaryFile
 from typing import IO, TYPE_CHECKING, Final, cast
 from urllib.error import HTTPError, URLError
@@ -42,6 +42,15 @@ class Answer:
 
     media_type: str
     body: IO[bytes]
+
+
+class RefusedError(StoreError):
+    """A server answered a request with an error; `status` is that of HTTP."""
+
+    def __init__(self, status: int, message: str, *, place: Place, hint: str) -> None:
+        """Create the error, which has the code KG225."""
+        super().__init__("KG225", message, place=place, hint=hint)
+        self.status = status
 
 
 class _NoRedirects(urllib.request.HTTPRedirectHandler):
@@ -118,7 +127,8 @@ class Endpoint:
         query, and is retried if the connection broke before the response; an update is not.
 
         Raises:
-            StoreError: KG225 with the status and the first line of the server's message, or the reason of the failure.
+            RefusedError: KG225 with the status and the first line of the server's message.
+            StoreError: KG225 with the reason why there was no response.
         """
         headers = {**self._headers, "Content-Type": "application/x-www-form-urlencoded", "Accept": accept}
         request = urllib.request.Request(self._url, urlencode(fields).encode(), headers, method="POST")  # noqa: S310 - http or https, see __init__
@@ -139,10 +149,12 @@ class Endpoint:
         with self._opener.open(request, timeout=timeout) as response:
             body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
             shutil.copyfileobj(response, body)
+            if response.length:  # reading in pieces ends quietly when the connection does
+                raise IncompleteRead(b"", response.length)
             body.seek(0)
             return Answer(response.headers.get_content_type(), cast("IO[bytes]", body))
 
-    def _refused(self, error: HTTPError) -> StoreError:
+    def _refused(self, error: HTTPError) -> RefusedError:
         with error:
             line, advice = _report(error.headers.get_content_type(), error.read(1 << 16))
         if error.code == 401 or (error.code == 403 and not advice):  # noqa: PLR2004 - HTTP: a login is missing or wrong
@@ -154,15 +166,17 @@ class Endpoint:
         else:
             hint = advice or "The server sent this text; see its log for details."
         message = f"the server answered {error.code} {error.reason}" + (f": {line}" if line else "")
-        return StoreError("KG225", message, place=Place(self.shown), hint=hint)
+        return RefusedError(error.code, message, place=Place(self.shown), hint=hint)
 
     def _unreachable(self, error: OSError | HTTPException, seconds: float) -> StoreError:
         reason = error.reason if isinstance(error, URLError) else error
         if _timed_out(error):
             message = f"the server did not answer within {seconds:g} s"
             hint = "It may still be at work; allow more time, or give it less to do at once."
-        elif isinstance(reason, BrokenPipeError | ConnectionResetError) and not isinstance(reason, RemoteDisconnected):
-            message = "the server closed the connection before it had the whole request"
+        elif isinstance(reason, ConnectionResetError | BrokenPipeError | IncompleteRead):
+            # urllib wraps what fails while it sends, not what fails while it reads.
+            missing = "it had the whole request" if isinstance(error, URLError) else "its response was complete"
+            message = f"the server closed the connection before {missing}"
             hint = "Servers do so if the login is wrong or the request too large for them; see the log of the server."
         else:
             message = f"cannot connect to the server: {reason or type(reason).__name__}"

@@ -33,7 +33,7 @@ from pyoxigraph import (
 )
 
 from kg.errors import GraphError, Place, SourceError, StoreError
-from kg.store.http import Answer, Endpoint
+from kg.store.http import Answer, Endpoint, RefusedError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -115,8 +115,8 @@ def _stated(quad: Quad, graph: NamedNode | None) -> str:
     return f"GRAPH {named} {{ {quad.triple} }}\n" if named else f"{quad.triple} .\n"
 
 
-_REFUSED: Final = r"answered (?:(?:404|405|415|501) |400 .*(?:query must be set|[Mm]issing|[Nn]o query|updates go to))"
-"""Responses to an update at an address for queries; Oxigraph (field `query` missing) and kg respond 400."""
+_NO_UPDATES: Final = frozenset({400, 404, 405, 415, 501})
+"""Statuses of responses to an update at an address for queries; Oxigraph and kg respond 400, as to a wrong update."""
 _VIRTUOSO_ASK: Final = Variable("__ASK_RETVAL")
 """Variable of Virtuoso's result of ASK, a row with 0 or 1."""
 _VIRTUOSO: Final = b'\n{ "head": { "link": ['
@@ -170,10 +170,9 @@ class RemoteStore:
         """Send one SPARQL Update request now; never retried."""
         try:
             self._updates.post([("update", text)], timeout=timeout)
-        except StoreError as error:
-            if self._one_address and re.search(_REFUSED, error.message):
-                hint = "This address takes queries only; name the one for updates too, with --update-url."
-                raise StoreError(error.code, error.message, place=error.place, hint=hint) from error
+        except RefusedError as error:
+            if self._one_address and error.status in _NO_UPDATES:
+                error.hint = "If this address takes queries only, name the one for updates too, with --update-url."
             raise
 
 

@@ -136,7 +136,7 @@ def test_an_address_that_is_none_is_refused() -> None:
 
 
 class _Told(BaseHTTPRequestHandler):
-    """Responds by path: /moved, /secret, /kept, /html, /broken, and breaks the first connection of /flaky."""
+    """Responds as its path says (/moved to /queries); /flaky breaks the first connection."""
 
     seen: ClassVar[list[tuple[str, str | None]]] = []
 
@@ -151,11 +151,15 @@ class _Told(BaseHTTPRequestHandler):
             "/kept": (403, "application/problem+json", b'{"message": "the graph is kept", "hint": "Leave it out."}'),
             "/html": (200, "text/html", b"<p>welcome"),
             "/broken": (200, "application/sparql-results+json", b"{"),
+            "/cut": (200, "application/sparql-results+json", b"{"),
+            "/queries": (400, "text/plain", b"the query must be set"),
             "/flaky": (200, "application/sparql-results+json", b'{"head":{},"boolean":true}'),
         }[self.path]
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Location", "http://127.0.0.1:1/")
+        if self.path == "/cut":
+            self.send_header("Content-Length", "1000")
         self.end_headers()
         self.wfile.write(body)
 
@@ -206,6 +210,7 @@ def test_a_connection_closed_early_is_told_with_likely_reasons() -> None:
         ("/secret", "answered 401 Unauthorized: who are you"),
         ("/html", "`text/html`, which is not a result"),
         ("/broken", "cannot be read"),
+        ("/cut", "closed the connection before its response was complete"),
     ],
 )
 def test_answers_that_are_no_results_are_errors(told: str, path: str, message: str) -> None:
@@ -221,6 +226,13 @@ def test_a_reported_problem_is_told_with_its_hint(told: str) -> None:
     assert caught.value.hint == "Leave it out."
 
 
+def test_an_update_at_an_address_for_queries_names_the_option(told: str) -> None:
+    """The hint says how to give an address for updates."""
+    with pytest.raises(StoreError, match="answered 400 Bad Request: the query must be set") as caught:
+        RemoteStore(f"http://{told}/queries").update("CLEAR ALL")
+    assert "--update-url" in str(caught.value.hint)
+
+
 def test_user_and_password_are_sent(told: str) -> None:
     """Basic authentication works with characters that an address must escape."""
     with pytest.raises(StoreError):
@@ -233,7 +245,7 @@ def test_a_query_is_sent_again_when_the_connection_breaks_and_an_update_is_not(t
     store = RemoteStore(f"http://{told}/flaky")
     assert store.read().query("ASK {}", union=False)
     _Told.seen.clear()
-    with pytest.raises(StoreError, match="cannot connect"):
+    with pytest.raises(StoreError, match="closed the connection before its response was complete"):
         store.update("CLEAR ALL")
     assert len(_Told.seen) == 1
 
