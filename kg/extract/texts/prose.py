@@ -121,6 +121,12 @@ _PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$
 _SENTENCE_END: Final = re.compile(r"[.!?。]\s")
 
 
+def is_legal(text: str) -> bool:
+    """Return whether a text is part of a licence, a copyright notice or an acknowledgement."""
+    low = text.lower()
+    return any(phrase in low for phrase in LEGAL)
+
+
 @lru_cache(_REMEMBERED)
 def is_prose(text: str) -> bool:
     """Return whether a paragraph of plain text is prose that may describe something.
@@ -133,7 +139,7 @@ def is_prose(text: str) -> bool:
     if len(bare) < len(text) * (1 - _ADDRESSES_SHARE) or not _has_words(bare):
         return False
     low = text.lower()
-    if any(phrase in low for phrase in LEGAL) or any(phrase in low for phrase in BOILERPLATE):
+    if is_legal(low) or any(phrase in low for phrase in BOILERPLATE):
         return False
     if LABELS.match(low) or AUTHORSHIP.match(low) or _is_listing(low):
         return False
