@@ -45,7 +45,7 @@ _KINDS: Final = {
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
 _EXCERPT: Final = 90  # so many characters of a text stand in a reason
 _MORE: Final = " …"
-_SENTENCE: Final = re.compile(r"(?<=[.:;!?])\s+")
+_SENTENCE_END: Final = re.compile(r"[.!?]\s+(?=[A-Z])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,9 +143,9 @@ def _best(texts: Iterable[Text], worth: Callable[[str, str], float]) -> Iterator
 
 
 def _excerpt(text: str, worth: Callable[[str], float]) -> str:
-    """Return the part of a text that is worth the most, the first of equals."""
+    """Return the beginning of the sentence whose beginning is worth the most, the first of equals."""
     text = " ".join(text.split())
-    parts = [part for sentence in _SENTENCE.split(text) for part in textwrap.wrap(sentence, _EXCERPT)]
-    begin = text.index(max(parts, key=worth, default=""))
-    shown = textwrap.shorten(text[begin:], _EXCERPT + len(_MORE), placeholder=_MORE)
-    return f"… {shown}" if begin else shown
+    begins = [0, *(match.end() for match in _SENTENCE_END.finditer(text))]
+    shown = {at: textwrap.shorten(text[at:], _EXCERPT + len(_MORE), placeholder=_MORE) for at in begins}
+    best = max(begins, key=lambda at: worth(shown[at]))
+    return f"… {shown[best]}" if best else shown[best]

@@ -103,7 +103,8 @@ CONTENT: Final = Content(
             licenses=("Apache-2.0",),
             texts=(
                 Text(
-                    "Start it with the launch file. Then plug in the thermometer, whose readings colour the image.",
+                    "Start it with the launch file of the robot, and wait until the light of the motors turns green. "
+                    "Then plug in the thermometer, whose readings colour the image.",
                     "usage",
                     "README.md",
                     20,

@@ -50,7 +50,7 @@ LABELS: Final = _beginning(
     r"(?:the )?(?:default |copy )?(?:con|de)structors?(?: (?:for|of) .{0,40})?|a (?:con|de)structor.{0,40}",
     r"forward (?:class )?declarations?|function (?:prototypes|declarations)|helper (?:functions?|class)",
     r"(?:class|struct) (?:definition|declaration)s?|(?:this )?(?:class|function|file|node)",
-    r"main method.*|(?:the )?main\b.{0,30}entry point|dependencies(?: for .{0,40})?",
+    r"(?:defines? the )?main method.*|(?:the )?main\b.{0,30}entry point|dependencies(?: for .{0,40})?",
     r"bring in .*|end of .*|namespace .*|for debug\w*|needed for .*|\S+ is \.\.\..*|the \S+ package",
     r"list of (?:nodes|topics|services).*|created (?:on|by|in)\b.*|usage\b.*",
     r"(?:please )?(?:see|refer to|read|check|visit|follow)\b(?!-).{0,120}",
