@@ -31,6 +31,7 @@ GRID: Final = {
     ("rank", "started"): (0.0, 0.2),
     ("rank", "aside"): (0.25, 1.0),
     ("down", "mark"): (0.0, 0.2),
+    ("down", "test"): (0.0, 0.5),
 }
 """The weights that are tried; those that ship are of this grid."""
 LEASTS: Final = tuple(step / 100 for step in range(2, 31))

@@ -92,7 +92,7 @@ def _others(hit: Hit) -> list[str]:
 
 
 def tell(answer: Answer) -> None:
-    """Report on standard error how the words were read, which ones no node mentions, and whether anything fits."""
+    """Report on standard error how the words were read, which ones describe no node, and whether anything fits."""
     from kg.search.wording import NEAREST, understood, unknown  # noqa: PLC0415 - start-up time
 
     strict, rather = understood(answer.need)

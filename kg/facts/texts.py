@@ -29,6 +29,8 @@ class DescriptionKind(StrEnum):
     """Markup of the ROS wiki in the repository (`#!clearsilver CS/NodeAPI`)."""
     PLUGIN = "plugin"
     """The description of a nodelet, component or plugin in a plugin file."""
+    USAGE = "usage"
+    """A section of the README of a package, without what describes the package or a node: topics, parameters, steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +50,8 @@ class Description:
     """A paragraph about a node type, or about the package if `node` is None.
 
     `text` is plain prose, without comment signs, markup and line breaks. `node` is the `NodeType.name`. `heading` is
-    that of its section. `location` is its first line. `words` and `phrases` are empty before tagging: `words` contains
-    the lemmas of its nouns, proper nouns, verbs and adjectives, in lower case, sorted, without duplicates.
+    that of its section. `location` is its first line. `words` contains the lemmas of its nouns, proper nouns, verbs and
+    adjectives, in lower case, sorted, without duplicates. It and `phrases` are empty before tagging, and for usage.
     """
 
     text: str

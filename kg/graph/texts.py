@@ -33,6 +33,7 @@ _BEST: Final = (
     DescriptionKind.COMMENT,
     DescriptionKind.LAUNCH,
     DescriptionKind.MANIFEST,
+    DescriptionKind.USAGE,
 )
 """Kinds of descriptions, those first that describe the purpose of a node."""
 _SENTENCE: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")

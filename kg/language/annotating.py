@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
+from kg.facts.texts import DescriptionKind
 from kg.language.loading import pipeline
 from kg.language.patterns import PhraseFinder, read_patterns
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from spacy.tokens import Doc, Token
 
@@ -61,20 +62,29 @@ def annotate(
     """Return the descriptions with their `words` and `phrases`, in the same order.
 
     `model` is an installed spaCy pipeline or the folder of one, by default the shipped one. `known` maps texts to
-    descriptions annotated with the same pipeline and patterns, which are reused.
+    descriptions annotated with the same pipeline and patterns, which are reused. Descriptions of usage are not
+    annotated: they are for search, and what they mention need not be what a package does.
 
     Raises:
         UsageError: KG141, KG142 if the pipeline is unusable, KG143 if the patterns are.
     """
-    earlier = known or {}
     given = tuple(descriptions)
+    annotated = iter(
+        _annotated(
+            [one for one in given if one.kind is not DescriptionKind.USAGE],
+            model or "",
+            {text: one for text, one in (known or {}).items() if one.kind is not DescriptionKind.USAGE},
+        )
+    )
+    return tuple(one if one.kind is DescriptionKind.USAGE else next(annotated) for one in given)
+
+
+def _annotated(given: Sequence[Description], model: str, earlier: Mapping[str, Description]) -> Iterator[Description]:
     parts = [[] if one.text in earlier else sentences(one.text) for one in given]
     # Comments and pages repeat sentences, and the tags of a sentence do not depend on its context.
-    tagged = _tag(dict.fromkeys(sentence for part in parts for sentence in part), model or "")
-    return tuple(
-        _like(one, earlier[one.text]) if one.text in earlier else _filled(one, [tagged[part] for part in own])
-        for one, own in zip(given, parts, strict=True)
-    )
+    tagged = _tag(dict.fromkeys(sentence for part in parts for sentence in part), model)
+    for one, own in zip(given, parts, strict=True):
+        yield _like(one, earlier[one.text]) if one.text in earlier else _filled(one, [tagged[part] for part in own])
 
 
 def prepare(model: str | None = None) -> None:

@@ -88,6 +88,7 @@ def _parts(index: Index) -> Iterator[tuple[str, bytes]]:
     yield "nodes", b"".join(encoded)
     yield "packages", msgspec.json.encode(list(index.packages))
     yield "concepts", msgspec.json.encode(list(index.concepts))
+    yield "passing", msgspec.json.encode(sorted(index.passing))
     yield "group", index.group.tobytes()
     yield "order", index.order.tobytes()
     yield "started", index.started.tobytes()
@@ -122,6 +123,7 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
         np.frombuffer(parts["group"], np.int32),
         np.frombuffer(parts["order"], np.int32),
         np.frombuffer(parts["started"], np.float32),
+        msgspec.json.decode(parts["passing"], type=frozenset[str]),
     )
 
 

@@ -29,7 +29,10 @@ class End(msgspec.Struct, array_like=True, frozen=True, gc=False):
 
 
 class PackageDocument(msgspec.Struct, frozen=True, gc=False):
-    """A package: the data shared by its nodes. `licenses` contains names as written and SPDX names."""
+    """A package: the data shared by its nodes. `licenses` contains names as written and SPDX names.
+
+    `texts` contains the usage sections of its README only if it has few nodes (`rnkg:speaksFor`).
+    """
 
     iri: str
     repository: str

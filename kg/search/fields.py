@@ -16,7 +16,7 @@ from kg.search.lexicon import lexicon
 from kg.search.words import joined, name_terms, terms
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.search.documents import Document, PackageDocument
     from kg.search.reading import Content
@@ -56,7 +56,9 @@ def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
     if package.description:
         yield "manifest", package.description
     for text in package.texts:
-        if text.kind != "manifest":
+        if text.kind == "usage":
+            yield "usage", f"{text.heading or ''} {text.text}"
+        elif text.kind != "manifest":
             yield "readme", text.text
 
 
@@ -99,13 +101,24 @@ def mains(content: Content, groups: Sequence[int]) -> list[bool]:
     ]
 
 
-def worths(content: Content, groups: Sequence[int]) -> list[dict[str, float]]:
-    """Return the score of each node for each term, from 0 to less than 1.
+def passing(fields: Iterable[Mapping[str, Counter[str]]]) -> frozenset[str]:
+    """Return the terms that only the usage sections of READMEs have: they mention other products too."""
+    told: set[str] = set()
+    used: set[str] = set()
+    for one in fields:
+        for name, counts in one.items():
+            (used if name == "usage" else told).update(counts)
+    return frozenset(used - told)
+
+
+def worths(
+    content: Content, fields: Sequence[Mapping[str, Counter[str]]], groups: Sequence[int]
+) -> list[dict[str, float]]:
+    """Return the score of each node for each term, from 0 to less than 1; `fields` are those of `documents`.
 
     This is BM25 over fields: frequencies are weighted by field and by its length, summed, then saturated.
     """
     weights, rank = lexicon().weights["fields"], lexicon().weights["rank"]
-    fields = documents(content, groups)
     mean = {
         name: max(1.0, sum(one.get(name, Counter()).total() for one in fields) / max(1, len(fields)))
         for name in weights

@@ -24,6 +24,7 @@ _FORMS: Final = frozenset({"node", "nodelet", "component", "nodes", "main", "ros
 
 _STARTED: Final = ("executable", "script")
 _LOADED: Final = ("nodelet", "component", "plugin")
+TRANSFORM_TYPES: Final = ("tf2_msgs/TFMessage", "tf/tfMessage")
 _LEAST: Final = 2  # so many interfaces in common are no chance
 _KINDS: Final = {"executable": 0, "script": 1, "component": 2, "nodelet": 3, "plugin": 4}
 
@@ -62,7 +63,7 @@ def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
         if node.kind in _STARTED or node.kind in _LOADED:
             packages[node.package][node.kind in _LOADED].append(place)
     for programs, loaded in packages.values():
-        ends = {place: frozenset(nodes[place].ends) for place in (*programs, *loaded)}
+        ends = {place: frozenset(filter(_is_own, nodes[place].ends)) for place in (*programs, *loaded)}
         partners = {one: [other for other in loaded if _wraps(ends[one], ends[other])] for one in programs}
         for program, others in partners.items():
             rivals = [one for one in programs if one != program and set(partners[one]) & set(others)]
@@ -70,6 +71,11 @@ def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
             if partner is not None:
                 old, new = found[program], found[partner]
                 found[:] = [min(old, new) if group in {old, new} else group for group in found]
+
+
+def _is_own(end: End) -> bool:
+    """Return whether an interface shows a wrapped node: transforms do not, which are found by calls."""
+    return end.type not in TRANSFORM_TYPES
 
 
 def _wraps(program: frozenset[End], loaded: frozenset[End]) -> bool:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
-from kg.search.fields import worths
+from kg.search.fields import documents, passing, worths
 from kg.search.folding import bare_name, groups, order
 from kg.search.marking import marks
 from kg.search.words import name_terms
@@ -82,7 +82,7 @@ class Index:
 
     `names` contains the share of each term in the name of a node; the shares of a name sum up to one. `group` contains
     the index of the first node of each node's group, `order` its rank among hits with equal scores, `started` its use
-    in launch files.
+    in launch files. `passing` contains the terms of `text` that describe no node, but occur in the usage of a package.
     """
 
     packages: Sequence[PackageDocument]
@@ -94,6 +94,7 @@ class Index:
     group: Places
     order: Places
     started: Floats
+    passing: frozenset[str]
 
     @property
     def size(self) -> int:
@@ -112,16 +113,18 @@ class Index:
 def build(content: Content) -> Index:
     """Return the index of the documents read from a store."""
     group = groups(content.packages, content.nodes)
+    fields = documents(content, group.tolist())
     return Index(
         content.packages,
         content.nodes,
         content.concepts,
-        _text(worths(content, group.tolist())),
+        _text(worths(content, fields, group.tolist())),
         _shares(content.nodes),
         _features(content),
         group,
         order(content.packages, content.nodes),
         _started(content.nodes, group),
+        passing(fields),
     )
 
 

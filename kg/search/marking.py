@@ -9,12 +9,9 @@ from kg.search.words import terms
 if TYPE_CHECKING:
     from kg.search.documents import Document, PackageDocument
 
-MARKS: Final = frozenset(
-    (
-        *("test", "tester", "exampl", "demo", "sampl", "tutori", "mock", "fake", "simul", "rviz", "gui", "gazebo"),
-        *("legaci", "old", "debug", "benchmark"),
-    )
-)
+TESTS: Final = frozenset(("test", "tester", "mock", "fake", "debug", "benchmark"))
+"""Stems of words in names and folders of nodes that are for the developers of a package."""
+MARKS: Final = TESTS | {"exampl", "demo", "sampl", "tutori", "simul", "rviz", "gui", "gazebo", "legaci", "old"}
 """Stems of words in names and folders of nodes that are rarely wanted unless requested."""
 
 

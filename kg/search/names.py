@@ -9,7 +9,7 @@ from kg.search.lexicon import lexicon
 from kg.search.words import is_stop, phrase, stem, words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kg.search.reading import Concept
 
@@ -26,11 +26,11 @@ _FEW: Final = 4
 class Names:
     """Names of the features of an index, the words of its nodes, and their synonyms.
 
-    `synonyms` maps each phrase, as stems, to other phrases for the same thing: those of the lexicon and the labels of
-    each concept.
+    `terms` are those that describe nodes. `synonyms` maps each phrase, as stems, to other phrases for the same thing:
+    those of the lexicon and the labels of each concept.
     """
 
-    def __init__(self, features: Iterable[str], concepts: Sequence[Concept], terms: Mapping[str, int]) -> None:
+    def __init__(self, features: Iterable[str], concepts: Sequence[Concept], terms: Collection[str]) -> None:
         self._types: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
         self._licenses: dict[str, str] = {}
         self.features = frozenset(features)
@@ -59,11 +59,11 @@ class Names:
         return tuple(feature for known, feature in self._licenses.items() if _begins(known, start))
 
     def known(self, term: str) -> bool:
-        """Return whether a node contains a term."""
+        """Return whether a term describes a node."""
         return term in self._terms
 
     def spellings(self, term: str) -> tuple[tuple[str, float], ...]:
-        """Return terms of nodes spelled like a term that no node has, with their similarity, best first."""
+        """Return terms of nodes spelled like a term that describes no node, with their similarity, best first."""
         if term not in self._spellings:
             found = self._alike(term) if len(term) >= _LEAST_LETTERS else ()
             self._spellings[term] = tuple(sorted(found, key=lambda one: (-one[1], one[0]))[:_FEW])

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from kg.search.lexicon import lexicon
-from kg.search.marking import MARKS
+from kg.search.marking import MARKS, TESTS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -149,9 +149,11 @@ def _rank(name: str) -> float:
 def prior(index: Index, asked: frozenset[str]) -> Floats:
     """Return the score factor of each node that is independent of the need, except that `asked` words lower no node."""
     down = lexicon().weights["down"]
-    marked = np.zeros(index.size, np.bool_)
-    for word in MARKS - asked:
-        marked[index.features.rows_of(f"mark:{word}")] = True
-    found = (1 + np.float32(_rank("started")) * index.started) * np.where(marked, 1 - down["mark"], 1)
+    found = 1 + np.float32(_rank("started")) * index.started
+    for words, lost in ((TESTS, down["test"]), (MARKS - TESTS, down["mark"])):
+        marked = np.zeros(index.size, np.bool_)
+        for word in words - asked:
+            marked[index.features.rows_of(f"mark:{word}")] = True
+        found[marked] *= 1 - lost
     found[index.features.rows_of("untold:")] *= 1 - down["untold"]
     return found.astype(np.float32)

@@ -12,11 +12,12 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote
 
-from kg.facts import Role
+from kg.facts import DescriptionKind, Role
 from kg.graph import vocabulary as v
 from kg.graph.iris import UNKNOWN, is_source_graph
 from kg.query.rows import rows
 from kg.search.documents import Document, End, PackageDocument, Text
+from kg.search.folding import TRANSFORM_TYPES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -41,9 +42,9 @@ _ENDS: Final = (
 _TRANSFORMS: Final = (
     "?c ?p ?l { VALUES ?t { %s } ?c ros:hasMessage ?t ; rnkg:implicit true ; rnkg:path ?p ; rnkg:line ?l }"
 )
-_TRANSFORM_TYPES: Final = ("tf2_msgs/TFMessage", "tf/tfMessage")
 _TYPES: Final = "?c ?t { ?c ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType ?t }"
 _PARAMETERS: Final = "?c { ?c rnkg:implicit false FILTER(CONTAINS(STR(?c), 'parameter/')) }"
+_SPEAKING: Final = "SELECT DISTINCT ?p { GRAPH ?g { ?p rnkg:speaksFor ?n } }"
 _TOLD: Final = "?c ?d { ?c dcterms:description ?d }"
 _TEXTS: Final = (
     "?n ?d ?p ?o { ?n rnkg:hasDescription ?d . ?d ?p ?o "
@@ -71,6 +72,7 @@ _ROLES: Final = {
     "action-client": Role.ACTION_CLIENTS,
 }
 _PARAMETER: Final = "parameter"
+_USAGE: Final = str(DescriptionKind.USAGE)
 _LICENCE: Final = re.compile(
     r"\bcopyright\b|\ball rights reserved\b|\bredistribut|\bwarrant(?:y|ies)\b"
     r"|\b(?:licensed|distributed|released) under\b|\bpermitted provided\b|\bdisclaimer\b|\bmerchantability\b",
@@ -149,6 +151,7 @@ class _Reading:
         sources = dict(owners)
         names = {iri: unquote(iri.partition("repository/")[2]) for iri in sources.values()}
         copies: defaultdict[str, set[str]] = defaultdict(set)
+        speaking = {iri for (iri,) in rows(self.snapshot, _SPEAKING)}
         for one, other in rows(self.snapshot, "SELECT ?a ?b { GRAPH ?g { ?a rnkg:copyOf ?b } }"):
             copies[one].add(other)
             copies[other].add(one)
@@ -169,7 +172,7 @@ class _Reading:
                     deprecated=v.bare(v.DEPRECATED) in properties,
                     description=get(v.DESCRIPTION),
                     licenses=tuple(sorted({*spdx, *properties.get(v.bare(v.LICENSE_NAME), ())})),
-                    texts=self.texts.get(iri, ()),
+                    texts=tuple(one for one in self.texts.get(iri, ()) if one.kind != _USAGE or iri in speaking),
                     copies=tuple(sorted(copies.get(iri, ()))),
                 )
             )
@@ -213,7 +216,7 @@ class _Reading:
         types = dict(self._sources(_TYPES))
         found: defaultdict[str, set[tuple[str, str, str, str, int]]] = defaultdict(set)
         messages = {iri.rpartition("/message/")[0] for iri in types.values() if "/message/" in iri}
-        transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in _TRANSFORM_TYPES)
+        transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in TRANSFORM_TYPES)
         for body in (_ENDS, _TRANSFORMS % transforms):
             for part, path, line in self._sources(body):
                 node = self._owner(part)

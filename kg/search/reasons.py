@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -35,12 +37,15 @@ _KINDS: Final = {
     "docstring": "its docstring says",
     "manifest": "its package says",
     "readme": "a page says",
+    "usage": "a page says",
     "launch": "a launch file says",
     "wiki": "its documentation says",
     "plugin": "its description says",
 }
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
 _EXCERPT: Final = 90  # so many characters of a text stand in a reason
+_MORE: Final = " …"
+_SENTENCE_END: Final = re.compile(r"[.!?]\s+(?=[A-Z])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,13 +118,14 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
     for field, text in own_words(node):
         if field in {"name", "plugin"} and (value := worth(text, field)):
             yield Reason(f"named {text}", value, node.path, node.line)
-    yield from _best(node.texts, lambda one: worth(one.text, "text"))
+    yield from _best(node.texts, lambda text, _: worth(text, "text"))
     others = [text for text in package.texts if text.kind != "manifest"]
-    yield from _best(others, lambda one: worth(one.text, "readme"))
+    yield from _best(others, lambda text, kind: worth(text, "usage" if kind == "usage" else "readme"))
     if value := worth(package.name, "package"):
         yield Reason(f"in the package {package.name}", value, package.path, 1)
     if package.description and (value := worth(package.description, "manifest")):
-        yield Reason(f"its package says “{_excerpt(package.description)}”", value, package.path, 1)
+        said = _excerpt(package.description, lambda one: worth(one, "manifest"))
+        yield Reason(f"its package says “{said}”", value, package.path, 1)
     for end in node.ends:
         if value := worth(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}", "interface"):
             yield Reason(f"{_VERBS[end.role]} {end.name or end.type}", value * 0.5, end.path, end.line)
@@ -128,13 +134,18 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
             yield Reason(f"has the parameter {name}", value * 0.5)
 
 
-def _best(texts: Iterable[Text], worth: Callable[[Text], float]) -> Iterator[Reason]:
-    valued = [(worth(text), text) for text in texts]
+def _best(texts: Iterable[Text], worth: Callable[[str, str], float]) -> Iterator[Reason]:
+    valued = [(worth(text.text, text.kind), text) for text in texts]
     value, best = max(valued, key=lambda one: one[0], default=(0.0, None))
     if best is not None and value > 0:
-        yield Reason(f"{_KINDS.get(best.kind, 'it says')} “{_excerpt(best.text)}”", value, best.path, best.line)
+        said = _excerpt(best.text, lambda text: worth(text, best.kind))
+        yield Reason(f"{_KINDS.get(best.kind, 'it says')} “{said}”", value, best.path, best.line)
 
 
-def _excerpt(text: str) -> str:
+def _excerpt(text: str, worth: Callable[[str], float]) -> str:
+    """Return the beginning of the sentence whose beginning is worth the most, the first of equals."""
     text = " ".join(text.split())
-    return text if len(text) <= _EXCERPT else text[:_EXCERPT].rpartition(" ")[0] + " …"
+    begins = [0, *(match.end() for match in _SENTENCE_END.finditer(text))]
+    shown = {at: textwrap.shorten(text[at:], _EXCERPT + len(_MORE), placeholder=_MORE) for at in begins}
+    best = max(begins, key=lambda at: worth(shown[at]))
+    return f"… {shown[best]}" if best else shown[best]

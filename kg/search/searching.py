@@ -66,7 +66,7 @@ class Search:
 
     def __init__(self, index: Index) -> None:
         self.index = index
-        self.names = Names(index.features.names, index.concepts, index.text.names)
+        self.names = Names(index.features.names, index.concepts, index.text.names.keys() - index.passing)
 
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
         """Return the best hits for a need in words, restricted by filters (`kg.search.filters`).

@@ -26,11 +26,11 @@ def understood(need: Need) -> tuple[list[str], list[str]]:
 
 
 def unknown(need: Need) -> list[str]:
-    """Return sentences about the words of the need that no node has, with and without similar spellings."""
+    """Return sentences about the words that describe no node, with and without similar spellings."""
     strange = [one for one in need.wordings if one.unknown]
     found = []
     for start, words in (
-        ("no node mentions", [one.text for one in strange if not one.near]),
+        ("no description of a node mentions", [one.text for one in strange if not one.near]),
         ("searched for near spellings of", [one.text for one in strange if one.near]),
     ):
         if words:

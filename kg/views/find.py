@@ -33,7 +33,7 @@ def find(
     Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
     whether another name was meant, where nothing was found), `fits` (false where the hits are only the nearest),
-    `unknown` (sentences about the words that no node mentions) and `hits`: objects as of `kg search --json` with `iri`,
+    `unknown` (sentences about the words that describe no node) and `hits`: objects as of `kg search --json` with `iri`,
     `evidence` of the node, and in each of `reasons` an `evidence` or None.
 
     Raises:

@@ -71,7 +71,7 @@ def test_where_nothing_fits_the_nearest_are_shown(rover: Program) -> None:
     """Without a full match, the nearest nodes follow, marked in JSON, and the word without a match is named."""
     run = rover("search", "RPLIDAR", "planner", "--json")
     assert run.code == 0
-    assert "no node mentions `RPLIDAR`" in run.err
+    assert "no description of a node mentions `RPLIDAR`" in run.err
     assert "nothing here fits; nearest are" in run.err
     assert {json.loads(line)["fits"] for line in run.out.splitlines()} == {False}
     assert "nothing here fits" not in rover("search", "planner").err

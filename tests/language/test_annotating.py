@@ -79,6 +79,13 @@ def test_descriptions_keep_their_order_and_the_rest() -> None:
     assert [phrase.text for one in found for phrase in one.phrases] == ["camera", "arm", "camera"]
 
 
+def test_usage_is_left_alone() -> None:
+    """Usage has no words, and its text no effect on a description with the same one."""
+    text = "It reads a camera."
+    usage = Description(text, DescriptionKind.USAGE, Location("README.md", 9))
+    assert annotate([usage, described(text)], known={text: usage}) == (usage, *annotate([described(text)]))
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.lists(TEXTS, max_size=4))
 def test_annotating_is_a_pure_function_of_each_text(texts: list[str]) -> None:

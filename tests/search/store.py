@@ -101,6 +101,16 @@ CONTENT: Final = Content(
             ros=2,
             path="package.xml",
             licenses=("Apache-2.0",),
+            texts=(
+                Text(
+                    "Start it with the launch file of the robot, and wait until the light of the motors turns green. "
+                    "Then plug in the thermometer, whose readings colour the image.",
+                    "usage",
+                    "README.md",
+                    20,
+                    "Steps",
+                ),
+            ),
         ),
         PackageDocument(
             iri="p:vendored",

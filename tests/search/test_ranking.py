@@ -28,9 +28,9 @@ DOWN = lexicon().weights["down"]
 @pytest.mark.parametrize(
     ("changes", "cause"),
     [
-        ({"name": "test_merger"}, "mark"),
+        ({"name": "test_merger"}, "test"),
         ({"path": "examples/merger.cpp"}, "mark"),
-        ({"path": "tests/tutorials/merger.cpp"}, "mark"),
+        ({"path": "tests/mocks/merger.cpp"}, "test"),
         ({"name": "merger_old"}, "mark"),
         ({"texts": ()}, "untold"),
     ],
@@ -39,6 +39,11 @@ def test_what_is_rarely_meant_is_worth_less(changes: dict[str, object], cause: s
     """Tests, examples and old versions by their names and folders, and nodes without a description, rank lower."""
     assert worth() == worth(path="src/test.cpp") == 1.0
     assert worth(**changes) == pytest.approx(1 - DOWN[cause])
+
+
+def test_an_example_in_a_test_loses_for_both() -> None:
+    """The parts that tests and examples lose are multiplied."""
+    assert worth(path="tests/examples/merger.cpp") == pytest.approx((1 - DOWN["test"]) * (1 - DOWN["mark"]))
 
 
 def test_what_launch_files_start_is_worth_more() -> None:
@@ -89,4 +94,4 @@ def test_what_was_asked_for_is_not_marked_down() -> None:
     """A request for a test lifts its mark; other marks remain."""
     assert worth("test", name="test_merger") == 1.0
     assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(1 - DOWN["mark"])
-    assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["mark"])
+    assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["test"])

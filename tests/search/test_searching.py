@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING, Final
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from msgspec.structs import replace
 from repository import ROOT
 from search.store import CONTENT
 
 import kg
 from kg.errors import UsageError
+from kg.search.documents import End
+from kg.search.folding import groups
 from kg.search.index import build
 from kg.search.searching import Search, hit_object
 
@@ -48,6 +51,26 @@ def test_hits_say_why_with_a_line() -> None:
     assert "publishes sensor_msgs/LaserScan at src/node.cpp:12" in why
     assert any(text.startswith("named scan_merger_node at src/merger.cpp:3") for text in why)
     assert any(text.startswith("a comment says “Merges the scans") for text in why)
+
+
+def test_usage_of_a_package_finds_its_nodes() -> None:
+    """Words of a README's sections find nodes; the reason cites the sentence that has them."""
+    first = SEARCH.find("thermometer").hits[0]
+    assert first.package.name == "clouds"
+    (why,) = map(str, first.why)
+    assert why == "a page says “… Then plug in the thermometer, whose readings colour the image.” at README.md:20"
+
+
+def test_a_program_that_finds_transforms_in_called_code_belongs_to_its_nodelet() -> None:
+    """Transforms, which are found by calls, keep no program and the nodelet that it loads apart."""
+    loaded = replace(
+        CONTENT.nodes[1],
+        name="Detector",
+        plugin="clouds/Detector",
+        ends=(*CONTENT.nodes[1].ends, End("publishes", "/tf", "tf2_msgs/TFMessage", "src/tf.cpp", 3)),
+    )
+    program = replace(CONTENT.nodes[0], name="continuous_node", executable="continuous_node")
+    assert groups(CONTENT.packages, [program, loaded]).tolist() == [0, 0]
 
 
 @pytest.mark.parametrize(
@@ -113,3 +136,18 @@ def test_a_program_finds_nodes_in_a_store(tmp_path: Path) -> None:
     kg.build([ROOT / "examples" / "workspace" / "drone"], store=store, jobs=1)
     assert kg.find("point the camera of a drone", store=store)[0]["package"] == "drone_control"
     assert not kept.exists()
+
+
+def test_the_usage_of_a_package_is_about_its_nodes_if_they_are_few(tmp_path: Path) -> None:
+    """A README's sections are searched for the nodes of a small package, but not for those of a large one."""
+    for package, count in (("few", 1), ("many", 9)):
+        folder = tmp_path / "source" / package
+        (folder / "scripts").mkdir(parents=True)
+        (folder / "package.xml").write_text(f"<package><name>{package}</name></package>")
+        (folder / "README.md").write_text(f"# {package}\n\n## Steps\n\nAdjust the thermometer before it starts.\n")
+        for place in range(count):
+            script = folder / "scripts" / f"{package}_{place}.py"
+            script.write_text("#!/usr/bin/env python\nimport rospy\nrospy.init_node('one')\n")
+            script.chmod(0o755)
+    kg.build([tmp_path / "source"], store=tmp_path / "store", jobs=1)
+    assert [hit["package"] for hit in kg.find("thermometer", store=tmp_path / "store")] == ["few"]

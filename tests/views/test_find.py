@@ -44,7 +44,7 @@ def test_a_need_that_nothing_fits_is_told(snapshot: EmbeddedSnapshot, settings: 
     found = find(snapshot, settings, "RPLIDAR driver of a scanner")
     assert found["hits"]
     assert not found["fits"]
-    assert found["unknown"][0].startswith("no node mentions `RPLIDAR`")
+    assert found["unknown"][0].startswith("no description of a node mentions `RPLIDAR`")
     assert find(snapshot, settings, "remove far measurements from laser scans")["fits"]
 
 

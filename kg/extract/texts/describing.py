@@ -172,7 +172,7 @@ def _setup(reader: Reader, package: PackageFolder) -> Iterator[Description]:
 
 
 MOST_OF_ONE: Final = 24
-"""Paragraphs that are kept of one node, and of the package: what it does is told in the first of them."""
+"""Paragraphs that are kept of one node, of the package, and of its usage: what it does is told in the first of them."""
 
 
 def read_descriptions(
@@ -194,12 +194,13 @@ def read_descriptions(
 
 def _bounded(found: Iterable[Description]) -> Iterator[Description]:
     seen: set[tuple[str | None, str]] = set()
-    counts: Counter[str | None] = Counter()
+    counts: Counter[tuple[str | None, bool]] = Counter()
     for one in found:
         said = (one.node, one.text.casefold())
-        if said not in seen and counts[one.node] < MOST_OF_ONE:
+        kind = (one.node, one.kind is DescriptionKind.USAGE)
+        if said not in seen and counts[kind] < MOST_OF_ONE:
             seen.add(said)
-            counts[one.node] += 1
+            counts[kind] += 1
             yield one
 
 

@@ -10,7 +10,7 @@ from kg.extract.texts.naming import Names
 from kg.extract.texts.pages import is_wiki, moin_markdown, read_page, wiki_nodes
 from kg.extract.texts.paragraphs import plain
 from kg.extract.texts.prose import is_prose, shortened
-from kg.extract.texts.readme import About, find
+from kg.extract.texts.readme import About, find, usage
 from kg.facts import Description, DescriptionKind, Location, NodeType
 from kg.names import key
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
+    from kg.extract.texts.readme import Found
 
 _SIGNS: Final = re.compile(r"^\s*(?:/\*\*?!?|///?|\*/|\*+(?=\s|$))?")
 _COMMAND: Final = re.compile(r"^\s*[@\\](\w+)\s*(.*)$")
@@ -86,10 +87,16 @@ def _of_page(file: FilePath, text: str, about: About) -> Iterator[Description]:
         text = moin_markdown(text)
     elif file.path.endswith(".dox"):
         text = markdown(text)
-    blocks = read_page(text, rst=rst)
-    for one in find(blocks, about):
-        place = Location(file.path, one.line)
-        yield Description(one.text, DescriptionKind.README, place, one.node, one.heading)
+    blocks = list(read_page(text, rst=rst))
+    found = list(find(blocks, about))
+    yield from (_description(file, one, DescriptionKind.README) for one in found)
+    if about.own:
+        remaining = usage(blocks, {one.line for one in found})
+        yield from (_description(file, one, DescriptionKind.USAGE) for one in remaining)
+
+
+def _description(file: FilePath, found: Found, kind: DescriptionKind) -> Description:
+    return Description(found.text, kind, Location(file.path, found.line), found.node, found.heading)
 
 
 def _of_wiki(file: FilePath, text: str, about: About) -> Iterator[Description]:

@@ -50,7 +50,7 @@ LABELS: Final = _beginning(
     r"(?:the )?(?:default |copy )?(?:con|de)structors?(?: (?:for|of) .{0,40})?|a (?:con|de)structor.{0,40}",
     r"forward (?:class )?declarations?|function (?:prototypes|declarations)|helper (?:functions?|class)",
     r"(?:class|struct) (?:definition|declaration)s?|(?:this )?(?:class|function|file|node)",
-    r"main method.*|(?:the )?main\b.{0,30}entry point|dependencies(?: for .{0,40})?",
+    r"(?:defines? the )?main method.*|(?:the )?main\b.{0,30}entry point|dependencies(?: for .{0,40})?",
     r"bring in .*|end of .*|namespace .*|for debug\w*|needed for .*|\S+ is \.\.\..*|the \S+ package",
     r"list of (?:nodes|topics|services).*|created (?:on|by|in)\b.*|usage\b.*",
     r"(?:please )?(?:see|refer to|read|check|visit|follow)\b(?!-).{0,120}",
@@ -121,6 +121,12 @@ _PEOPLE: Final = re.compile(rf"^{_PERSON}(?:(?:\s*[,;]|\s+and)\s+{_PERSON})+\W*$
 _SENTENCE_END: Final = re.compile(r"[.!?。]\s")
 
 
+def is_legal(text: str) -> bool:
+    """Return whether a text is part of a licence, a copyright notice or an acknowledgement."""
+    low = text.lower()
+    return any(phrase in low for phrase in LEGAL)
+
+
 @lru_cache(_REMEMBERED)
 def is_prose(text: str) -> bool:
     """Return whether a paragraph of plain text is prose that may describe something.
@@ -133,7 +139,7 @@ def is_prose(text: str) -> bool:
     if len(bare) < len(text) * (1 - _ADDRESSES_SHARE) or not _has_words(bare):
         return False
     low = text.lower()
-    if any(phrase in low for phrase in LEGAL) or any(phrase in low for phrase in BOILERPLATE):
+    if is_legal(low) or any(phrase in low for phrase in BOILERPLATE):
         return False
     if LABELS.match(low) or AUTHORSHIP.match(low) or _is_listing(low):
         return False

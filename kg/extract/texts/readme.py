@@ -8,17 +8,17 @@ the package.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.texts.pages import Block, BlockKind
 from kg.extract.texts.paragraphs import plain
-from kg.extract.texts.prose import is_prose, shortened
+from kg.extract.texts.prose import is_legal, is_prose, shortened
 from kg.names import key
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Container, Iterable, Iterator
 
     from kg.extract.texts.naming import Names
 
@@ -157,6 +157,31 @@ def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
         section = stack[-1]
         if block.kind is not BlockKind.CONTINUED and not (section.never or section.foreign):
             yield from _described(block, section, about)
+
+
+def usage(blocks: Iterable[Block], described: Container[int]) -> Iterator[Found]:
+    """Yield each section of a page as one text, without its blocks at the lines `described`.
+
+    Sections about installation, licences and the like are left out with those inside them (`is_never`).
+    """
+    section = Found("", 0, None, None)
+    never = 0
+    for block in blocks:
+        if block.kind is not BlockKind.HEADING:
+            if not never and block.line not in described and not is_legal(block.text):
+                section = replace(section, text=f"{section.text} {plain(block.text)}", line=section.line or block.line)
+            continue
+        if never and block.level > never:
+            continue
+        yield from _filled(section)
+        section = Found("", 0, None, plain(block.text) or None)
+        never = block.level if is_never(section.heading or "") else 0
+    yield from _filled(section)
+
+
+def _filled(section: Found) -> Iterator[Found]:
+    if text := section.text.strip():
+        yield replace(section, text=shortened(text))
 
 
 def _section(block: Block, outer: _Section, about: About, *, title: bool) -> _Section:

@@ -26,6 +26,7 @@ NO_PROSE = (
     "----------------------------------",
     "Constructor",
     "The main function",
+    "Defines the main method for the arm_driver executable.",
     "ROS includes",
     "standard C++ headers",
     "Copyright (c) 2012, Willow Garage, Inc. All rights reserved.",
