@@ -30,7 +30,10 @@ class Module(NamedTuple):
 
 
 MODULES: Final = {
-    "syntax": Module(("kg/syntax/*",), ("tests/syntax",)),
+    "syntax": Module(
+        ("kg/syntax/*",),
+        ("tests/syntax", "tests/rules/decompose", "tests/rules/notations", "tests/rules/printing", "tests/query/completion"),
+    ),
     "engine": Module(("kg/rules/engine/*",), ("tests/rules/engine",)),
     "symbolic": Module(
         ("kg/symbolic/values.py", "kg/symbolic/state.py", "kg/symbolic/operators.py", "kg/symbolic/containers.py"),

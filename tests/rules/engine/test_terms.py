@@ -28,7 +28,7 @@ TERMS: list[Term] = [
 KINDS = [IRI, BLANK, LITERAL, LITERAL, LITERAL, TRIPLE, TRIPLE]
 
 
-@pytest.mark.parametrize("term", TERMS, ids=str)
+@pytest.mark.parametrize("term", TERMS)
 def test_a_term_is_read_back_as_it_was(term: Term) -> None:
     """A term survives spelling and parsing, and has one identifier."""
     dictionary = Dictionary()
