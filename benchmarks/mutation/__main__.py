@@ -32,7 +32,13 @@ class Module(NamedTuple):
 MODULES: Final = {
     "syntax": Module(
         ("kg/syntax/*",),
-        ("tests/syntax", "tests/rules/decompose", "tests/rules/notations", "tests/rules/printing", "tests/query/completion"),
+        (
+            "tests/syntax",
+            "tests/rules/decompose",
+            "tests/rules/notations",
+            "tests/rules/printing",
+            "tests/query/completion",
+        ),
     ),
     "engine": Module(("kg/rules/engine/*",), ("tests/rules/engine",)),
     "symbolic": Module(
