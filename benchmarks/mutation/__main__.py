@@ -20,6 +20,19 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
+_OF_QUERIES: Final = (
+    "core",
+    "counting",
+    "formats",
+    "guard",
+    "levels",
+    "naming",
+    "runner",
+    "statements",
+    "stats",
+    "stored",
+)
+"""Tests of queries in the same process. A process that a test starts does not have the mutant."""
 
 
 class Module(NamedTuple):
@@ -48,7 +61,11 @@ MODULES: Final = {
     "wiring": Module(("kg/launch/wiring/*",), ("tests/launch",)),
     "query": Module(
         ("kg/query/*.py", "kg/query/readers/messages.py", "kg/query/readers/lookups.py", "kg/query/readers/slots.py"),
-        ("tests/query", "tests/views/test_answers.py"),
+        (
+            *(f"tests/query/test_{name}.py" for name in _OF_QUERIES),
+            *(f"tests/query/readers/test_{name}.py" for name in ("channel", "lookups", "requests", "slots")),
+            "tests/query/diagnosis",
+        ),
     ),
 }
 _NOTICED: Final = ("killed", "timeout", "segfault")
