@@ -123,8 +123,10 @@ def _prepare(copy: Path, module: Module) -> None:
         "pytest_add_cli_args_test_selection": module.tests,
         "pytest_add_cli_args": ("-p", "no:cacheprovider"),
     }
-    lines = [f"{key} =\n  " + "\n  ".join(values) for key, values in lists.items()]
-    (copy / "setup.cfg").write_text("\n".join(["[mutmut]", *lines, ""]), encoding="utf-8")
+    # Forked from a process that ran no tests: threads that a test left behind would hold locks forever.
+    lines = ["[mutmut]", "process_isolation = forkserver"]
+    lines += [f"{key} =\n  " + "\n  ".join(values) for key, values in lists.items()]
+    (copy / "setup.cfg").write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 def _sample(module: Module, size: int, seed: int) -> list[str]:
