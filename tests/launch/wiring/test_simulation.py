@@ -133,6 +133,19 @@ def test_a_topic_of_a_description_is_that_of_the_publisher_in_its_namespace() ->
     assert names(found, "/b/s") == ["/b/odom"]
 
 
+def test_a_name_that_no_element_gives_is_that_of_the_plugin() -> None:
+    """It has the line of the plugin, and counts as a default."""
+    spawn = {
+        "package": "gazebo_ros",
+        "executable": "spawn_entity.py",
+        "name": "s",
+        "arguments": ["-topic robot_description"],
+    }
+    (end,) = ends(system(2, [spawn], plugin("gazebo_ros_p3d")), "/s")
+    assert (end.resolved, end.resolution) == ("/odom", Resolution.PARAMETER_DEFAULT)
+    assert end.declared.location == LINE
+
+
 def test_a_topic_of_a_description_elsewhere_is_the_only_one_there_is() -> None:
     """A spawner in another namespace gets the description if there is one, and none of several."""
     one = plugin("gazebo_ros_p3d", parameter="/a/robot_state_publisher/robot_description")
