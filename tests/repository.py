@@ -19,6 +19,8 @@ ROOT: Final = Path(__file__).resolve().parent.parent
 Routine: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 
 _NOT_OURS: Final = {"dist", "node_modules", "vendor", "__pycache__"}
+_BODIES: Final = ("body", "handlers", "orelse", "finalbody", "cases")
+"""The fields with statements, handlers and cases."""
 
 
 @cache
@@ -47,6 +49,8 @@ class Module:
     tree: ast.Module
     routines: tuple[Routine, ...]
     """Every function and method, nested ones too."""
+    handlers: tuple[ast.ExceptHandler, ...]
+    """Every `except`."""
 
     def __str__(self) -> str:
         return str(self.path.relative_to(ROOT))
@@ -64,5 +68,15 @@ def modules(*folders: str) -> Iterator[Module]:
         if path.suffix == ".py" and parts[0] in folders and "cases" not in parts:
             text = path.read_text(encoding="utf-8")
             tree = ast.parse(text, str(path))
-            routines = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
-            yield Module(path, text, tree, tuple(routines))
+            statements = list(_statements(tree))
+            routines = [node for node in statements if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+            handlers = [node for node in statements if isinstance(node, ast.ExceptHandler)]
+            yield Module(path, text, tree, tuple(routines), tuple(handlers))
+
+
+def _statements(within: ast.AST) -> Iterator[ast.AST]:
+    """Yield the statements below a node, and what holds statements; expressions are most of a tree and hold none."""
+    for field in _BODIES:
+        for node in getattr(within, field, ()):
+            yield node
+            yield from _statements(node)

@@ -91,10 +91,9 @@ def undocumented_names(module: Module) -> Iterator[str]:
 
 def broad_excepts(module: Module) -> Iterator[str]:
     """Yield the handlers that catch every exception."""
-    for node in ast.walk(module.tree):
+    for node in module.handlers:
         if (
-            isinstance(node, ast.ExceptHandler)
-            and (node.type is None or ast.unparse(node.type) in {"Exception", "BaseException"})
+            (node.type is None or ast.unparse(node.type) in {"Exception", "BaseException"})
             and not isinstance(node.body[-1], ast.Raise)
             and not ast.unparse(node.body[-1]).endswith(".set_exception(error)")
         ):

@@ -56,16 +56,17 @@ def impact(subject: Subject, world: World) -> Impact:
 def _mentions(subject: Subject, world: World) -> Iterable[Effect]:
     if subject.kind in CHANNELS:
         held = (file for file in world.files if file.kind in HOLDING)
-        return mentions(world, held, absolute_name(subject.name), f"holds the name of the {subject.kind}")
+        pattern = absolute_name(subject.name)
+        return mentions(world, held, [subject.name], pattern, f"holds the name of the {subject.kind}")
     if subject.kind is Kind.TYPE:
         return type_mentions(subject, world)
     if subject.kind is Kind.FIELD:
         return field_mentions(subject, world)
     if subject.kind is Kind.PARAMETER:
-        name = re.escape(subject.name.rpartition(".")[2].removeprefix("~/"))
-        key = re.compile(rf"^\s*(?:\S*[./])?{name}\s*:(?!=)")
+        name = subject.name.rpartition(".")[2].removeprefix("~/")
+        key = re.compile(rf"^\s*(?:\S*[./])?{re.escape(name)}\s*:(?!=)")
         held = (file for file in world.files if file.kind in HOLDING)
-        return mentions(world, held, key, "a key of this name; whether it is for this node is not known")
+        return mentions(world, held, [name], key, "a key of this name; whether it is for this node is not known")
     if subject.kind is Kind.FILE:
         return file_mentions(subject, world)
     return ()

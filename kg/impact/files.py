@@ -102,4 +102,4 @@ def file_mentions(subject: Subject, world: World) -> Iterator[Effect]:
         for one in world.files
         if one.kind in _NAMING and (one.repository, one.path) != (subject.owner, subject.name)
     ]
-    yield from mentions(world, files, pattern, "names a file of this name")
+    yield from mentions(world, files, [base], pattern, "names a file of this name")

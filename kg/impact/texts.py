@@ -51,10 +51,17 @@ def code_of(line: str, path: str) -> str:
     return re.split(r"(?<!:)//", line, maxsplit=1)[0] if "//" in line else line
 
 
-def mentions(world: World, files: Iterable[FileRecord], pattern: re.Pattern[str], reason: str) -> Iterator[Effect]:
-    """Yield the lines of `files` that `pattern` matches outside of comments."""
+def mentions(
+    world: World, files: Iterable[FileRecord], words: Iterable[str], pattern: re.Pattern[str], reason: str
+) -> Iterator[Effect]:
+    """Yield the lines of `files` that `pattern` matches outside of comments.
+
+    Each match contains one of the `words`. Few lines do, and only these are examined.
+    """
     for file in files:
         area = Area.PARAMETERS if file.path.endswith((".yaml", ".yml")) else _AREAS.get(file.kind, Area.TEXT)
-        for number, line in enumerate(world.lines(file.repository, file.path), 1):
-            if pattern.search(code_of(line, file.path)):
-                yield Effect(Grade.MAY, area, quoted(line), reason, Location(file.path, number), file.repository)
+        lines = world.lines(file.repository, file.path)
+        for at in sorted({at for word in words for at, line in enumerate(lines) if word in line}):
+            if pattern.search(code_of(lines[at], file.path)):
+                location = Location(file.path, at + 1)
+                yield Effect(Grade.MAY, area, quoted(lines[at]), reason, location, file.repository)

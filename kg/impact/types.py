@@ -152,7 +152,7 @@ def type_mentions(subject: Subject, world: World) -> Iterator[Effect]:
         )
     )
     files = (file for file in _near(world, package) if file.kind in _USING)
-    yield from mentions(world, files, re.compile(spelled), "names the type")
+    yield from mentions(world, files, [name, _snake(name)], re.compile(spelled), "names the type")
 
 
 def field_mentions(subject: Subject, world: World) -> Iterator[Effect]:
@@ -163,13 +163,14 @@ def field_mentions(subject: Subject, world: World) -> Iterator[Effect]:
         ends = [one for one in record.node.interfaces if uses_type(one, affected)]
         places.update((end.location.repository or record.repository, end.location.path) for end in ends)
         places.update((record.repository, path) for path in (record.node.sources if ends else ()))
-    name = re.escape(subject.name.partition(".")[0])
+    field = subject.name.partition(".")[0]
+    name = re.escape(field)
     pattern = re.compile(rf"(?:\.|->){name}\b(?!\s*\()|\bset__{name}\b|[(,]\s*{name}\s*=(?!=)")
     files = [one for one in world.files if one.kind in _CODE and (one.repository, one.path) in places]
-    yield from mentions(world, files, pattern, f"possible use of the field {subject.name}")
+    yield from mentions(world, files, [field], pattern, f"possible use of the field {subject.name}")
     launch = [one for one in world.files if one.kind is FileKind.LAUNCH and _names(world, one, subject.owner)]
     pattern = re.compile(rf"\.{name}\b")
-    yield from mentions(world, launch, pattern, f"possible use of the field {subject.name} in an expression")
+    yield from mentions(world, launch, [field], pattern, f"possible use of the field {subject.name} in an expression")
 
 
 def _names(world: World, file: FileRecord, name: str) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from pyoxigraph import Literal
 
 from kg import resources
 from kg.errors import QueryError, UsageError
@@ -130,6 +131,17 @@ def test_values_have_types(tmp_path: Path, kind: str, good: str, bad: str) -> No
         query.bind({"x": bad})
     assert caught.value.code == "KG505"
     assert good in (caught.value.hint or "")
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [("true", True), ("Yes", True), ("1", True), ("false", False), ("NO", False), ("0", False)],
+)
+def test_truth_values_have_several_words(tmp_path: Path, word: str, value: bool) -> None:  # noqa: FBT001 - a column
+    """Words in any case and digits are truth values."""
+    path = tmp_path / "q.rq"
+    path.write_text('# T\n# @param x boolean "yes" a value\nSELECT ?x { VALUES ?x { UNDEF } }\n')
+    assert read(path, "q").bind({"x": word}) == {"x": Literal(value)}
 
 
 @pytest.mark.parametrize(

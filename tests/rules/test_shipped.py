@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -9,9 +11,14 @@ from pyoxigraph import RdfFormat, parse
 
 from kg.graph.ontology_files import ontology_triples
 from kg.resources import folder
+from kg.rules.authoring import starting
+from kg.rules.authoring.examples import read_examples
 from kg.rules.authoring.library import Library
+from kg.rules.authoring.starting import start
 from kg.rules.authoring.testing import run_examples
-from kg.rules.files import REQUIRED_HEADINGS
+from kg.rules.checks.documents import documentation_missing, examples_missing
+from kg.rules.checks.finding import Context
+from kg.rules.files import RuleFile, RuleSet
 from kg.rules.reading import OPTIONAL
 from kg.rules.specialise import specialise
 from kg.rules.stratify import stratify
@@ -23,6 +30,9 @@ RULES = folder("rules")
 FAMILIES = sorted(path.name for path in RULES.iterdir() if path.is_dir())
 LIBRARY = Library([RULES], families=FAMILIES)
 IN_FORCE = [entry for entry in Library([RULES]).entries.values() if entry.in_force]
+NO_CONTEXT = Context(RuleSet(()))
+TEMPLATE = Path(starting.__file__).parent / "templates" / "examples.md"
+EXAMPLES_OF_NEW_RULES = set(re.findall(r"^## (.*)", TEMPLATE.read_text(), re.MULTILINE))
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -34,14 +44,25 @@ def test_examples_pass(family: str) -> None:
     assert not failed
 
 
+def lacking(file: RuleFile) -> list[str]:
+    """Return what a rule needs before it is shipped: documentation, and examples of its own."""
+    found = [*documentation_missing(file, NO_CONTEXT), *examples_missing(file, NO_CONTEXT)]
+    own = file.examples.is_file() and not EXAMPLES_OF_NEW_RULES & {each.title for each in read_examples(file.examples)}
+    return [*(each.message for each in found), *(() if own else ("the examples are those of a new rule",))]
+
+
 @pytest.mark.parametrize("name", LIBRARY.entries)
 def test_documented(name: str) -> None:
-    """Each rule has a title, a description, a reason, a version, and examples next to it."""
-    file = LIBRARY.read(name)
-    assert file.documentation.title
-    assert file.documentation.since
-    assert set(REQUIRED_HEADINGS) <= set(file.documentation.sections or ())
-    assert file.examples.is_file()
+    """Each rule has a title, a description, a reason, a version, and examples of its own next to it."""
+    assert not lacking(LIBRARY.read(name))
+
+
+@pytest.mark.parametrize("notation", ["rq", "ttl", "srl"])
+def test_a_new_rule_must_be_completed(tmp_path: Path, notation: str) -> None:
+    """The unchanged output of `kg rules new` has neither a reason nor examples of its own."""
+    start("communication/listens-to", tmp_path, notation)
+    found = lacking(Library([tmp_path]).read("communication/listens-to"))
+    assert found == ["the header lacks `## Why`", "the examples are those of a new rule"]
 
 
 def test_every_example_has_its_rule() -> None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from kg.syntax.tree import Expression, RuleText
 
 E = "http://e/"
+XSD = "http://www.w3.org/2001/XMLSchema#"
 
 
 def rule(text: str) -> RuleText:
@@ -161,3 +162,42 @@ def test_a_group_of_a_selection_and_more_keeps_all_of_it() -> None:
     assert isinstance(alone, tree.SubSelect)
     assert isinstance(beside, tree.Union)
     assert [len(group.nodes) for group in beside.groups] == [2]
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("12", "integer"),
+        ("-1", "integer"),
+        ("+2.5", "decimal"),
+        ("-.5", "decimal"),
+        ("1e3", "double"),
+        ("1.0E-2", "double"),
+        ("true", "boolean"),
+        ("FALSE", "boolean"),
+    ],
+)
+def test_a_literal_has_the_type_of_its_form(text: str, kind: str) -> None:
+    """Numbers keep their spelling, truth values are written in lower case."""
+    (_, pattern) = body(f":s :p :o, {text}")  # behind a predicate, a sign belongs to a path
+    assert isinstance(pattern, tree.TriplePattern)
+    assert pattern.object == Literal(text.lower() if kind == "boolean" else text, datatype=NamedNode(XSD + kind))
+
+
+def test_keywords_can_have_any_case() -> None:
+    """Declarations, too; IRIs are relative to the base that is declared last."""
+    text = (
+        "base <http://old/> Base <http://e/> prefix p: <q#> Version '1.2' construct { <a> p:b ?x } where { ?x a <a> }"
+    )
+    parsed = parse_rq(text, "x.rq").rules[0]
+    assert (parsed.template[0].subject, parsed.template[0].predicate) == (NamedNode(E + "a"), NamedNode(E + "q#b"))
+
+
+def test_keys_of_groups_can_be_expressions_with_names() -> None:
+    """A named expression has its variable, another one a variable that no text can name."""
+    (node,) = body("SELECT ?b { ?x :p ?y } GROUP BY (?y + 1 AS ?b) (STR(?y)) ?x")
+    assert isinstance(node, tree.SubSelect)
+    first, second, third = node.keys
+    assert (first.variable, third.variable) == (Variable("b"), Variable("x"))
+    assert second.variable.name.startswith(".")
+    assert [key.expression is None for key in node.keys] == [False, False, True]

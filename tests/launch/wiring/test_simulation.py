@@ -133,6 +133,29 @@ def test_a_topic_of_a_description_is_that_of_the_publisher_in_its_namespace() ->
     assert names(found, "/b/s") == ["/b/odom"]
 
 
+def test_a_name_that_no_element_gives_is_that_of_the_plugin() -> None:
+    """It has the line of the plugin, and counts as a default."""
+    spawn = {
+        "package": "gazebo_ros",
+        "executable": "spawn_entity.py",
+        "name": "s",
+        "arguments": ["-topic robot_description"],
+    }
+    (end,) = ends(system(2, [spawn], plugin("gazebo_ros_p3d")), "/s")
+    assert (end.resolved, end.resolution) == ("/odom", Resolution.PARAMETER_DEFAULT)
+    assert end.declared.location == LINE
+
+
+def test_a_topic_of_a_description_elsewhere_is_the_only_one_there_is() -> None:
+    """A spawner in another namespace gets the description if there is one, and none of several."""
+    one = plugin("gazebo_ros_p3d", parameter="/a/robot_state_publisher/robot_description")
+    two = plugin("gazebo_ros_p3d", parameter="/b/robot_state_publisher/robot_description")
+    spawn = {"package": "gazebo_ros", "executable": "spawn_entity.py", "namespace": "/c", "name": "s"}
+    node = {**spawn, "arguments": ["-topic robot_description"]}
+    assert len(names(system(2, [node], one), "/c/s")) == 1
+    assert names(system(2, [node], one, two), "/c/s") == []
+
+
 def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
     """Every row has a source and ends that can be parsed."""
     devices, simulators, spawners = load()

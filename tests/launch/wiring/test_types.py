@@ -2,9 +2,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from wiring.systems_of import started
 
-from kg.facts import Location, MissingType, NodeKind, NodeReference, NodeType, StartedNode, StartKind
+from kg.facts import DataFile, Location, MissingType, NodeKind, NodeReference, NodeType, StartedNode, StartKind
 from kg.launch.wiring.types import NodeTypes
 
 
@@ -41,3 +42,31 @@ def test_a_registered_class_without_a_node_is_not_missing() -> None:
     found, missing, reason = types.of(loaded, "local/here")
     assert (found, missing) == (None, MissingType.NO_NODE)
     assert reason == "no node was found in filters/Median of package filters"
+
+
+def test_an_executable_can_have_another_name_than_its_node() -> None:
+    """The executable and the node lead to the type; messages list the executable."""
+    place = Location("a.cpp", 1)
+    node = NodeType("Talker", NodeKind.EXECUTABLE, "cpp", 2, place, executable="talker_node")
+    types = NodeTypes([(NodeReference("local/p", "p", "Talker"), node)])
+    assert [len(types.started("p", name)) for name in ("talker_node", "Talker", "talker")] == [1, 1, 0]
+    assert types.executables("p") == ["talker_node"]
+
+
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        ("package://nav/trees/main.xml", "nav/trees/main.xml"),
+        ("package://nav/installed/elsewhere/backup.xml", "nav/trees/backup.xml"),
+        ("package://nav/installed/main.xml", None),
+        ("package://nav/trees/gone.xml", None),
+        ("package://other/trees/main.xml", None),
+        ("/trees/main.xml", None),
+    ],
+)
+def test_installed_files_are_found_by_the_end_of_their_path(path: str, found: str | None) -> None:
+    """A file that is installed elsewhere is found by its name, unless several files have it."""
+    names = ("nav/trees/main.xml", "nav/trees/backup.xml", "nav/old/main.xml")
+    types = NodeTypes((), data=[DataFile("local/p", "nav", name, "") for name in names])
+    file = types.data_file(path)
+    assert (file.path if file else None) == found

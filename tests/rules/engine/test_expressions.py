@@ -5,6 +5,7 @@ import pytest
 from pyoxigraph import BlankNode, Literal, NamedNode
 from rules.forms import expression
 
+from kg.rules.engine import expressions
 from kg.rules.engine.expressions import Expressions, text_test
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.tables import Table
@@ -71,6 +72,10 @@ FILTERS = [
     "!BOUND( ?x )",
     " ?x IN (<urn:lidar_1>, <urn:b>)",
     " ?x NOT IN (<urn:lidar_1>)",
+    "(( ?x = ?y ))",
+    "(sameTerm( ?x , ?y ))",
+    "( ?x = ?y ) || ( ?x != <urn:lidar_1>)",
+    '(REGEX( ?x , "(r)$"))',
 ]
 
 
@@ -102,23 +107,39 @@ def test_an_unbound_variable_is_an_error_unless_the_expression_forgives_it() -> 
     """A variable without a column, or without a value in the row, is unbound in the expression."""
     dictionary = Dictionary()
     rows = Table({"x": np.array([dictionary.intern_term(Literal(1)), 0], np.int64)}, 2)
-    expressions = Expressions(dictionary)
+    computed = Expressions(dictionary)
     for text, expected in (
         ("?x + 1", ["2", None]),
         ("COALESCE( ?x , 5)", ["1", "5"]),
         ("COALESCE( ?z , 6)", ["6", "6"]),
     ):
-        values = expressions.values(expression(text), rows, [("x", "x")], Clock(Limits()))
+        values = computed.values(expression(text), rows, [("x", "x")], Clock(Limits()))
         assert [dictionary.term(value).value if value else None for value in values.tolist()] == expected  # type: ignore[union-attr]  # literals
 
 
-def test_values_are_remembered() -> None:
-    """The same expression over the same terms, in any table, is computed once."""
+@pytest.mark.parametrize("names", ["x", "xy", "xyz"])
+def test_values_are_remembered(names: str) -> None:
+    """The same expression over the same terms, in any table, is computed once, whatever the number of variables."""
     dictionary = Dictionary()
-    expressions = Expressions(dictionary)
-    rows = Table({"x": dictionary.intern_all([b'"a"', b'"b"', b'"a"'])}, 3)
-    first = expressions.values(expression("UCASE( ?x )"), rows, [("x", "x")], Clock(Limits()))
-    expressions._store = None  # type: ignore[assignment]  # nobody is asked again
-    again = expressions.values(expression("UCASE( ?x )"), rows.take(slice(0, 2)), [("x", "x")], Clock(Limits()))
+    computed = Expressions(dictionary)
+    rows = Table({name: dictionary.intern_all([b'"a"', b'"b"', b'"a"']) for name in names}, 3)
+    joined = expression(f"UCASE(CONCAT({', '.join(f' ?{name} ' for name in names)}))")
+    columns = [(name, name) for name in names]
+    first = computed.values(joined, rows, columns, Clock(Limits()))
+    computed._store = None  # type: ignore[assignment]  # nobody is asked again
+    again = computed.values(joined, rows.take(slice(0, 2)), columns, Clock(Limits()))
     assert again.tolist() == first[:2].tolist()
-    assert dictionary.spellings(first) == [b'"A"', b'"B"', b'"A"']
+    expected = [b'"%s"' % (letter * len(names)) for letter in (b"A", b"B", b"A")]
+    assert dictionary.spellings(first) == expected
+
+
+def test_many_rows_are_evaluated_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The rows of each batch get their values, with and without blank nodes."""
+    monkeypatch.setattr(expressions, "_BATCH", 2)
+    dictionary = Dictionary()
+    terms = dictionary.intern_all([*(b'"%d"' % number for number in range(5)), b"_:a", b"_:b", b"_:c"])
+    rows = Table({"x": terms}, terms.size)
+    values = Expressions(dictionary).values(
+        expression("IF(isBlank( ?x ), 0, STRLEN( ?x ) + 1)"), rows, [("x", "x")], Clock(Limits())
+    )
+    assert [dictionary.term(value) for value in values.tolist()] == [Literal(2)] * 5 + [Literal(0)] * 3

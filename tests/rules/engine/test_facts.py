@@ -49,6 +49,15 @@ class AgainstASet(RuleBasedStateMachine):
             objects, minlength=10
         ).tolist()
 
+    @rule(subject=st.integers(1, 9), value=st.integers(1, 9))
+    def ask(self, subject: int, value: int) -> None:
+        """A predicate has a subject and an object, not necessarily in one triple, and another predicate has neither."""
+        subjects, values = {one for one, _ in self.pairs}, {one for _, one in self.pairs}
+        assert self.facts.has(5, subject) == (subject in subjects)
+        assert self.facts.has(5, None, value) == (value in values)
+        assert self.facts.has(5, subject, value) == (subject in subjects and value in values)
+        assert not self.facts.has(6, subject, value)
+
     @rule(pairs=PAIRS)
     def copy(self, pairs: list[tuple[int, int]]) -> None:
         """A copy is independent."""

@@ -1,17 +1,22 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
+from kg.rules.engine import terms
+from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary, Kept
 from kg.store.terms import spell
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from kg.rules.form import Term
 
 INNER = Triple(NamedNode("urn:a"), NamedNode("urn:b"), Literal("x", language="en"))
@@ -28,7 +33,7 @@ TERMS: list[Term] = [
 KINDS = [IRI, BLANK, LITERAL, LITERAL, LITERAL, TRIPLE, TRIPLE]
 
 
-@pytest.mark.parametrize("term", TERMS, ids=str)
+@pytest.mark.parametrize("term", TERMS)
 def test_a_term_is_read_back_as_it_was(term: Term) -> None:
     """A term survives spelling and parsing, and has one identifier."""
     dictionary = Dictionary()
@@ -86,3 +91,22 @@ def test_kept_terms_with_one_checksum_are_told_apart() -> None:
     """These two spellings have the same CRC-32."""
     kept = Kept.of([b"plumless", b"buckeroo"])
     assert [kept.find(one) for one in (b"plumless", b"buckeroo", b"other")] == [0, 1, None]
+
+
+@given(st.lists(texts, max_size=4))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_terms_are_written_whole(tmp_path: Path, steps: list[list[bytes]]) -> None:
+    """Terms in memory and in several files become one file, in which each has its identifier."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(terms, "_RECENT", 3)
+        dictionary = Dictionary(pages=Pages(tmp_path))
+        for step in steps:
+            dictionary.intern_all(step)
+        known = {one: dictionary.intern(one) for step in steps for one in step}
+    kept, parts = dictionary.whole()
+    whole = replace(kept, text=memoryview(b"".join(parts)))
+    assert len(whole) == len(known)
+    assert {one: whole.find(one) for one in known} == {one: number - 1 for one, number in known.items()}
+    again = Dictionary(whole)
+    assert again.spellings(list(known.values())) == list(known)
+    assert all(again.intern(one) == number for one, number in known.items())
