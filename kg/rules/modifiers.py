@@ -81,7 +81,7 @@ def _ranks(column: Keys, dictionary: Dictionary) -> Keys | None:
 def _values(spelt: Sequence[bytes]) -> Sequence[bytes] | Sequence[int] | None:
     """Return what terms are compared by."""
     if all(one.startswith(b"<") and not one.startswith(b"<<") for one in spelt):
-        return spelt
+        return [one[1:-1] for one in spelt]
     if all(one.startswith(b'"') and one.endswith(b'"') for one in spelt):
         return [str(getattr(of_spelling(one), "value", "")).encode() if b"\\" in one else one[1:-1] for one in spelt]
     if all(one.endswith(_INTEGER) for one in spelt):

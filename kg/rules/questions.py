@@ -149,6 +149,8 @@ def _rules(
     chosen: dict[tuple[int, int], Among] = {}
     try:
         (stated,) = parse_rq(whole, "query").rules
+        if whole[stated.group.span.end :].strip():
+            return None  # VALUES after the pattern, which is joined with the counts, not counted
         stated = replace(stated, group=_simpler(stated.group, Counter(names), chosen))
         rules = decompose(stated, "query", "query", whole)
     except KgError:

@@ -60,6 +60,8 @@ QUERIES: Final = [
     "SELECT ?s ?o { { SELECT ?s { GRAPH ?g { ?s :p ?x } } } { SELECT ?o { GRAPH ?g { ?o :q ?x } } } }",
     "SELECT ?s (COUNT(*) AS ?n) { ?s :p ?o } GROUP BY ?s",
     "SELECT (COUNT(*) AS ?n) { ?s :p ?o }",
+    "SELECT (COUNT(*) AS ?n) { ?s :p ?o } VALUES ?o { :a :b }",
+    "SELECT DISTINCT ?s { ?s :p ?o } VALUES ?o { :a :b }",
     "SELECT ?s (COUNT(?more) AS ?n) { ?s :p ?o OPTIONAL { ?s :q ?more } } GROUP BY ?s",
     "SELECT ?p (COUNT(DISTINCT ?o) AS ?n) { GRAPH ?g { ?s ?p ?o } ?s :p ?any } GROUP BY ?p ?s",
     "SELECT ?s (COUNT(DISTINCT ?o) AS ?n) (COUNT(*) AS ?all) { ?s :p ?o } GROUP BY ?s",
@@ -72,6 +74,7 @@ QUERIES: Final = [
 ORDERED: Final = [
     "SELECT DISTINCT ?s ?o { ?s ?p ?o } ORDER BY ?s DESC(?o)",
     "SELECT ?s (COUNT(DISTINCT ?o) AS ?n) { ?s ?p ?o } GROUP BY ?s ORDER BY ?n DESC(?s)",
+    "SELECT DISTINCT ?s { VALUES ?s { :n9 :n :n98 :n9-1 <urn:n9/1> <urn:n9#1> } } ORDER BY DESC(?s)",
     "SELECT DISTINCT ?text { VALUES ?text { 'b' 'a\\tb' 'a b' 'ä' '' } } ORDER BY ?text",
     "SELECT DISTINCT ?n ?s { ?s :p ?o VALUES ?n { 10 9 UNDEF } } ORDER BY DESC(?n) ?s",
 ]
