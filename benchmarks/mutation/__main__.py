@@ -78,7 +78,7 @@ def main() -> None:
     parser.add_argument("--modules", nargs="+", choices=MODULES, default=list(MODULES))
     parser.add_argument("--mutants", type=int, default=100, help="size of the sample of each module")
     parser.add_argument("--seed", type=int, default=1, help="another seed gives another sample")
-    parser.add_argument("--survivors", type=Path, help="write what nobody noticed to this file, as differences")
+    parser.add_argument("--survivors", type=Path, help="write the survivors to this file, as differences")
     options = parser.parse_args()
     if len(options.modules) > 1:  # mutmut reads the settings of one folder when it is imported
         for name in options.modules:

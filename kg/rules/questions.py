@@ -150,7 +150,7 @@ def _rules(
     try:
         (stated,) = parse_rq(whole, "query").rules
         if whole[stated.group.span.end :].strip():
-            return None  # VALUES after the pattern, which is joined with the counts, not counted
+            return None  # a final VALUES is joined after counting, which rules cannot express
         stated = replace(stated, group=_simpler(stated.group, Counter(names), chosen))
         rules = decompose(stated, "query", "query", whole)
     except KgError:

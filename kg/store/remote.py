@@ -116,7 +116,7 @@ def _stated(quad: Quad, graph: NamedNode | None) -> str:
 
 
 _NO_UPDATES: Final = frozenset({400, 404, 405, 415, 501})
-"""Statuses of responses to an update at an address for queries; Oxigraph and kg respond 400, as to a wrong update."""
+"""Statuses of responses to an update at an address for queries. Oxigraph and kg respond 400, as to invalid updates."""
 _VIRTUOSO_ASK: Final = Variable("__ASK_RETVAL")
 """Variable of Virtuoso's result of ASK, a row with 0 or 1."""
 _VIRTUOSO: Final = b'\n{ "head": { "link": ['
@@ -172,7 +172,7 @@ class RemoteStore:
             self._updates.post([("update", text)], timeout=timeout)
         except RefusedError as error:
             if self._one_address and error.status in _NO_UPDATES:
-                error.hint = "If this address takes queries only, name the one for updates too, with --update-url."
+                error.hint = f"{error.hint} If this address takes queries only, name the other one with --update-url."
             raise
 
 

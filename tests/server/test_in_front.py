@@ -83,7 +83,9 @@ def server(store: Path) -> Iterator[str]:
 @pytest.fixture(scope="module")
 def front(server: str, client: TestClient) -> Iterator[TestClient]:
     """A client of `kg serve` in front of the server, when both have counted the terms that they complete."""
-    with application(server, log="off") as found:
+    # The default deadline of a test depends on the load when its server starts, and the query page shows it.
+    seconds = client.app.state.server.options.seconds  # type: ignore[attr-defined]  # an application of Starlette
+    with application(server, log="off", seconds=seconds) as found:
         until(lambda: bool(client.get(COMPLETIONS).json()["ready"]))
         until(lambda: bool(found.get(COMPLETIONS).json()["ready"]))
         yield found

@@ -26,6 +26,6 @@ def test_a_place_can_have_an_end(end: int, line: int, column: int) -> None:
     assert (found.line, found.column, found.end_line, found.end_column) == (1, 2, line, column)
 
 
-def test_a_line_behind_the_end_has_no_text() -> None:
+def test_a_line_after_the_end_has_no_text() -> None:
     """The engine may report a line that the text does not have."""
     assert place_of(TEXT, 9, 1, "x.rq") == Place("x.rq", 9, 1, None)

@@ -179,7 +179,7 @@ def test_a_group_of_a_selection_and_more_keeps_all_of_it() -> None:
 )
 def test_a_literal_has_the_type_of_its_form(text: str, kind: str) -> None:
     """Numbers keep their spelling, truth values are written in lower case."""
-    (_, pattern) = body(f":s :p :o, {text}")  # behind a predicate, a sign belongs to a path
+    (_, pattern) = body(f":s :p :o, {text}")  # after a predicate, a sign belongs to a path
     assert isinstance(pattern, tree.TriplePattern)
     assert pattern.object == Literal(text.lower() if kind == "boolean" else text, datatype=NamedNode(XSD + kind))
 
