@@ -36,7 +36,8 @@ _BEST: Final = (
     DescriptionKind.USAGE,
 )
 """Kinds of descriptions, those first that describe the purpose of a node."""
-_SENTENCE: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")
+SENTENCE_END: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")
+"""Whitespace between two sentences; abbreviations such as `e.g.` end none."""
 
 
 def descriptions_of(graph: Queryable, those: str) -> Mapping[str, tuple[Description, ...]]:
@@ -54,7 +55,7 @@ def _rank(one: Description) -> tuple[int, str, int, str]:
 def summary(said: Iterable[Description]) -> str | None:
     """Return the first sentence of the first description; None without one."""
     first = next(iter(said), None)
-    return _SENTENCE.split(first.text, maxsplit=1)[0] if first else None
+    return SENTENCE_END.split(first.text, maxsplit=1)[0] if first else None
 
 
 _LABEL_LENGTH: Final = 60

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 import textwrap
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from kg.graph.texts import SENTENCE_END
 from kg.holes import anonymous
 from kg.search.fields import own_words
 from kg.search.lexicon import lexicon
@@ -45,7 +45,6 @@ _KINDS: Final = {
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
 _EXCERPT: Final = 90  # so many characters of a text stand in a reason
 _MORE: Final = " …"
-_SENTENCE_END: Final = re.compile(r"[.!?]\s+(?=[A-Z])")
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +144,7 @@ def _best(texts: Iterable[Text], worth: Callable[[str, str], float]) -> Iterator
 def _excerpt(text: str, worth: Callable[[str], float]) -> str:
     """Return the beginning of the sentence whose beginning is worth the most, the first of equals."""
     text = " ".join(text.split())
-    begins = [0, *(match.end() for match in _SENTENCE_END.finditer(text))]
+    begins = [0, *(match.end() for match in SENTENCE_END.finditer(text))]
     shown = {at: textwrap.shorten(text[at:], _EXCERPT + len(_MORE), placeholder=_MORE) for at in begins}
     best = max(begins, key=lambda at: worth(shown[at]))
     return f"… {shown[best]}" if best else shown[best]
