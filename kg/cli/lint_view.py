@@ -21,6 +21,8 @@ from kg.cli.diagnostics import dim, excerpt, head, helps, linked
 from kg.codes import CATALOGUE, SEVERITIES
 from kg.errors import Place
 from kg.facts import Location
+from kg.graph.chains import chain_of
+from kg.lint.finding import Evidence
 from kg.lint.lines import Lines
 from kg.lint.objects import spelled
 from kg.render.text import count, printable
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.cli.links import Links
-    from kg.lint.finding import Evidence, Finding
+    from kg.lint.finding import Finding
     from kg.lint.report import Report
     from kg.lint.running import Checked
 
@@ -74,13 +76,19 @@ class LintView:
         if others or not finding.in_own_file:
             yield f"in {printable(finding.system)}{others}"
         if finding.place is not None and finding.place.chain:
-            yield f"included by {printable(finding.place.chain)}"
+            yield f"included by {' > '.join(self._steps(finding))}"
         for one in finding.evidence[:_MOST_EVIDENCE]:
             name = self._spelled(one) if one.line is None else f"{self._spelled(one)}:{one.line}"
             where = linked(name, self._address(one), color=self._color)
             yield f"{where} {printable(one.words)}".rstrip()
         if len(finding.evidence) > _MOST_EVIDENCE:
             yield f"and {count(len(finding.evidence) - _MOST_EVIDENCE, 'other line')}; --json has them all"
+
+    def _steps(self, finding: Finding) -> Iterator[str]:
+        """Yield the includes that lead to the line to fix."""
+        for step in chain_of(finding.place.chain if finding.place else None):
+            place = Evidence(step.path, step.line, step.repository or finding.source)
+            yield linked(f"{printable(self._spelled(place))}:{place.line}", self._address(place), color=self._color)
 
     def _help(self, finding: Finding) -> Iterator[str]:
         """Yield the finding's own hint, or that of its code, the latter only once."""

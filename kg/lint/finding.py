@@ -29,10 +29,10 @@ class Evidence:
 class Finding:
     """A finding; the first of `subjects` is the name that it is about.
 
-    `system` is the configuration in which it was found, `also` are others with the same fault at the same line. `place`
-    is the line to fix; None if the rule names none. `presumes_whole` marks a conclusion from something missing, which
-    holds only if the configuration is started alone. `replacement` is the suggested name for the first subject. `iri`
-    is that of the finding in the store.
+    `system` is the configuration in which it was found, `source` the source of its launch file. `also` are others with
+    the same fault at the same line. `place` is the line to fix; None if the rule names none. `presumes_whole` marks a
+    conclusion from something missing, which holds only if the configuration is started alone. `replacement` is the
+    suggested name for the first subject. `iri` is that of the finding in the store.
     """
 
     code: str
@@ -48,6 +48,7 @@ class Finding:
     replacement: str | None = None
     also: tuple[str, ...] = field(default=())
     iri: str = field(default="", compare=False)
+    source: str = ""
 
     @property
     def path(self) -> str:

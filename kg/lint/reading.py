@@ -27,7 +27,7 @@ _OF: Final = "?s rnkg:inConfiguration %s ."
 _THINGS: Final = """SELECT ?s ?p ?o WHERE {
   %s GRAPH ?g { ?s ?p ?o }
   FILTER(?p IN (rdf:type, rnkg:name, rnkg:resolvedName, rnkg:from, rnkg:to,
-                rnkg:path, rnkg:line, rnkg:declaredIn, rnkg:declaredBy, rnkg:includeChain))
+                rnkg:path, rnkg:line, rnkg:repository, rnkg:declaredIn, rnkg:declaredBy, rnkg:includeChain))
 }"""
 _LED: Final = """SELECT ?configuration ?start ?chain WHERE {
   %s
@@ -112,6 +112,7 @@ class _Reading:
             rule=one(own, v.rnkg("rule")) or "",
             severity=severity if severity in SEVERITIES else "warning",
             system=system,
+            source=self._source(configuration),
             message=message,
             subjects=tuple(dict.fromkeys(subjects)),
             place=mending,
@@ -133,12 +134,16 @@ class _Reading:
         for written in (own, *(self._things.get(iri, {}) for iri in codes)):
             path, line, file = (one(written, term) for term in (v.PATH, v.LINE, v.DECLARED_IN))
             if path is not None:
-                known = self._iris.parse(file or thing.partition("#")[0])
+                source = one(written, v.IN_REPOSITORY) or self._source(file or thing.partition("#")[0])
                 chain = one(written, v.INCLUDE_CHAIN)
                 chain = chain_text(likely_chain(path, led)) if chain is None and led else chain
-                yield Evidence(path, int(line) if line else None, known.parts[0] if known else "", words, chain or "")
+                yield Evidence(path, int(line) if line else None, source, words, chain or "")
             elif peer := one(written, v.SEEN_AT):
                 yield Evidence(peer, None, "", words)
+
+    def _source(self, iri: str) -> str:
+        known = self._iris.parse(iri)
+        return known.parts[0] if known else ""
 
 
 def _words(own: Properties) -> str:

@@ -49,6 +49,28 @@ def test_evidence_beyond_some_lines_is_counted() -> None:
     ]
 
 
+def test_includes_are_files_of_their_own_sources(tmp_path: Path) -> None:
+    """Each include on the way is shown by its path on disk, also if it is in another source than the launch file."""
+    sources = {"local/rover": tmp_path / "rover", "local/nav": tmp_path / "nav"}
+    checked = Checked(
+        Report(
+            (
+                finding(
+                    source="local/rover",
+                    place=Evidence("nav/a.py", 7, "local/nav", chain="rover/all.py:3 > local/nav//nav/bringup.py:5"),
+                ),
+            )
+        ),
+        tuple(
+            SourceState(name, None, None, None, False, str(root), None, None, Counts())
+            for name, root in sources.items()
+        ),
+        1,
+    )
+    drawn = LintView(checked, Links.of([]), tmp_path, color=False).lines()
+    assert "included by rover/rover/all.py:3 > nav/nav/bringup.py:5" in "\n".join(drawn)
+
+
 def test_the_sum_counts_by_severity() -> None:
     """The sum counts findings by severity, followed by the allowed and the baseline ones."""
     found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
