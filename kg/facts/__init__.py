@@ -35,6 +35,7 @@ from kg.facts.code import (
     Resolution,
     Role,
     SourceFile,
+    Switch,
 )
 from kg.facts.launch import (
     LaunchArgument,
@@ -116,5 +117,6 @@ __all__ = [
     "SourceFile",
     "StartKind",
     "StartedNode",
+    "Switch",
     "System",
 ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 # Imported at run time: the caches and property tests create facts from their annotations.
 from kg.facts.launch import LaunchConfiguration  # noqa: TC001 - see above
@@ -116,6 +116,24 @@ class Qos:
     """How long a publisher may be silent before it counts as dead, in seconds."""
 
 
+class Switch(NamedTuple):
+    """A parameter that decides whether a node creates an interface.
+
+    Written `~/use_map` if it must be true, or a text that is not empty, and `~/type == scan` if it must have a value; a
+    `!` in front negates either.
+    """
+
+    parameter: str
+    value: str | None
+    wanted: bool
+
+    @classmethod
+    def parse(cls, written: str) -> Switch:
+        """Return the switch that is written so."""
+        parameter, compared, value = written.removeprefix("!").partition(" == ")
+        return cls(parameter, value if compared else None, not written.startswith("!"))
+
+
 @dataclass(frozen=True, slots=True)
 class Interface:
     """One end of a topic, service or action that a node declares.
@@ -146,10 +164,7 @@ class Interface:
     arguments: int = 0
     """Number of command line arguments required for the node to create the interface."""
     switches: tuple[str, ...] = ()
-    """Boolean parameters that must be true for the node to create it.
-
-    Those that must be false are prefixed with `!`.
-    """
+    """Parameters that decide whether the node creates it, see `Switch`."""
     via: tuple[Location, ...] = ()
     """The calls from `location`, the innermost one in the node's own package, down to the framework call.
 

@@ -7,6 +7,7 @@ from collections import defaultdict
 from itertools import product
 from typing import TYPE_CHECKING, Final
 
+from kg.facts import Switch
 from kg.impact.model import VERBS, Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
@@ -86,7 +87,7 @@ def _code(subject: Subject, record: Record) -> Iterator[Effect]:
             yield code_effect(record, Grade.BREAKS, what, "the code names the parameter", one.location)
     for end in record.node.interfaces:
         named = same_parameter(end.parameter, subject.name)
-        if named or any(same_parameter(one.removeprefix("!"), subject.name) for one in end.switches):
+        if named or any(same_parameter(Switch.parse(one).parameter, subject.name) for one in end.switches):
             what = f"{node} {VERBS[end.role]} {end.name or '?'}"
             reason = "the parameter gives the name" if named else "the parameter enables it"
             yield code_effect(record, Grade.MAY, what, reason, end.location)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
@@ -41,6 +42,7 @@ NULL: Final = Unknown("it is null")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
 _NOT_NULL: Final = (Object, Text, Number, Truth, Sequence, Mapping, TypeValue, Closure, Bound)
+_WORD: Final = re.compile(r"[\w./+-]+")
 _LARGEST_EXPONENT: Final = 64
 _LONGEST: Final = 5_000
 """How many letters or items the repetition of a text or a list has at most."""
@@ -211,6 +213,10 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
         if sign in ("==", "!=") and any(isinstance(v, Text) and v.known == "" and v.parameter is None for v in row):
             return Guard((f"!{parameter}" if sign == "==" else parameter,))
+        choice = next((v for v in row if _is_choice(v)), None)
+        if sign in ("==", "!=") and choice is not None and any(_is_whole(v, parameter) for v in row):
+            term = f"{parameter} == {plain(choice)}"
+            return Guard((term if sign == "==" else negated_term(term),))
         return Unknown("it depends on a parameter", parameter)
     if isinstance(left, Guard) and right == number(0) and sign in ("==", "!="):
         return negate(left) if sign == "==" else left
@@ -233,6 +239,20 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
     if isinstance(one, str) and isinstance(other, str):
         return Truth(_ordered(sign, (one > other) - (one < other)))
     return Truth(_ordered(sign, float(one) - float(other)))
+
+
+def _is_choice(value: Value) -> bool:
+    """Check whether a value is a constant that a parameter may have: a word, or a whole number."""
+    if isinstance(value, Text):
+        return value.parameter is None and value.known is not None and _WORD.fullmatch(value.known) is not None
+    return isinstance(value, Number) and value.parameter is None and not is_floating(value)
+
+
+def _is_whole(value: Value, parameter: str) -> bool:
+    """Check whether a value is that of a parameter, not a text with the value in it."""
+    if isinstance(value, Text):
+        return value.parameter == parameter and len(value.parts) == 1
+    return isinstance(value, Number) and value.parameter == parameter
 
 
 def _ordered(sign: str, difference: float) -> bool:

@@ -495,6 +495,7 @@ def concatenate(*values: Value) -> Value:
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:
         piece = as_text(value)
+        apart = parameter != piece.parameter  # the text is no longer the parameter's own
         resolution = worse(resolution, piece.resolution)
         parameter = parameter or piece.parameter
         reason = reason or piece.reason
@@ -504,7 +505,7 @@ def concatenate(*values: Value) -> Value:
                 hole = part if same else Hole()
                 if hole.label or not parts or parts[-1] != hole:
                     parts.append(hole)
-            elif part and parts and isinstance(parts[-1], str):
+            elif part and parts and isinstance(parts[-1], str) and not apart:
                 parts[-1] += part
             elif part:
                 parts.append(part)

@@ -3,8 +3,9 @@
 A name that is the value of a parameter `~/imu{}` stands for as many interfaces as parameters are set whose names fit
 (`imu0`, `imu1`), one of `~/topics[].name` for as many as the list or dictionary `~/topics` has elements, and one of
 `~/topics[key]` for as many as the dictionary has keys. Code that names one interface in several ways, by the arguments
-or the namespace that it finds, has only one of them in an instance. Boolean parameters
-turn interfaces on and off.
+or the namespace that it finds, has only one of them in an instance. Parameters turn
+interfaces on and off: by a boolean, or by the value that selects one of several parts (`~/type == scan`), also for each
+member of a family (`~/{sources}.type == scan`).
 """
 
 from __future__ import annotations
@@ -12,17 +13,31 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Interface, LaunchParameter, NodeType
-from kg.holes import anonymous, is_known, is_partial, known_letters, partition, pattern
+from kg.facts import Interface, LaunchParameter, NodeType, Switch
+from kg.holes import (
+    Hole,
+    anonymous,
+    is_known,
+    is_partial,
+    known_letters,
+    label_of,
+    parse,
+    partition,
+    pattern,
+    substitute,
+)
+from kg.launch.wiring.plugins import below_id
 from kg.launch.wiring.values import ARGUMENT, COMMAND_LINE, OPTION, Settings, is_text, parsed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.launch.wiring.place import Place
 
+_NO_MEMBER: Final[Mapping[str, str]] = MappingProxyType({})
 _EACH: Final = "[]"
 _KEY: Final = "[key]"
 _STEP: Final = re.compile(r"\[(?:key)?\]|\.[^.\[\]]+")
@@ -59,7 +74,29 @@ def members(
     ]
     if not fitting and declared.name is not None:
         return ((None, None),)
-    return [(given, given) for _, given in sorted(fitting, key=lambda pair: _natural(pair[0]))]
+    switches = [Switch.parse(one) for one in declared.switches if is_partial(one)]
+    made = []
+    for name, given in sorted(fitting, key=lambda pair: _natural(pair[0])):
+        member = _hole_value(own_text, name)
+        listed = all(_is_listed(value, label, node, settings, place) for label, value in member.items())
+        if listed and all(_may_be(one, node, settings, place, member) for one in switches):
+            made.append((given, given))
+    return made
+
+
+def _hole_value(family: str, name: str) -> Mapping[str, str]:
+    """Return the text that a member has for the hole of its family, if the family has one labelled hole."""
+    labels = list(dict.fromkeys(part.label for part in parse(family) if isinstance(part, Hole)))
+    found = pattern(family).fullmatch(name)
+    return {labels[0]: found[1]} if len(labels) == 1 and labels[0] and found and found.groups() else {}
+
+
+def _is_listed(member: str, label: str, node: NodeType, settings: Settings, place: Place) -> bool:
+    """Check whether the parameter with the names of a family's members lists a member, or is not known."""
+    sources = [one.name for one in node.parameters if one.name is not None and label_of(one.name) == label]
+    given = settings.get(sources[0], place) if len(sources) == 1 else None
+    names = parsed(given.value) if given is not None else None
+    return not isinstance(names, list) or member in names
 
 
 def _elements(
@@ -200,19 +237,41 @@ def switched_on(node: NodeType, settings: Settings, place: Place) -> NodeType:
     """
     if not any(one.switches for one in node.interfaces):
         return node
-    kept = (one for one in node.interfaces if all(_may_be(switch, node, settings, place) for switch in one.switches))
-    return replace(node, interfaces=tuple(kept))
+
+    def is_made(one: Interface) -> bool:
+        return all(_may_be(Switch.parse(switch), node, settings, place, _NO_MEMBER) for switch in one.switches)
+
+    return replace(node, interfaces=tuple(filter(is_made, node.interfaces)))
 
 
-def _may_be(switch: str, node: NodeType, settings: Settings, place: Place) -> bool:
-    name, wanted = switch.removeprefix("!"), not switch.startswith("!")
+def _may_be(switch: Switch, node: NodeType, settings: Settings, place: Place, member: Mapping[str, str]) -> bool:
+    """Check whether a switch is on, or its parameter unknown; `member` has the values of the holes in its name."""
+    name = substitute(switch.parameter, member.get)
+    if is_partial(name) and node.ros != 1 and place.private not in (None, place.full):  # of a plugin
+        own = below_id(name)
+        name = name if own is None else f"~/{own}"
+    if is_partial(name) and any(settings.fitting(pattern(settings.absolute(name, place)), place)):
+        return True
     setting = settings.get(name, place)
     if setting is not None:
-        truth = _truth(setting.value)
+        held = _holds(switch, setting.value)
     else:
-        defaults = {_truth(one.default) for one in node.parameters if one.name == name and one.default is not None}
-        truth = defaults.pop() if len(defaults) == 1 else None
-    return truth is wanted or truth is None
+        named = (one for one in node.parameters if one.name == switch.parameter and one.default is not None)
+        defaults = {_holds(switch, one.default) for one in named}
+        held = defaults.pop() if len(defaults) == 1 else None
+    return held is switch.wanted or held is None
+
+
+def _holds(switch: Switch, value: str | None) -> bool | None:
+    """Return whether a value is the one of a switch, or true; None for one that is not known."""
+    if switch.value is None:
+        return _truth(value)
+    found = parsed(value)
+    if isinstance(found, bool) or not isinstance(found, (str, int)) or "{" in str(found):
+        return None
+    same = str(found) == switch.value
+    # Code often folds the case before it compares.
+    return same if same or str(found).casefold() != switch.value.casefold() else None
 
 
 def _truth(value: str | None) -> bool | None:

@@ -46,7 +46,8 @@ def _node(chain: Composed, place: int) -> Iterator[str]:
     for name, link in start.topics:
         yield f"    <param name={quoteattr(_below(name))} value={quoteattr(_topic(link))}/>"
     for name, value in start.switches.items():
-        yield f'    <param name={quoteattr(_below(name))} value="{str(value).lower()}"/>'
+        text = str(value).lower() if isinstance(value, bool) else str(value)
+        yield f"    <param name={quoteattr(_below(name))} value={quoteattr(text)}/>"
     for one in unset(chain, node):
         yield f"    <!-- {_comment(_settable(one))} -->"
     yield "  </node>"

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from itertools import product
 from typing import TYPE_CHECKING
 
+from kg.facts import Switch
 from kg.search.compose.chains import Step
 from kg.search.compose.costs import generic, knowledge, link_cost, needs, part_cost, port_cost
 
@@ -79,11 +81,17 @@ def _together(taken: Port, given: Port) -> bool:
         return False
     if taken.name is None and taken.parameter == given.parameter and given.name is None:
         return False
-    return not any(_opposite(switch) in given.switches for switch in taken.switches)
+    pairs = product(map(Switch.parse, taken.switches), map(Switch.parse, given.switches))
+    return not any(_exclude(one, other) for one, other in pairs)
 
 
-def _opposite(switch: str) -> str:
-    return switch[1:] if switch.startswith("!") else f"!{switch}"
+def _exclude(one: Switch, other: Switch) -> bool:
+    """Check whether no value of a parameter meets both conditions."""
+    if one.parameter != other.parameter:
+        return False
+    if one.value == other.value:
+        return one.wanted != other.wanted
+    return one.wanted and other.wanted and None not in (one.value, other.value)
 
 
 def _need_cost(wanted: set[str]) -> int:

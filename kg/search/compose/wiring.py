@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Final
 
+from kg.facts import Switch
 from kg.holes import is_partial
 from kg.names import resolve
 
@@ -39,7 +40,7 @@ class Link:
 class Start:
     """A node as started by the launch file; `remaps` contains pairs of its own name for a topic and the link.
 
-    `topics` are parameters that name topics, `switches` boolean parameters that enable its ends.
+    `topics` are parameters that name topics, `switches` parameters that enable its ends.
     """
 
     part: Part
@@ -48,7 +49,7 @@ class Start:
     given: Port
     remaps: list[tuple[str, Link]] = field(default_factory=list)
     topics: list[tuple[str, Link]] = field(default_factory=list)
-    switches: dict[str, bool] = field(default_factory=dict)
+    switches: dict[str, bool | int | str] = field(default_factory=dict)
 
     @property
     def loaded(self) -> bool:
@@ -159,7 +160,11 @@ def _moved_by_name(starts: Sequence[Start]) -> set[str]:
 def _connect(start: Start, port: Port, link: Link) -> None:
     """Connect an end of a node to a topic."""
     for switch in port.switches:
-        start.switches[switch.removeprefix("!")] = not switch.startswith("!")
+        parameter, value, wanted = Switch.parse(switch)
+        if value is None:
+            start.switches[parameter] = wanted
+        elif wanted:
+            start.switches[parameter] = int(value) if value.isdecimal() else value
     if port.name is None:
         start.topics.append((port.parameter or "", link))
     elif link.argument is not None or start.own(port) != link.topic:

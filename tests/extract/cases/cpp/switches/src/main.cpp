@@ -21,6 +21,16 @@ public:
     changed_ = words_.getNumSubscribers() > 0;
     if (changed_)
       more_ = nh_.advertise<std_msgs::String>("more", 1);
+    std::string mode = pnh.param<std::string>("mode", "grid");
+    int level = pnh.param("level", 0);
+    if (mode == "scan")
+      scan_ = nh_.advertise<std_msgs::String>("of_scan", 1);
+    else if (mode == "cloud" && level != 2)
+      scan_ = nh_.advertise<std_msgs::String>("of_cloud", 1);
+    else
+      scan_ = nh_.advertise<std_msgs::String>("of_grid", 1);
+    if ("my_" + mode == "my_scan")
+      scan_ = nh_.advertise<std_msgs::String>("of_part", 1);
     if (quiet_ || debug)
       either_ = nh_.advertise<std_msgs::String>("either", 1);
   }
@@ -29,7 +39,7 @@ public:
 private:
   ros::NodeHandle nh_;
   ros::Subscriber map_, grid_;
-  ros::Publisher words_, more_, either_;
+  ros::Publisher words_, more_, either_, scan_;
   bool use_map_topic_, quiet_, changed_;
 };
 
