@@ -115,6 +115,14 @@ class Qos:
     lease_duration: float | None = None
     """How long a publisher may be silent before it counts as dead, in seconds."""
 
+    def __str__(self) -> str:
+        """Return the known policies: `reliable, volatile, keep_last 10`."""
+        kept = self.history if self.depth is None else f"{self.history or 'depth'} {self.depth}"
+        lasting = {"deadline": self.deadline, "lifespan": self.lifespan, "lease": self.lease_duration}
+        words = [self.reliability, self.durability, kept, self.liveliness]
+        words += [f"{name} {value:g} s" for name, value in lasting.items() if value is not None]
+        return ", ".join(word for word in words if word)
+
 
 class Switch(NamedTuple):
     """A parameter that decides whether a node creates an interface.

@@ -24,7 +24,7 @@ from kg.similar import unknown
 from kg.views.evidence import Places, places
 from kg.views.system_rows import set_at
 from kg.views.systems import chosen_systems
-from kg.views.wording import TITLES, quality
+from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -181,7 +181,7 @@ class _Endpoints:
                     row = {
                         **end_object(end),
                         **self._common(end.declared, end.owner),
-                        "quality": quality(end.qos) if end.qos else "",
+                        "quality": str(end.qos or ""),
                         "instance": instance.name,
                         **self._type(instance, end.owner),
                         "condition": instance.started.condition,
@@ -211,7 +211,7 @@ class _Endpoints:
                 "remap": None,
                 "set_by": None,
                 **self._common(fact, owner),
-                "quality": quality(fact.qos) if fact.qos else "",
+                "quality": str(fact.qos or ""),
                 "instance": None,
                 "package": owner.package,
                 "node": owner.node,

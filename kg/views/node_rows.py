@@ -8,7 +8,7 @@ from kg.facts import Interface, Parameter, PluginSlot, Role
 from kg.graph import vocabulary as v
 from kg.graph.records import interface_object, parameter_object, slot_object
 from kg.holes import is_known
-from kg.views.wording import TITLES, accesses, how, how_loaded, parameter_groups, quality
+from kg.views.wording import TITLES, accesses, how, how_loaded, parameter_groups
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -42,7 +42,7 @@ def interface_rows(
 
     `inferred` has what rules derived of the node: objects by property. The keys are those of an interface in
     `kg nodes --json` (docs/formats.md), and `role`, `title`, `kind` (topic, service, action), `outward`, `iri`,
-    `type_iri`, `channel_iri`, `quality` and `how` (words), `switches`, `evidence`, `line_text` and
+    `type_iri`, `channel_iri`, `quality` and `how` (words), `evidence`, `line_text` and
     `line_stored` (the statement: `kg.views.evidence.Places.code`), `calls` (evidence of the calls in wrappers and base
     classes, from the line to the framework), and `fact` where rules infer the direct relation.
     """
@@ -65,9 +65,8 @@ def _interface(
         "iri": record.ends.get(one),
         "type_iri": iris.interface_type(TYPES[role.channel], one.type) if one.type else None,
         "channel_iri": channel,
-        "quality": quality(one.qos) if one.qos else "",
+        "quality": str(one.qos or ""),
         "how": how(one),
-        "switches": list(one.switches),
         "evidence": where.evidence(record.repository, one.location),
         **where.code(record.repository, one.location, whole=True),
         "calls": [where.evidence(record.repository, call) for call in one.via],

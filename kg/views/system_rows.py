@@ -9,7 +9,7 @@ from kg.graph.records import end_object
 from kg.render.system_graph import SystemGraph, channel_of, of_framework
 from kg.render.system_text import nobody_at
 from kg.views.node_rows import TYPES
-from kg.views.wording import TITLES, quality
+from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -117,7 +117,7 @@ class _Rows:
             "outward": role.outward,
             "written_as": declared.name or declared.written,
             "type_iri": self._iris.interface_type(TYPES[role.channel], declared.type) if declared.type else None,
-            "quality": quality(end.qos) if end.qos else "",
+            "quality": str(end.qos or ""),
             "debug": of_framework(end),
             "channel": channel.key,
             "others": others,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
-from kg.facts import Access, Interface, Parameter, PluginSlot, Qos, Resolution, Role
+from kg.facts import Access, Interface, Parameter, PluginSlot, Resolution, Role, Switch
 
 TITLES: Final = {
     Role.PUBLISHES: "publishes",
@@ -20,18 +20,35 @@ _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "
 
 
 def how(fact: Interface) -> str:
-    """Return how the name of an interface became known, and the quality of service."""
-    words = []
-    if fact.parameter:
+    """Return when an interface is created, how its name became known, and the quality of service."""
+    unknown = fact.resolution in {Resolution.PARTIAL, Resolution.UNRESOLVED}
+    reason = (fact.reason or fact.written or "").removeprefix("it is ") if unknown else ""
+    words = [condition(fact.switches)]
+    if fact.parameter and fact.parameter not in reason:
         words.append(f"parameter {fact.parameter}")
-    elif fact.resolution is not Resolution.LITERAL:
+    elif not fact.parameter and fact.resolution is not Resolution.LITERAL:
         words.append(str(fact.resolution))
-    if fact.resolution in {Resolution.PARTIAL, Resolution.UNRESOLVED}:
-        words.append(fact.reason or fact.written or "")
+    words.append(reason)
     if fact.origin:
         words.append(f"from {fact.origin}")
-    words.append(quality(fact.qos) if fact.qos else "")
+    words.append(str(fact.qos or ""))
     return ", ".join(word for word in words if word)
+
+
+def condition(switches: Iterable[str]) -> str:
+    """Return the parameters that decide whether an interface exists: `if use_imu and mode is scan, unless quiet`."""
+    parsed = [Switch.parse(one) for one in switches]
+    chosen = {one.parameter for one in parsed if one.wanted and one.value is not None}
+    words = []
+    for word, wanted in (("if", True), ("unless", False)):
+        named = [
+            one.parameter if one.value is None else f"{one.parameter} is {one.value}"
+            for one in parsed
+            # That a parameter has one value says that it has no other.
+            if one.wanted is wanted and (wanted or one.value is None or one.parameter not in chosen)
+        ]
+        words += [f"{word} {(' and ' if wanted else ' or ').join(named)}"] if named else []
+    return ", ".join(words)
 
 
 def how_loaded(fact: PluginSlot) -> str:
@@ -42,15 +59,6 @@ def how_loaded(fact: PluginSlot) -> str:
         return f"not known: {fact.reason}" if fact.reason else "not known"
     listed = fact.names is not None and not fact.parameter.startswith(f"{fact.names}[]")
     return f"parameters {fact.names}, {fact.parameter}" if listed else f"parameter {fact.parameter}"
-
-
-def quality(qos: Qos) -> str:
-    """Return a quality of service, rarer policies only where they are set."""
-    lasting = {"deadline": qos.deadline, "lifespan": qos.lifespan, "lease": qos.lease_duration}
-    depth = None if qos.depth is None else f"depth {qos.depth}"
-    words = [qos.reliability, qos.durability, qos.history, depth, qos.liveliness]
-    words += [f"{name} {value:g} s" for name, value in lasting.items() if value is not None]
-    return ", ".join(word for word in words if word)
 
 
 def parameter_groups(facts: Iterable[Parameter]) -> list[list[Parameter]]:

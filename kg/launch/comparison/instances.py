@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.holes import anonymous
 from kg.launch.comparison.changes import Change, Kind, Level, Side
 from kg.launch.comparison.pairing import canonical, paired, relabelled
-from kg.launch.comparison.wording import qos_words
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
@@ -179,7 +178,7 @@ _TOLD: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {
 _END_TOLD: Final[Mapping[Kind, Callable[[InstanceInterface], str]]] = {
     Kind.RENAMED: lambda end: anonymous(end.resolved or "?"),
     Kind.TYPE: lambda end: end.declared.type or "?",
-    Kind.QOS: lambda end: qos_words(end.qos),
+    Kind.QOS: lambda end: str(end.qos or ""),
 }
 
 

@@ -28,7 +28,6 @@ from kg.launch.comparison.changes import Change, Difference, Finding, Kind, Leve
 from kg.launch.comparison.instances import Instances, Told
 from kg.launch.comparison.pairing import canonical, paired, relabelled
 from kg.launch.comparison.renaming import Renames, instance_pairs
-from kg.launch.comparison.wording import qos_words
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -262,7 +261,7 @@ class _Node:
         if one.type != other.type:
             yield self._change(Kind.TYPE, one, other, lambda end: end.type or "?")
         if one.qos != other.qos:
-            yield self._change(Kind.QOS, one, other, lambda end: qos_words(end.qos))
+            yield self._change(Kind.QOS, one, other, lambda end: str(end.qos or ""))
 
     def _change(
         self, kind: Kind, one: Interface | None, other: Interface | None, value: Callable[[Interface], str]

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import fields
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.launch.comparison.changes import Change, Difference, Kind, Level
 from kg.render.text import count
-
-if TYPE_CHECKING:
-    from kg.facts import Qos
 
 _ROLES: Final = {
     "publishes": "publishes",
@@ -47,19 +43,6 @@ _ASPECTS: Final = {
     Kind.HOST: "host",
     Kind.KNOWN: "not known",
 }
-
-
-def qos_words(qos: Qos | None) -> str:
-    """Return a quality of service as `reliable, volatile, keep_last, depth 10`; empty where nothing is known."""
-    if qos is None:
-        return ""
-    plain = {"reliability", "durability", "history", "liveliness"}
-    told = [(field.name, getattr(qos, field.name)) for field in fields(qos)]
-    return ", ".join(
-        str(value) if name in plain else f"{name.replace('_', ' ')} {value:g}"
-        for name, value in told
-        if value is not None
-    )
 
 
 def sign(change: Change) -> str:
