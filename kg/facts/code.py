@@ -127,19 +127,20 @@ class Qos:
 class Switch(NamedTuple):
     """A parameter that decides whether a node creates an interface.
 
-    Written `~/use_map` if it must be true, or a text that is not empty, and `~/type == scan` if it must have a value; a
-    `!` in front negates either.
+    Written `~/use_map` if it must be true, or a text that is not empty; `~/type == scan` or `~/cameras > 1` if it must
+    have such a value. A `!` in front negates the condition.
     """
 
     parameter: str
+    sign: str
     value: str | None
     wanted: bool
 
     @classmethod
     def parse(cls, written: str) -> Switch:
         """Return the switch that is written so."""
-        parameter, compared, value = written.removeprefix("!").partition(" == ")
-        return cls(parameter, value if compared else None, not written.startswith("!"))
+        parameter, sign, value = (*written.removeprefix("!").split(" ", 2), "", None)[:3]
+        return cls(parameter or "", sign or "", value, not written.startswith("!"))
 
 
 @dataclass(frozen=True, slots=True)

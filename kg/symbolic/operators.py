@@ -42,6 +42,7 @@ NULL: Final = Unknown("it is null")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
 _NOT_NULL: Final = (Object, Text, Number, Truth, Sequence, Mapping, TypeValue, Closure, Bound)
+_MIRRORED: Final = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
 _WORD: Final = re.compile(r"[\w./+-]+")
 _LARGEST_EXPONENT: Final = 64
 _LONGEST: Final = 5_000
@@ -213,10 +214,10 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
         if sign in ("==", "!=") and any(isinstance(v, Text) and v.known == "" and v.parameter is None for v in row):
             return Guard((f"!{parameter}" if sign == "==" else parameter,))
-        choice = next((v for v in row if _is_choice(v)), None)
-        if sign in ("==", "!=") and choice is not None and any(_is_whole(v, parameter) for v in row):
-            term = f"{parameter} == {plain(choice)}"
-            return Guard((term if sign == "==" else negated_term(term),))
+        for value, choice, way in ((left, right, sign), (right, left, _MIRRORED.get(sign, sign))):
+            if _is_whole(value, parameter) and _is_choice(choice, way):
+                term = f"{parameter} {'==' if way == '!=' else way} {plain(choice)}"
+                return Guard((negated_term(term) if way == "!=" else term,))
         return Unknown("it depends on a parameter", parameter)
     if isinstance(left, Guard) and right == number(0) and sign in ("==", "!="):
         return negate(left) if sign == "==" else left
@@ -241,11 +242,11 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
     return Truth(_ordered(sign, float(one) - float(other)))
 
 
-def _is_choice(value: Value) -> bool:
-    """Check whether a value is a constant that a parameter may have: a word, or a whole number."""
-    if isinstance(value, Text):
+def _is_choice(value: Value, sign: str) -> bool:
+    """Check whether a value is a constant for a switch: a number, or a word if the sign is that of equality."""
+    if isinstance(value, Text) and sign in ("==", "!="):
         return value.parameter is None and value.known is not None and _WORD.fullmatch(value.known) is not None
-    return isinstance(value, Number) and value.parameter is None and not is_floating(value)
+    return isinstance(value, Number) and value.parameter is None
 
 
 def _is_whole(value: Value, parameter: str) -> bool:

@@ -52,6 +52,13 @@ _POLICIES: Final = {
     "liveliness": {"automatic", "manual_by_topic"},
 }
 _UNSPECIFIED: Final = {"system_default", "best_available", "unknown"}
+_NUMBERED: Final = {
+    "history": ("system_default", "keep_last", "keep_all"),
+    "reliability": ("system_default", "reliable", "best_effort"),
+    "durability": ("system_default", "transient_local", "volatile"),
+    "liveliness": ("system_default", "automatic", "manual_by_node", "manual_by_topic"),
+}
+"""The enumerators of each policy by their number (rmw/types.h)."""
 _DURATIONS: Final = {
     "deadline": "deadline",
     "lifespan": "lifespan",
@@ -97,6 +104,12 @@ def policy(names: tuple[str, ...]) -> Text | None:
     if len(names) > 1 and names[-2] in _POLICY_CLASSES:
         return Text.of(_CAPITAL.sub("_", names[-1]).lower())
     return None
+
+
+def numbered(enumerator: Text) -> Value:
+    """Return an enumerator of a policy as the number that a variable of type `int` stores."""
+    found = {names.index(known) for names in _NUMBERED.values() if (known := enumerator.known) in names}
+    return number(found.pop(), enumerator.parameter) if len(found) == 1 else enumerator
 
 
 def rmw_profile(qos: Qos) -> Object:
@@ -187,13 +200,20 @@ def with_fields(qos: Qos, fields: dict[str, Value]) -> Qos | None:
     """
     changes: dict[str, Any] = {}
     for name, value in fields.items():
-        seconds = seconds_of(value)
+        seconds, policy_name = seconds_of(value), _enumerator(name, value)
         if name == "depth" and isinstance(value, Number):
             changes["depth"] = int(value.value)
-        elif name in _POLICIES and isinstance(value, Text) and value.known in _POLICIES[name] | _UNSPECIFIED:
-            changes[name] = value.known if value.known in _POLICIES[name] else None
+        elif policy_name is not None and policy_name in _POLICIES[name] | _UNSPECIFIED:
+            changes[name] = policy_name if policy_name in _POLICIES[name] else None
         elif name in _DURATIONS and seconds is not None:
             changes[_DURATIONS[name]] = seconds if 0 < seconds < INFINITE else None
         else:
             return None
     return replace(qos, **changes)
+
+
+def _enumerator(name: str, value: Value) -> str | None:
+    """Return the enumerator of a policy that a value is, or that has its number."""
+    if isinstance(value, Number) and name in _NUMBERED:
+        return dict(enumerate(_NUMBERED[name])).get(int(value.value))
+    return value.known if isinstance(value, Text) and name in _POLICIES else None

@@ -4,13 +4,14 @@ A name that is the value of a parameter `~/imu{}` stands for as many interfaces 
 (`imu0`, `imu1`), one of `~/topics[].name` for as many as the list or dictionary `~/topics` has elements, and one of
 `~/topics[key]` for as many as the dictionary has keys. Code that names one interface in several ways, by the arguments
 or the namespace that it finds, has only one of them in an instance. Parameters turn
-interfaces on and off: by a boolean, or by the value that selects one of several parts (`~/type == scan`), also for each
+interfaces on and off: by a boolean, or by a value that selects parts (`~/type == scan`, `~/cameras > 1`), also for each
 member of a family (`~/{sources}.type == scan`).
 """
 
 from __future__ import annotations
 
 import json
+import operator
 import re
 from dataclasses import replace
 from types import MappingProxyType
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from kg.launch.wiring.place import Place
 
 _NO_MEMBER: Final[Mapping[str, str]] = MappingProxyType({})
+_COMPARE: Final = {"==": operator.eq, "<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
 _EACH: Final = "[]"
 _KEY: Final = "[key]"
 _STEP: Final = re.compile(r"\[(?:key)?\]|\.[^.\[\]]+")
@@ -267,7 +269,12 @@ def _holds(switch: Switch, value: str | None) -> bool | None:
     if switch.value is None:
         return _truth(value)
     found = parsed(value)
-    if isinstance(found, bool) or not isinstance(found, (str, int)) or "{" in str(found):
+    if isinstance(found, bool) or not isinstance(found, (str, int, float)) or "{" in str(found):
+        return None
+    wanted = parsed(switch.value)
+    if not isinstance(found, str) and isinstance(wanted, (int, float)):
+        return bool(_COMPARE[switch.sign](found, wanted))
+    if switch.sign != "==":
         return None
     same = str(found) == switch.value
     # Code often folds the case before it compares.

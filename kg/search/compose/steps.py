@@ -89,9 +89,9 @@ def _exclude(one: Switch, other: Switch) -> bool:
     """Check whether no value of a parameter meets both conditions."""
     if one.parameter != other.parameter:
         return False
-    if one.value == other.value:
+    if (one.sign, one.value) == (other.sign, other.value):
         return one.wanted != other.wanted
-    return one.wanted and other.wanted and None not in (one.value, other.value)
+    return one.wanted and other.wanted and one.sign == other.sign == "=="
 
 
 def _need_cost(wanted: set[str]) -> int:

@@ -160,10 +160,10 @@ def _moved_by_name(starts: Sequence[Start]) -> set[str]:
 def _connect(start: Start, port: Port, link: Link) -> None:
     """Connect an end of a node to a topic."""
     for switch in port.switches:
-        parameter, value, wanted = Switch.parse(switch)
+        parameter, sign, value, wanted = Switch.parse(switch)
         if value is None:
             start.switches[parameter] = wanted
-        elif wanted:
+        elif wanted and sign == "==":
             start.switches[parameter] = int(value) if value.isdecimal() else value
     if port.name is None:
         start.topics.append((port.parameter or "", link))

@@ -117,6 +117,8 @@ def qos_of(root: Path, before: str, expression: str) -> Qos | None:
         ("", "rclcpp::QoS(1).liveliness(rclcpp::LivelinessPolicy::ManualByTopic).liveliness_lease_duration(1s)",
          replace(LAST, liveliness="manual_by_topic", lease_duration=1.0)),
         ("", "rclcpp::QoS(1).liveliness(RMW_QOS_POLICY_LIVELINESS_AUTOMATIC)", replace(LAST, liveliness="automatic")),
+        ("int kept = (int)RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT;",
+         "rclcpp::QoS(1).reliability((rmw_qos_reliability_policy_t)kept)", replace(LAST, reliability="best_effort")),
         (FIELDS, "rclcpp::QoS(rclcpp::QoSInitialization::from_rmw(p), p)",
          Qos("reliable", "volatile", "keep_all", 1, deadline=2.0)),
         ("", "rclcpp::QoS(1).deadline(deadline_of(this))", None),

@@ -29,6 +29,8 @@ public:
       scan_ = nh_.advertise<std_msgs::String>("of_cloud", 1);
     else
       scan_ = nh_.advertise<std_msgs::String>("of_grid", 1);
+    if (1 < level)
+      scan_ = nh_.advertise<std_msgs::String>("of_levels", 1);
     if ("my_" + mode == "my_scan")
       scan_ = nh_.advertise<std_msgs::String>("of_part", 1);
     if (quiet_ || debug)

@@ -12,6 +12,7 @@ public:
     declare_parameter("braced", std::vector<std::string>{});
     declare_parameter("called", std::vector<double>());
     declare_parameter("cast", static_cast<int>(Mode::FAST));
+    declare_parameter("policy", (int)RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT);
     double seconds = period_.seconds();
     declare_parameter("variable", seconds);
     declare_parameter("member", names_);
