@@ -75,10 +75,11 @@ class _Channels:
         """Return whether names that are only related are likely the two ends of one that was renamed.
 
         Types have to agree; where both names lack an end, and share a namespace, types that share a word will do, since
-        messages are renamed with their topics.
+        messages are renamed with their topics. A node that publishes more than others need loses nothing: where both
+        ends of `other` are there, an additional output is not lost.
         """
         types, others = self.types[lonely], self.types[other]
-        if self.ends[lonely] == {0} and not types.isdisjoint(_TO_LOOK_AT):
+        if self.ends[lonely] == {0} and (len(self.ends[other]) > 1 or not types.isdisjoint(_TO_LOOK_AT)):
             return False
         if not types.isdisjoint(others):
             return True
