@@ -53,8 +53,9 @@ def facts_of(
             known = interfaces.get(key)
             if known is None:
                 interfaces[key] = interface
-            elif known.switches and not interface.switches:
-                interfaces[key] = replace(known, switches=())
+            elif set(known.switches) - set(interface.switches):  # either way creates it
+                common = tuple(one for one in known.switches if one in interface.switches)
+                interfaces[key] = replace(known, switches=common)
         elif one.effect.access is not None:
             parameter = _parameter(one, one.effect.access, home)
             key = (parameter.name, parameter.access, parameter.location if parameter.name is None else None)

@@ -22,8 +22,8 @@ from kg.symbolic.operators import (
     literal,
     logical,
     negate,
-    negated_term,
     negative,
+    opposite_terms,
     terms_of,
     truth,
 )
@@ -292,8 +292,7 @@ class Machine:
             ends.append(ended)
             if closed:
                 break
-            opposite = [negated_term(term) for term in terms_of(holds)]
-            negated += opposite if len(opposite) == 1 else []
+            negated += opposite_terms(holds)
         if not closed:
             sides.append({})
             ends.append(None)
@@ -566,7 +565,7 @@ class Machine:
         if isinstance(holds, Truth):
             return self.value(expression.then if holds.value else expression.otherwise, frame)
         terms = terms_of(holds)
-        opposite = tuple(map(negated_term, terms)) if len(terms) == 1 else ()
+        opposite = opposite_terms(holds)
         with self._under(terms):
             one = self.value(expression.then, frame)
         with self._under(opposite):

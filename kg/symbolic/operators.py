@@ -284,7 +284,7 @@ def plain(value: Value) -> str | float | bool | None:
 def logical(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
     """Return the conjunction or disjunction of conditions, evaluated until one decides."""
     terms: list[str] = []
-    unsure = False
+    unsure, whole = False, True
     for operand in operands:
         condition = truth(operand())
         if isinstance(condition, Truth) and condition.parameter is None:
@@ -292,11 +292,12 @@ def logical(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
                 return condition
             continue
         unsure = True
+        whole = whole and isinstance(condition, Guard) and condition.whole
         terms += terms_of(condition)
     if not unsure:
         return Truth(all_of)
     if terms and all_of:
-        return Guard(tuple(dict.fromkeys(terms)))
+        return Guard(tuple(dict.fromkeys(terms)), whole)
     return Unknown("it depends on a condition")
 
 
@@ -307,7 +308,12 @@ def truth(value: Value) -> Truth | Guard | Unknown:
     """
     if isinstance(value, Either):
         found = {truth(item) for item in value.items if not isinstance(item, Object)}
-        return next(iter(found)) if len(found) == 1 == len(value.items) else Unknown("it depends")
+        if len(found) == 1 == len(value.items):
+            return next(iter(found))
+        guards = [one for one in found if isinstance(one, Guard)]
+        if len(guards) == 1 and found == {Truth(False), guards[0]}:
+            return Guard(guards[0].terms, whole=False)
+        return Unknown("it depends")
     if isinstance(value, Truth):
         return value if value.parameter is None else Guard((value.parameter,))
     if isinstance(value, (Guard, Unknown)):
@@ -330,14 +336,21 @@ def negate(condition: Truth | Guard | Unknown) -> Value:
     """Return the opposite of a condition."""
     if isinstance(condition, Truth):
         return Truth(not condition.value)
-    if isinstance(condition, Guard) and len(condition.terms) == 1:
-        return Guard((negated_term(condition.terms[0]),))
+    if opposite := opposite_terms(condition):
+        return Guard(opposite)
     return Unknown("it depends on a condition", condition.parameter if isinstance(condition, Unknown) else None)
 
 
 def terms_of(condition: Value) -> tuple[str, ...]:
     """Return the terms of a guard; none of any other condition."""
     return condition.terms if isinstance(condition, Guard) else ()
+
+
+def opposite_terms(condition: Value) -> tuple[str, ...]:
+    """Return the terms of the opposite of a guard; none if they are not known."""
+    if isinstance(condition, Guard) and condition.whole and len(condition.terms) == 1:
+        return (negated_term(condition.terms[0]),)
+    return ()
 
 
 def negated_term(term: str) -> str:

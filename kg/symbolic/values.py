@@ -103,9 +103,13 @@ class Enumerator:
 
 @dataclass(unsafe_hash=True, slots=True)
 class Guard:
-    """A condition on parameters, as a conjunction: `use_imu`, or `!use_imu`."""
+    """A condition on parameters, as a conjunction: `use_imu`, or `!use_imu`.
+
+    One that is not `whole` also requires something that is unknown, so it may fail where all terms hold.
+    """
 
     terms: tuple[str, ...]
+    whole: bool = True
 
 
 @dataclass(unsafe_hash=True, slots=True)

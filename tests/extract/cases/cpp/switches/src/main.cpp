@@ -29,6 +29,19 @@ public:
       scan_ = nh_.advertise<std_msgs::String>("of_cloud", 1);
     else
       scan_ = nh_.advertise<std_msgs::String>("of_grid", 1);
+    if (mode == "a" && level == 1)
+      scan_ = nh_.advertise<std_msgs::String>("of_both", 1);
+    else if (mode == "b" && level == 1)
+      scan_ = nh_.advertise<std_msgs::String>("of_both", 1);
+    bool often = pnh.param("often", false);
+    if (often && words_.getNumSubscribers() > 0)
+      scan_ = nh_.advertise<std_msgs::String>("of_often", 1);
+    else
+      scan_ = nh_.advertise<std_msgs::String>("of_seldom", 1);
+    if (words_.getNumSubscribers() > 1)
+      often = false;
+    if (often)
+      scan_ = nh_.advertise<std_msgs::String>("of_more", 1);
     if (1 < level)
       scan_ = nh_.advertise<std_msgs::String>("of_levels", 1);
     if ("my_" + mode == "my_scan")
