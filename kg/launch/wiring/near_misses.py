@@ -42,6 +42,8 @@ class _Channels:
         self.types: defaultdict[str, set[str]] = defaultdict(set)
         self.named: set[str] = set()
         """Those that code of a node names; frameworks make the others."""
+        self.chosen: set[str] = set()
+        """Those that a launch file gives to an end that takes, by a parameter or a remapping."""
 
     def met(self) -> Iterator[str]:
         """Yield the names that code of nodes names and that have both ends."""
@@ -76,10 +78,11 @@ class _Channels:
 
         Types have to agree; where both names lack an end, and share a namespace, types that share a word will do, since
         messages are renamed with their topics. A node that publishes more than others need loses nothing: where both
-        ends of `other` are there, an additional output is not lost.
+        ends of `other` are there, an additional output is lost only if a launch file chose `other` instead.
         """
         types, others = self.types[lonely], self.types[other]
-        if self.ends[lonely] == {0} and (len(self.ends[other]) > 1 or not types.isdisjoint(_TO_LOOK_AT)):
+        additional = len(self.ends[other]) > 1 and other not in self.chosen
+        if self.ends[lonely] == {0} and (additional or not types.isdisjoint(_TO_LOOK_AT)):
             return False
         if not types.isdisjoint(others):
             return True
@@ -119,6 +122,8 @@ def _enter(kinds: defaultdict[str, _Channels], end: InstanceInterface, name: str
         channels.types[name].add(end.declared.type)
     if not end.declared.implicit:
         channels.named.add(name)
+    if side == 1 and (end.parameter is not None or end.remap is not None):
+        channels.chosen.add(name)
     if kind == "action" and ros == 1:
         for part, of_server in _ACTION_TOPICS.items():
             kinds["topic"].ends[f"{name}/{part}"].add(of_server if side == 0 else 1 - of_server)
