@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from kg.rules import sparql
+from kg.rules.decompose.work import Names
 from kg.rules.form import Atom, Pattern, Rule, Variable
+from kg.rules.printing.together import called, variables_of
 from kg.rules.printing.words import construct, shortened, with_prefixes
 from kg.syntax.names import PREFIXES
 
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
 
 _SH = "http://www.w3.org/ns/shacl#"
+_PREBOUND = ("this", "shapesGraph", "currentShape")
+"""Variables that have a value before a query of a shapes graph is evaluated (SHACL, appendix A)."""
 
 
 def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
@@ -47,6 +51,8 @@ def _shape(rule: Rule, target: str, kind: str, lines: list[str]) -> str:
 
 
 def _sparql_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:
+    names = Names(variable.name for variable in variables_of(rule))
+    rule = called(rule, {Variable(name): names.like(Variable(name)) for name in _PREBOUND})
     escaped = with_prefixes(construct(rule), prefixes).replace("\\", "\\\\").replace('"', '\\"')
     return _shape(rule, "", "sh:SPARQLRule", [f'sh:construct """\n{escaped}\n"""'])
 
