@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import pytest
+from pyoxigraph import NamedNode
 from rules.decompose.applying import read
+from rules.engine.comparing import inferred
 
 from kg.errors import Place, RuleError
 from kg.rules.decompose.groups import MOST_PARTS
@@ -71,6 +73,13 @@ def test_bnode_is_a_node_of_the_head() -> None:
     plain = read(f"CONSTRUCT {{ ?x <urn:h> _:b1 , _:c , _:b }} WHERE {{ {body} }}")
     assert [set(rule.head) for rule in found] == [set(rule.head) for rule in plain]
     assert [rule.body for rule in found] == [rule.body for rule in plain]
+
+
+def test_a_variable_with_the_name_of_a_generated_one_is_another() -> None:
+    """Printed rules have such names; a filter that is added to one sees the variable that it names."""
+    rules = read("CONSTRUCT { ?x <urn:h> ?_·1 } WHERE { ?x <urn:p>/<urn:q> ?_·1 FILTER(?_·1 != <urn:b>) }")
+    a, b, c, p, q = (NamedNode(f"urn:{name}") for name in "abcpq")
+    assert inferred(rules, [(a, p, b), (b, q, c)]) == {(a, NamedNode("urn:h"), c)}
 
 
 def test_too_many_parts_stay_one_rule_of_the_engine() -> None:
