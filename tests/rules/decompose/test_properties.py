@@ -49,7 +49,7 @@ def test_a_rule_in_another_notation_derives_what_it_derives(seed: int) -> None:
     """The text of any rule in any notation that can express it derives the same from any graph, round by round."""
     random = Random(seed)  # noqa: S311 - rules to test with, no secrets
     for _ in range(RULES // 4):
-        facts = [(quad.subject, quad.predicate, quad.object) for quad in graph(random)]
+        facts: list[Fact] = [(quad.subject, quad.predicate, quad.object) for quad in graph(random)]
         try:
             rules = read(text := Texts(random).rule())
             expected = derived(rules, facts)
