@@ -19,7 +19,6 @@ from kg.rules.form import (
     Element,
     EngineBlock,
     Exists,
-    Expression,
     Filter,
     Pattern,
     Rule,
@@ -165,18 +164,6 @@ def _value(node: _Node, bindings: _Bindings) -> _Node:
     return node
 
 
-def expressions_of(body: tuple[Element, ...]) -> Iterator[Expression]:
-    """Yield the expressions of filters, assignments and aggregates, those of inner bodies too."""
-    for element in body:
-        if isinstance(element, Filter | Assignment):
-            yield element.expression
-        elif isinstance(element, Exists):
-            yield from expressions_of(element.body)
-        elif isinstance(element, Aggregate):
-            yield from (column.expression for column in element.columns if column.expression)
-            yield from expressions_of(element.body)
-
-
 def mints(rule: Rule) -> bool:
     """Return whether a rule can derive new terms: feeding itself, it may then never end.
 
@@ -193,8 +180,3 @@ def _makes(pattern: Pattern) -> bool:
 def _open(pattern: TripleTerm) -> bool:
     """Whether a triple term of a head has anything in it that differs from solution to solution."""
     return any(True for _ in variables_of(pattern)) or any(map(_makes, pattern))
-
-
-def volatile(rule: Rule) -> bool:
-    """Return whether a rule has an expression whose value differs from call to call."""
-    return any(expression.volatile for expression in expressions_of(rule.body))

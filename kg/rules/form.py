@@ -89,13 +89,12 @@ class Expression:
     """A SPARQL expression: its text with all names as IRIs in brackets, and the names of its variables in order.
 
     `mints`: its value may be a term that neither data nor rule has (`IRI`, `STRDT`, `BNODE`, arithmetic,
-    string functions); `volatile`: it differs from call to call (`RAND`, `NOW`, `UUID`, `STRUUID`, `BNODE`).
+    string functions). Its value is a function of its variables: rules call no function of time or chance.
     """
 
     text: str
     variables: tuple[str, ...]
     mints: bool = False
-    volatile: bool = False
     place: Place | None = field(default=None, compare=False)
 
 

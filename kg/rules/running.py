@@ -43,7 +43,6 @@ from kg.rules.columns import (
     stored,
     union_of,
 )
-from kg.rules.dependencies import volatile
 from kg.rules.engine.evaluate import Limits, Program, RuleReport, evaluate
 from kg.rules.engine.facts import Facts, absorb, distinct, lacking
 from kg.rules.engine.pages import Pages
@@ -219,9 +218,8 @@ class Runner:
 
 
 def _lasting(report: RunReport) -> bool:
-    """Return whether a run should not be done again: it took long, or would not give the same."""
-    changed = report.added + report.removed
-    return changed > _FEW or (changed > 0 and any(map(volatile, report.applied)))
+    """Return whether a run took long enough that it should not be done again."""
+    return report.added + report.removed > _FEW
 
 
 def _report(outcome: Outcome, reasoner: Reasoner) -> RunReport:

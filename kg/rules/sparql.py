@@ -35,13 +35,11 @@ from kg.rules.form import (
     mentions,
 )
 from kg.syntax.names import shorten
+from kg.syntax.terms import GENERATED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-
-_MADE: Final = "_·"
-"""What the spelling of a variable begins with whose name begins with `.`."""
 
 _IRI: Final = re.compile(r"<([^<>\s]+)>")
 _NEVER_FAILS: Final = re.compile(r"""\?[\w·]+|<[^<>\s]*>|-?[0-9]+(\.[0-9]+)?|"[^"\\]*\"""")
@@ -59,9 +57,9 @@ def spelling(variable: Variable) -> str:
     """Return how a variable is written in SPARQL, with `?`; different for different variables."""
     name = variable.name
     if name.startswith("."):
-        name = _MADE + "".join(sign if sign == "_" or sign.isalnum() else f"·{ord(sign):x}·" for sign in name[1:])
-    elif name.startswith(_MADE):
-        name = f"{_MADE}·{name}"
+        name = GENERATED + "".join(sign if sign == "_" or sign.isalnum() else f"·{ord(sign):x}·" for sign in name[1:])
+    elif name.startswith(GENERATED):
+        name = f"{GENERATED}·{name}"
     return f"?{name}"
 
 
@@ -104,7 +102,7 @@ def select(
     fixed = {variable: value for variable, value in (bindings or {}).items() if not has_blank(value)}
     text = _Writer(inferred, fixed).group(body, used=frozenset(variables))
     if not variables:
-        return f"SELECT (1 AS ?{_MADE}one) WHERE {{\n{text}\n}} LIMIT 1"
+        return f"SELECT (1 AS ?{GENERATED}one) WHERE {{\n{text}\n}} LIMIT 1"
     return f"SELECT DISTINCT {' '.join(map(spelling, variables))} WHERE {{\n{text}\n}}"
 
 

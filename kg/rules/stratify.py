@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
-from kg.rules.dependencies import Read, depends, mints, reads, volatile, writes
+from kg.rules.dependencies import Read, depends, mints, reads, writes
 from kg.rules.form import Atom, Rule, Variable
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 _FEW: Final = 5
 """So many rules of a cycle are named where it is enough to see that there is one."""
 
-_MOVED: Final = "Move the call to a rule that does not recur."
 _LIMITED: Final = "Move what makes terms to a rule of its own, or set a limit."
 _ANY_PROPERTY: Final = (
     "Rules that derive any property, such as eq-rep-p of owl-rl, feed every other rule: families that make terms "
@@ -63,8 +62,7 @@ def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
     """Return the rules in strata, in the order in which they run.
 
     Raises `RuleError`: KG202 where a rule depends on its own negation or aggregate (SPARQL 1.2 RL, stratification),
-    KG204 where a rule that mints terms or calls a volatile function feeds itself; `bounded` lets the former pass, for
-    runs that have a limit.
+    KG204 where a rule that mints terms feeds itself; `bounded` lets it pass, for runs that have a limit.
     """
     ordered = list(rules)
     needs = edges(ordered)
@@ -104,7 +102,8 @@ def _failures(
 ) -> Iterator[Failure]:
     """Yield the problems of one component that feeds itself."""
     yield from _negations(rules, needs, component)
-    yield from _mintings(rules, needs, component, bounded=bounded)
+    if not bounded:
+        yield from _mintings(rules, needs, component)
 
 
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
@@ -266,20 +265,16 @@ def _cycle_in_words(rules: Sequence[Rule], needs: list[dict[int, Read]], cycle: 
     return "the rules cannot be stratified: " + "; ".join(steps)
 
 
-def _mintings(
-    rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int], *, bounded: bool
-) -> Iterator[Failure]:
+def _mintings(rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int]) -> Iterator[Failure]:
     for number in sorted(component):
         rule = rules[number]
-        if volatile(rule):
-            did, end, hint = "calls a function that differs from call to call and feeds itself", "", _MOVED
-        elif mints(rule) and not bounded:
-            did, end, hint = "makes new terms from what it derives itself", ", which may never end", _LIMITED
-            if any(isinstance(head.predicate, Variable) for other in component for head in writes(rules[other])):
-                hint += f" {_ANY_PROPERTY}"
-        else:
+        if not mints(rule):
             continue
-        message = f"{rule} {did} (through {_round(rules, needs, number, component)}){end}"
+        hint = _LIMITED
+        if any(isinstance(head.predicate, Variable) for other in component for head in writes(rules[other])):
+            hint += f" {_ANY_PROPERTY}"
+        through = _round(rules, needs, number, component)
+        message = f"{rule} makes new terms from what it derives itself (through {through}), which may never end"
         error = RuleError("KG204", message, place=rule.place, hint=hint)
         yield Failure(error, rule, tuple(rules[each] for each in component))
 

@@ -13,6 +13,7 @@ from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, to
 from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute, resolve
 from kg.syntax.position import place_at
 from kg.syntax.prologue import declaration
+from kg.syntax.terms import GENERATED
 from kg.syntax.tree import Span
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Cursor:
         self.prefixes = dict(prefixes)
         self.base = base
         self.consumed: list[Token] = []
-        self.token = as_written(token_at(self.text, 0))
+        self.token = self._token(0)
         self._depth = 0
         self._made = 0
         self._stem = "g"
@@ -45,7 +46,14 @@ class Cursor:
         """Consume one token and return it."""
         token = self.token
         self.consumed.append(token)
-        self.token = as_written(token_at(self.text, token.end))
+        self.token = self._token(token.end)
+        return token
+
+    def _token(self, offset: int) -> Token:
+        """Return the token at an offset; a variable that has the name of a generated one gets another."""
+        token = as_written(token_at(self.text, offset))
+        if token.kind is Kind.VARIABLE and token.text.startswith(GENERATED, 1):
+            return token._replace(text=f"{token.text[0]}__·{token.text[1 + len(GENERATED) :]}")
         return token
 
     def at(self, *signs: str) -> bool:

@@ -116,7 +116,7 @@ class _Construct(Patterns):
         self._refuse_modifiers()
         if self.at_word("VALUES"):
             group = self._with_values(group, (), grouped=False)
-        return RuleText(template, group, asserted=False, span=self.span(start))
+        return RuleText(template, group, asserted=False, span=self.span(start), calls=tuple(self.calls))
 
     def template(self) -> tuple[TriplePattern, ...]:
         """Parse triples in braces whose labels are new blank nodes."""
@@ -241,8 +241,9 @@ class _RuleSets(Patterns):
         self.expect_word("WHERE")
         asserted = self.accept_word("DATA")
         self.begin_labels()
+        self.calls = []
         body = self._body(_ELEMENTS)
-        return RuleText(tuple(template), body, asserted, self.span(start), identifier)
+        return RuleText(tuple(template), body, asserted, self.span(start), identifier, tuple(self.calls))
 
     def group(self) -> Group:
         """Parse the content of NOT: triples and filters."""

@@ -32,7 +32,6 @@ _KEYWORDS: Final = ("FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "G
 class _Found:
     """The content of an expression read so far."""
 
-    functions: set[str] = field(default_factory=set)
     exists: list[tree.Exists] = field(default_factory=list)
     aggregates: list[tree.AggregateCall] = field(default_factory=list)
 
@@ -52,6 +51,7 @@ class Patterns(Triples):
     def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
         super().__init__(text, path, prefixes=prefixes, base=base)
         self._open: list[_Found] = []
+        self.calls: list[tree.Call] = []
 
     def expression(self) -> tree.Expression:
         """Parse an expression."""
@@ -69,8 +69,8 @@ class Patterns(Triples):
         elif self.token.kind is Kind.WORD:
             self._called_word("`(` or a function")
         else:
-            self._open[-1].functions.add(self.iri("`(` or a function").value)
-            self._arguments()
+            start = self.token.start
+            self._custom(self.iri("`(` or a function").value, start)
         return self._closed(start, first)
 
     def _closed(self, start: int, first: int) -> tree.Expression:
@@ -85,7 +85,6 @@ class Patterns(Triples):
         return tree.Expression(
             self.spelling(tokens),
             tuple(names),
-            frozenset(found.functions),
             self.span(start),
             tuple(found.exists),
             tuple(found.aggregates),
@@ -106,9 +105,7 @@ class Patterns(Triples):
                 if self.token.kind is Kind.WORD:
                     self._membership()
                     continue
-            elif self.at(*_ARITHMETIC):
-                self._open[-1].functions.add(self.token.text)
-            else:
+            elif not self.at(*_ARITHMETIC):
                 return
             self.advance()
             self._operand()
@@ -136,10 +133,10 @@ class Patterns(Triples):
             elif self.at("<<("):
                 self.triple_term(Mode.PATTERN)
             elif self.at_iri():
+                start = self.token.start
                 name = self.iri()
                 if self.at("("):
-                    self._open[-1].functions.add(name.value)
-                    self._arguments()
+                    self._custom(name.value, start)
             elif self.token.kind is Kind.VARIABLE:
                 self.advance()
             elif self.at_literal():
@@ -180,7 +177,6 @@ class Patterns(Triples):
 
     def _built_in(self, name: str) -> None:
         token = self.advance()
-        self._open[-1].functions.add(name)
         if name == "BOUND" and self.at("("):
             self.advance()
             self.variable()
@@ -191,6 +187,12 @@ class Patterns(Triples):
         if count < fewest or (most is not None and count > most):
             takes = f"{fewest}" if most == fewest else f"{fewest} to {most}"
             raise self.error(f"{name} takes {takes} argument{'' if takes == '1' else 's'}, not {count}", token.start)
+        self.calls.append(tree.Call(name, count, tree.Span(token.start, token.end)))
+
+    def _custom(self, name: str, start: int) -> None:
+        """Parse the arguments of a function called by its IRI, which begins at `start`."""
+        span = self.span(start)
+        self.calls.append(tree.Call(name, self._arguments(), span))
 
     def _arguments(self) -> int:
         """Parse arguments in brackets and return their number."""

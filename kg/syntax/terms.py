@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import BlankNode, Triple
 
@@ -12,7 +12,10 @@ from kg.store.terms import Term
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-__all__ = ["Pattern", "Term", "TripleTerm", "Variable", "has_blank", "replaced", "variables_of"]
+__all__ = ["GENERATED", "Pattern", "Term", "TripleTerm", "Variable", "has_blank", "replaced", "variables_of"]
+
+GENERATED: Final = "_·"
+"""What variables whose names begin with `.` begin with in SPARQL."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,13 +97,11 @@ class Expression:
     """An expression as text: `text` has IRIs in brackets instead of prefixed names.
 
     `variables` are its free ones, in order of appearance, including those inside EXISTS but not inside aggregates;
-    `functions` the names of the functions it calls (upper case for built-in ones, IRIs for others, `+` `-` `*` `/` for
-    arithmetic); `exists` the patterns of EXISTS and NOT EXISTS in it; `aggregates` the calls of aggregates.
+    `exists` are the patterns of EXISTS and NOT EXISTS in it, `aggregates` the calls of aggregates.
     """
 
     text: str
     variables: tuple[str, ...]
-    functions: frozenset[str]
     span: Span
     exists: tuple[Exists, ...] = ()
     aggregates: tuple[AggregateCall, ...] = ()
@@ -224,14 +222,30 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
+class Call:
+    """A call of a function: its name (upper case for built-in ones, the IRI of others) and number of arguments.
+
+    `span` is that of the name.
+    """
+
+    name: str
+    arguments: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class RuleText:
-    """One rule as written: template and pattern; `asserted`: `WHERE DATA`; `identifier`: the IRI after `RULE`."""
+    """One rule as written: template and pattern; `asserted`: `WHERE DATA`; `identifier`: the IRI after `RULE`.
+
+    `calls` are all calls of functions in the pattern, inner ones before those around them.
+    """
 
     template: tuple[TriplePattern, ...]
     group: Group
     asserted: bool
     span: Span
     identifier: NamedNode | None = None
+    calls: tuple[Call, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

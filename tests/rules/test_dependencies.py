@@ -4,8 +4,8 @@ import pytest
 from pyoxigraph import NamedNode
 from rules.forms import atom, atoms, expression, rule
 
-from kg.rules.dependencies import Read, depends, mints, reads, volatile
-from kg.rules.form import AUXILIARY, Assignment, Atom, EngineBlock, Exists, Expression, Filter, TripleTerm, Variable
+from kg.rules.dependencies import Read, depends, mints, reads
+from kg.rules.form import AUXILIARY, Assignment, Atom, EngineBlock, Exists, Filter, TripleTerm, Variable
 
 TERM = TripleTerm(Variable("s"), NamedNode("urn:x:p"), Variable("s"))
 
@@ -78,9 +78,3 @@ def test_rules_that_make_terms_are_known() -> None:
     head = (Atom(Variable("s"), NamedNode("urn:x:p"), TERM),)
     assert mints(type(rule("?x :p ?y"))("t", head, (), rule("?x :p ?y").place))
     assert not mints(rule("?x :p ?y", "?x :q ?y", Filter(expression("?x + 1 > 2", mints=True))))
-
-
-def test_volatile_functions_are_found_at_any_depth() -> None:
-    """A call inside NOT counts."""
-    now = Filter(Expression("NOW() > ?x", ("x",), volatile=True))
-    assert volatile(rule("?x :p ?y", "?x :q ?y", Exists((now,), negated=True)))

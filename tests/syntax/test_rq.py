@@ -108,12 +108,15 @@ def test_an_expression_is_spelt_without_prefixes() -> None:
     xsd = "http://www.w3.org/2001/XMLSchema#"
     assert found.text == f'<{xsd}integer>(?a) < -1 && ?b IN (<{E}c>, "x"^^<{E}t>, true) || !<{E}f>(2)'
     assert found.variables == ("a", "b")
-    assert found.functions == {f"{xsd}integer", f"{E}f"}
 
 
-def test_an_expression_tells_arithmetic_and_functions() -> None:
-    """Functions are in upper case, arithmetic operators are listed by their sign."""
-    assert expression("strlen(?a) * 2 - abs(?b)").functions == {"STRLEN", "ABS", "*", "-"}
+def test_a_rule_lists_its_calls_at_any_depth() -> None:
+    """Names of built-in functions are in upper case, others are IRIs; each call has its arguments and its place."""
+    text = "CONSTRUCT { } WHERE { FILTER EXISTS { BIND(strlen(:f(?a, 1)) AS ?x) FILTER xsd:integer() } }"
+    whole = f"PREFIX : <{E}>\n{text}"
+    calls = [(call.name, call.arguments, whole[call.span.start : call.span.end]) for call in rule(text).calls]
+    cast = "http://www.w3.org/2001/XMLSchema#integer"
+    assert calls == [(f"{E}f", 2, ":f"), ("STRLEN", 1, "strlen"), (cast, 0, "xsd:integer")]
 
 
 def test_aggregates_are_found_and_can_be_replaced() -> None:

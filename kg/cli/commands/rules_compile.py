@@ -7,7 +7,7 @@ import typer
 from kg.cli.completion import rules as rule_names
 from kg.cli.options import with_settings
 from kg.cli.output import write
-from kg.errors import UsageError
+from kg.errors import Place, RuleError, UsageError
 from kg.settings import Settings
 
 _FORMS: Final = ("form", "rq", "srl", "ttl")
@@ -22,8 +22,8 @@ To = Annotated[str, typer.Option("--to", metavar="NOTATION", help="form, rq (SPA
 def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
     """Print a rule as it is evaluated, or in another notation.
 
-    A rule with alternatives (UNION, OPTIONAL, paths) is compiled into several; all are printed, in SPARQL each after
-    its name. For example:
+    A rule with alternatives (UNION, OPTIONAL, paths) is compiled into several. In another notation they are a file
+    that derives the same; in SPARQL one rule, with UNION. For example:
 
         kg rules compile communication/feeds
         kg rules compile communication/feeds --to srl
@@ -46,5 +46,12 @@ def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
         text = printing.to_form(file.rules, prefixes, strata)
         write(text.replace(str(file.path), here(file.path)))
         return
-    printers = {"rq": printing.to_rq, "srl": printing.to_srl, "ttl": printing.to_turtle}
-    write(printers[to](file.rules, prefixes))
+    if not file.rules and not file.data:
+        hint = "Its pattern matches no graph, or its head is empty."
+        message = "the file derives nothing: there is no rule to print"
+        raise RuleError("KG209", message, place=Place(str(file.path)), hint=hint)
+    if to == "srl":
+        write(printing.to_srl(file.rules, prefixes, file.data))
+    else:
+        printer = printing.to_rq if to == "rq" else printing.to_turtle
+        write(printer((*file.rules, *printing.of_data(file)), prefixes))

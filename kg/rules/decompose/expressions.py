@@ -22,8 +22,6 @@ UNBOUND: Final = "(!<urn:kg:unbound>)"
 _FORGIVING: Final = frozenset({"||", "&&", "BOUND", "COALESCE", "IF", "IN", "EXISTS"})
 """What may have a value although an operand is in error (SPARQL 1.1, section 17.2)."""
 
-_VOLATILE: Final = frozenset({"RAND", "NOW", "UUID", "STRUUID", "BNODE"})
-
 _TESTS: Final = frozenset({"BOUND", "ISIRI", "ISURI", "ISBLANK", "ISLITERAL", "ISNUMERIC", "SAMETERM"})
 """Functions that have a value for all terms."""
 
@@ -49,9 +47,7 @@ def variables(text: str) -> tuple[str, ...]:
 
 def expression(text: str, place: Place | None = None) -> Expression:
     """Return an expression of the internal form."""
-    tokens = tokens_of(text)
-    words = {_word(token) for token in tokens}
-    return Expression(text, variables(text), _mints(tokens), bool(words & _VOLATILE), place)
+    return Expression(text, variables(text), _mints(tokens_of(text)), place)
 
 
 def _mints(tokens: Sequence[Token]) -> bool:
@@ -173,6 +169,15 @@ def _partner(tokens: Sequence[Token]) -> int:
         if depth == 0:
             return index
     return -1
+
+
+def new_node(text: str) -> str | None:
+    """Return the argument of an expression that is BNODE, of nothing or of a string; None for all other expressions."""
+    tokens = tokens_of(bare(text))
+    words = [_word(token) for token in tokens]
+    if words[:2] != ["BNODE", "("] or any(token.kind is not Kind.STRING for token in tokens[2:-1]):
+        return None
+    return "".join(words[2:-1])
 
 
 def existence(text: str) -> bool | None:

@@ -161,7 +161,7 @@ def placed(part: Part, element: form.Filter, known: frozenset[form.Variable]) ->
     """
     needed = frozenset(map(form.Variable, element.expression.variables)) - known
     elements = part.elements
-    if needed and not element.expression.volatile:
+    if needed:
         for index, before in enumerate(elements[:-1], 1):
             needed -= form.binds(before)
             if not needed:

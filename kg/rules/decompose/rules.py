@@ -9,11 +9,14 @@ from pyoxigraph import NamedNode
 from kg.errors import RuleError
 from kg.rules import form, sparql
 from kg.rules.decompose.blocks import block
+from kg.rules.decompose.calls import prepared
 from kg.rules.decompose.groups import Groups
 from kg.rules.decompose.parts import IndivisibleError, Scope
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
 from kg.rules.decompose.work import Names, Work, head_variables
+from kg.syntax.lexer import normalise
+from kg.syntax.position import place_at
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -103,8 +106,10 @@ def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[form.Rul
 
     `text` is the file's, which spans count in, and `path` what places name. The parts count from one; none at all come
     of a rule whose pattern has no solution in any graph. RuleError KG203 for a variable of the head that the pattern
-    never binds.
+    never binds, KG201 and KG209 for calls of functions that rules cannot call.
     """
+    written = normalise(text)
+    rule = prepared(rule, lambda span: place_at(written, span.start, path))
     work = Work(rule, text, path)
     _check_head(work)
     try:

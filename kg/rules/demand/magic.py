@@ -34,7 +34,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from kg.errors import Place
 from kg.rules import form
-from kg.rules.dependencies import Read, mints, reads, volatile
+from kg.rules.dependencies import Read, mints, reads
 from kg.rules.stratify import Heads, edges
 
 if TYPE_CHECKING:
@@ -214,7 +214,7 @@ class _Rewriting:
                 yield from self._feeding(atom)
         for number in self._reached:
             rule = self._rules[number]
-            if mints(rule) or volatile(rule) or _perhaps_unbound(rule.body) or not all(map(_simple, rule.head)):
+            if mints(rule) or _perhaps_unbound(rule.body) or not all(map(_simple, rule.head)):
                 yield number
             restricted = {id(atom) for atom, _ in _atoms(rule.body) if isinstance(atom.predicate, NamedNode)}
             for read in reads(rule):

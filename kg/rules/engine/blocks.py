@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 import pyoxigraph as ox
 
+from kg.errors import RuleError
 from kg.rules.columns import lines
 from kg.rules.engine.tables import Table
 from kg.rules.sparql import spelling
@@ -59,9 +60,14 @@ class Blocks:
         store.bulk_extend(ox.parse(text, ox.RdfFormat.N_TRIPLES))
         shown = " ".join(spelling(variable) for variable in step.block.variables)
         rows: list[list[int]] = []
-        for solution in store.query(f"SELECT {shown or '*'} {{ {step.block.text} }}"):  # type: ignore[union-attr]  # a SELECT gives solutions
-            terms = [solution[index] for index in range(len(step.columns))]
-            rows.append([0 if term is None else self._dictionary.intern(spell(term)) for term in terms])
+        try:
+            for solution in store.query(f"SELECT {shown or '*'} {{ {step.block.text} }}"):  # type: ignore[union-attr]  # a SELECT gives solutions
+                terms = [solution[index] for index in range(len(step.columns))]
+                rows.append([0 if term is None else self._dictionary.intern(spell(term)) for term in terms])
+        except RuntimeError as error:  # a literal in a variable that is the subject of a triple term
+            message = f"the store's engine cannot evaluate a part of the rule: {error}"
+            hint = "Restrict the variables of triple terms, such as FILTER(!isLiteral(?x)), or leave VALUES out."
+            raise RuleError("KG209", message, place=step.block.place, hint=hint) from error
         found = np.array(rows, np.int64).reshape(len(rows), len(step.columns))
         columns = {column: found[:, index].copy() for index, (_, column) in enumerate(step.columns)}
         return Table(columns, len(rows))

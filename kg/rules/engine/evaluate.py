@@ -61,7 +61,7 @@ class Program:
     """A set of rules, stratified; plans and values of expressions are cached for each dictionary it runs over."""
 
     def __init__(self, rules: Iterable[Rule], strata: Sequence[Stratum] = ()) -> None:
-        """Raise `RuleError` KG202 for rules that cannot be stratified, KG204 for volatile functions in recursion.
+        """Raise `RuleError` KG202 for rules that cannot be stratified.
 
         `strata` are those of `rules`, where they are known already.
         """

@@ -23,7 +23,6 @@ from kg.rules import form
 from kg.rules.engine.facts import EMPTY, Keys, distinct
 from kg.rules.engine.shortcuts import bare, shortcut
 from kg.rules.engine.tables import Table, among
-from kg.rules.engine.terms import BLANK, Dictionary
 from kg.rules.sparql import spelling
 
 if TYPE_CHECKING:
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kg.rules.engine.limits import Clock
+    from kg.rules.engine.terms import Dictionary
     from kg.rules.form import Expression
 
 ERROR: Final = 0
@@ -213,8 +213,6 @@ class Expressions:
         seen = {name: table.columns[column] for name, column in columns if name in expression.variables}
         names = tuple(seen)
         arguments = Table(seen, table.rows)
-        if expression.volatile:
-            return self._compute(text, names, arguments, clock)
         memo = self._memo.setdefault((text, names), _Memo())
         distinct, places = _distinct(arguments)
         known, missing = memo.look_up(distinct)
@@ -229,7 +227,7 @@ class Expressions:
         found = np.full(arguments.rows, ERROR, np.int64)
         blank = np.zeros(arguments.rows, bool)
         for column in arguments.columns.values():
-            blank |= self._dictionary.kinds(column) == BLANK
+            blank |= self._dictionary.may_have_blanks(column)
         plain = np.flatnonzero(~blank)
         for begin in range(0, plain.size, _BATCH):
             clock.check()

@@ -265,6 +265,14 @@ class Dictionary:
             found = self._kinds[identifiers]
         return found
 
+    def may_have_blanks(self, identifiers: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return whether each term is a blank node, or a triple term that may have one in it: False is certain."""
+        kinds = self.kinds(identifiers)
+        found: NDArray[np.bool_] = kinds == BLANK
+        triples = np.flatnonzero(kinds == TRIPLE)
+        found[triples] = [b"_:" in spelling for spelling in self.spellings(identifiers[triples])]
+        return found
+
     def _beginnings(self, identifiers: NDArray[np.int64]) -> NDArray[np.uint16]:
         """Return the first two bytes of the spelling of each term, as a little-endian number."""
         known = self._identifiers

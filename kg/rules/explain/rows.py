@@ -29,6 +29,8 @@ _WHOLE: Final = re.compile(
 """What makes an inner SELECT of a group whose variables it all gives: a row's facts are those of the group."""
 _UNBOUND: Final = "KG203"
 """Of a variable that only an inner SELECT knows."""
+_REFUSED: Final = "KG209"
+"""Of a part that rules do not have, such as a function of the time."""
 _HINT: Final = "To explain a row of a query that groups or counts, query for the grouped rows."
 _MERGING: Final = frozenset(
     {"AVG", "COUNT", "DISTINCT", "GROUP", "GROUP_CONCAT", "HAVING", "MAX", "MIN", "REDUCED", "SAMPLE", "SUM"}
@@ -101,6 +103,7 @@ def _read(rule: str) -> tuple[Rule, ...]:
     try:
         return decompose(parse_rq(rule, _NAME).rules[0], _NAME, _NAME, rule)
     except RuleError as error:
-        if error.code != _UNBOUND:
+        if error.code not in {_UNBOUND, _REFUSED}:
             raise
-        raise RuleError("KG226", "the row cannot be traced back to facts", hint=_HINT) from error
+        why, hint = ("", _HINT) if error.code == _UNBOUND else (f": {error.message}", error.hint)
+        raise RuleError("KG226", f"the row cannot be traced back to facts{why}", hint=hint) from error

@@ -5,7 +5,7 @@
 
 `inferred` is what `kg.rules.engine.evaluate` gave for `asserted`, auxiliary triples included. What rules infer after
 each change is what evaluation from scratch would give, triple for triple; blank nodes too, which are made from the
-solutions that they stand for. Rules with volatile functions (`RAND`, `NOW`) keep what they inferred first.
+solutions that they stand for.
 
 One stratum after a change: delete and rederive, then insert (Gupta, Mumick and Subrahmanian 1993, section 7).
 
@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.dependencies import volatile
 from kg.rules.engine.equality import equalities
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.facts import Facts, absorb, common, difference, lacking, merged, take_out, union, unpack
@@ -334,15 +333,14 @@ class Maintained:
         shop = program.workshop(dictionary)
         self._shop = shop
         plans = program.plans(dictionary)
-        self._volatile = any(map(volatile, program.rules))
         self._strata = Strata(
             ((stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata),
             self._equal,
         )
 
     def _equal(self, stratum: Stratum) -> list[int]:
-        """Return the equality predicates of a stratum; none if evaluating again would change values."""
-        if not stratum.recursive or self._volatile:
+        """Return the equality predicates of a stratum."""
+        if not stratum.recursive:
             return []
         return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
 

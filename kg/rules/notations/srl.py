@@ -14,6 +14,7 @@ from urllib.parse import unquote, urlsplit
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from kg.errors import Fix, Place, RuleError
+from kg.rules.decompose.calls import prepared
 from kg.rules.decompose.expressions import expression
 from kg.rules.decompose.paths import Link, normal
 from kg.rules.decompose.uses import uses
@@ -36,12 +37,14 @@ _DIGITS: Final = 20
 def rules(unit: RuleUnit, name: str, path: str, text: str, *, first: int = 1) -> tuple[Rule, ...]:
     """Return the rules of a rule set; `first` is the part that the first one is.
 
-    Raises RuleError: KG203 for what is not well-formed, KG209 for a head whose subject is a literal.
+    Raises RuleError: KG203 for what is not well-formed, KG209 for a head whose subject is a literal, KG201 and KG209
+    for calls of functions that rules cannot call.
     """
     found: list[Rule] = []
     written = normalise(text)
-    for part, rule in enumerate(unit.rules, first):
-        _check(rule, path, written)
+    for part, stated in enumerate(unit.rules, first):
+        _check(stated, path, written)
+        rule = prepared(stated, lambda span: place_at(written, span.start, path))
         reader = _Reader(rule, path, written)
         if rule.template:
             found.append(Rule(name, reader.head(), reader.body(), reader.place(rule.span), part))

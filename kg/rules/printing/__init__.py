@@ -1,13 +1,15 @@
 """Rules of the internal form as text: in each notation, and as the form itself for people.
 
-Each function takes rules of one file. A rule that a notation cannot express raises RuleError KG209 with the part.
+Each function takes all rules of a file and returns the text of one. A rule that a notation cannot express raises
+RuleError KG209 with the part.
 """
 
 from __future__ import annotations
 
 from kg.rules.printing.form import to_form
 from kg.rules.printing.srl import to_srl
+from kg.rules.printing.together import of_data
 from kg.rules.printing.turtle import to_turtle
 from kg.rules.printing.words import to_rq
 
-__all__ = ["to_form", "to_rq", "to_srl", "to_turtle"]
+__all__ = ["of_data", "to_form", "to_rq", "to_srl", "to_turtle"]

@@ -57,8 +57,7 @@ def _element(element: Element) -> str:
     if isinstance(element, Filter):
         return f"filter {bare(element.expression.text)}"
     if isinstance(element, Assignment):
-        marks = [name for name in ("mints", "volatile") if getattr(element.expression, name)]
-        told = f" ({', '.join(marks)})" if marks else ""
+        told = " (mints)" if element.expression.mints else ""
         return f"{sparql.spelling(element.variable)} := {element.expression.text}{told}"
     if isinstance(element, Exists):
         return _below("not exists" if element.negated else "exists", element.body)

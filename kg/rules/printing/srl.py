@@ -14,6 +14,8 @@ from kg.syntax.names import PREFIXES
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from pyoxigraph import Triple
+
 
 _MISSING = {
     form.Aggregate: "aggregates",
@@ -25,13 +27,15 @@ _MISSING = {
 _MIXED = "reads asserted data for a part of its body"
 
 
-def to_srl(rules: Sequence[form.Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
-    """Return the rules as a rule set.
+def to_srl(rules: Sequence[form.Rule], prefixes: Mapping[str, str] = PREFIXES, data: Sequence[Triple] = ()) -> str:
+    """Return the rules, and the triples that their file states, as a rule set.
 
     RuleError KG209 for aggregates, VALUES, EXISTS, blocks of SPARQL, and functions that SPARQL RL lacks; for a body
     that mixes asserted and other triples in one place; for blank nodes of the data.
     """
-    return with_prefixes("\n\n".join(map(_rule, rules)), prefixes)
+    stated = head(form.Atom(triple.subject, triple.predicate, triple.object) for triple in data)
+    parts = [f"DATA {{\n{sparql.indented(stated)}\n}}"] if stated else []
+    return with_prefixes("\n\n".join([*parts, *map(_rule, rules)]), prefixes)
 
 
 def _rule(rule: form.Rule) -> str:

@@ -10,17 +10,35 @@ target, the name of the rule.
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from kg.rules import sparql
-from kg.rules.form import Atom, Pattern, Rule, Variable
-from kg.rules.printing.words import construct, shortened, with_prefixes
+from kg.rules.decompose.expressions import expression
+from kg.rules.decompose.work import Names
+from kg.rules.form import (
+    Aggregate,
+    Atom,
+    Element,
+    EngineBlock,
+    Exists,
+    Filter,
+    Pattern,
+    Rule,
+    Values,
+    Variable,
+    binds,
+)
+from kg.rules.notations.shacl.query import EXCLUDED, PREBOUND
+from kg.rules.printing.together import called, variables_of
+from kg.rules.printing.words import construct, refusal, shortened, with_prefixes
+from kg.syntax.lexer import Kind, tokens_of
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
 
 _SH = "http://www.w3.org/ns/shacl#"
@@ -29,7 +47,8 @@ _SH = "http://www.w3.org/ns/shacl#"
 def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return a shapes graph with a shape for each rule.
 
-    RuleError KG209 for atoms that match asserted triples only, and for blank nodes of the data.
+    RuleError KG209 for atoms that match asserted triples only, for blank nodes of the data, and for MINUS and VALUES in
+    a block of SPARQL, which SHACL excludes.
     """
     text = "\n\n".join(_triple_rule(rule) or _sparql_rule(rule, prefixes) for rule in rules)
     known = {**prefixes, "sh": _SH}
@@ -47,8 +66,49 @@ def _shape(rule: Rule, target: str, kind: str, lines: list[str]) -> str:
 
 
 def _sparql_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:
+    names = Names(variable.name for variable in variables_of(rule))
+    rule = called(rule, {Variable(name): names.like(Variable(name)) for name in PREBOUND})
+    rule = replace(rule, body=tuple(_without_values(rule, rule.body, frozenset(), names)))
     escaped = with_prefixes(construct(rule), prefixes).replace("\\", "\\\\").replace('"', '\\"')
     return _shape(rule, "", "sh:SPARQLRule", [f'sh:construct """\n{escaped}\n"""'])
+
+
+def _without_values(rule: Rule, body: Sequence[Element], known: frozenset[Variable], names: Names) -> Iterator[Element]:
+    """Yield a body without VALUES, which SHACL excludes; `known` are the variables bound before it."""
+    for element in body:
+        if isinstance(element, Values):
+            yield from _alternatives(element, known, names)
+        elif isinstance(element, Exists | Aggregate):
+            seen = known if isinstance(element, Exists) else frozenset[Variable]()
+            yield replace(element, body=tuple(_without_values(rule, element.body, seen, names)))
+        else:
+            if isinstance(element, EngineBlock):
+                _check_block(rule, element)
+            yield element
+        known |= binds(element)
+
+
+def _alternatives(element: Values, known: frozenset[Variable], names: Names) -> Iterator[Element]:
+    """Yield the rows of VALUES as a union of assignments, to new variables that are compared with those known."""
+    if not element.rows:
+        yield Filter(expression("false"))
+        return
+    new = {variable: names.like(variable) for variable in element.variables if variable in known}
+    columns = tuple(new.get(variable, variable) for variable in element.variables)
+    spelt = [sparql.spelling(column) for column in columns]
+    groups = (
+        " ".join(f"BIND({sparql.term(cell)} AS {name})" for name, cell in zip(spelt, row, strict=True))
+        for row in element.rows
+    )
+    yield EngineBlock(" UNION ".join(f"{{ {group} }}" for group in groups), columns)
+    for old, fresh in new.items():
+        yield Filter(expression(f"sameTerm({sparql.spelling(old)}, {sparql.spelling(fresh)})"))
+
+
+def _check_block(rule: Rule, block: EngineBlock) -> None:
+    for token in tokens_of(block.text):
+        if token.kind is Kind.WORD and token.text.upper() in EXCLUDED:
+            raise refusal(rule, f"has {token.text.upper()} in a part that SHACL cannot express", "Print it as .rq.")
 
 
 def _triple_rule(rule: Rule) -> str | None:

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 from kg.errors import RuleError
 from kg.rules import sparql
+from kg.rules.explain.closures import Closures
 from kg.rules.form import Atom, Rule, atoms_of
+from kg.rules.printing.together import together
 from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES, prefixed
 from kg.syntax.printer import respelt
@@ -16,24 +18,37 @@ if TYPE_CHECKING:
 
 
 def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
-    """Return a CONSTRUCT query for each rule, behind a comment with its name where there are several.
+    """Return the CONSTRUCT query that derives what rules derive together.
 
-    A file of rules has one: several are files of their own. RuleError KG209 for atoms that match asserted triples
-    only, and for blank nodes of the data.
+    RuleError KG209 for atoms that match asserted triples only, for blank nodes of the data, and for rules whose heads
+    have no variable in common with their bodies, of which a query can have only one.
     """
-    texts = [with_prefixes(construct(rule), prefixes) for rule in rules]
-    if len(texts) > 1:
-        texts = [f"# {rule}\n{text}" for rule, text in zip(rules, texts, strict=True)]
-    return "\n\n".join(texts)
+    found = together(rules)
+    if found is None:
+        hint = "Print them as .srl or .ttl, or put each into a file of its own."
+        raise refusal(rules[0], "and others of its file have heads that one CONSTRUCT cannot tell apart", hint)
+    closures = Closures.of(rules)
+    bodies = list(dict.fromkeys(_body(rule, closures) for rule in found))
+    template = head(dict.fromkeys(atom for rule in found for atom in rule.head))
+    return with_prefixes(_query(template, bodies), prefixes)
 
 
 def construct(rule: Rule) -> str:
     """Return the CONSTRUCT query of one rule, names as IRIs in brackets."""
+    return _query(head(rule.head), [_body(rule, Closures())])
+
+
+def _body(rule: Rule, closures: Closures) -> str:
     if any(atom.asserted for atom, _ in atoms_of(rule.body)):
         hint = "SPARQL RL can express it: print it as .srl."
         raise refusal(rule, "reads asserted data alone, which SPARQL has no word for", hint)
-    body = sparql.indented(sparql.group(rule.body))
-    return f"CONSTRUCT {{\n{sparql.indented(head(rule.head))}\n}}\nWHERE {{\n{body}\n}}"
+    return sparql.group(closures.written(rule.body))
+
+
+def _query(template: str, bodies: Sequence[str]) -> str:
+    if len(bodies) > 1:
+        bodies = ["\nUNION\n".join(f"{{\n{sparql.indented(body)}\n}}" for body in bodies)]
+    return f"CONSTRUCT {{\n{sparql.indented(template)}\n}}\nWHERE {{\n{sparql.indented(bodies[0])}\n}}"
 
 
 def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, tuple[str, ...]]:

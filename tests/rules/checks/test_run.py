@@ -37,6 +37,13 @@ def test_a_file_that_does_not_parse_leaves_the_others(tmp_path: Path) -> None:
     assert (found.code, found.rule, found.place.line) == ("KG201", "bad", 2)
 
 
+def test_a_function_that_does_not_exist_is_found_at_its_place(tmp_path: Path) -> None:
+    """A function that the engine lacks is an error of its file, and the others are checked."""
+    bad = "CONSTRUCT { ?x :p ?z } WHERE {\n  ?x :q ?y\n  BIND(:f(?y) AS ?z) }"
+    (found,) = findings(tmp_path, bad_rq=bad, good_rq="CONSTRUCT { ?x :p ?y } WHERE { ?x :q ?y }")
+    assert (found.code, found.rule, found.place.line, found.place.column) == ("KG209", "bad", 4, 8)
+
+
 def test_every_unknown_prefix_is_named(tmp_path: Path) -> None:
     """All undeclared prefixes are one finding, at the first."""
     text = "CONSTRUCT { ?x foo:p ?y } WHERE { ?x bar:q ?y , 'baz:s' ; foo:r [] ; :t ?y }"

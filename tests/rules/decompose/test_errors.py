@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import pytest
+from pyoxigraph import NamedNode
 from rules.decompose.applying import read
+from rules.engine.comparing import inferred
 
 from kg.errors import Place, RuleError
 from kg.rules.decompose.groups import MOST_PARTS
@@ -27,6 +29,57 @@ def test_other_servers_and_data_sets_are_refused(body: str) -> None:
     with pytest.raises(RuleError) as caught:
         read(f"CONSTRUCT {{ ?x <urn:h> ?y }} {body if body.startswith('FROM') else f'WHERE {body}'}")
     assert caught.value.code == "KG209"
+
+
+NAME = "BNODE() must be the value of a variable that only the head has, behind all patterns"
+
+
+@pytest.mark.parametrize(
+    ("body", "code", "message"),
+    [
+        ("?x <urn:p> ?y BIND(§struuid() AS ?z)", "KG209", "STRUUID is not allowed in rules: its value differs"),
+        ("?x <urn:p> ?y BIND(IRI(§UUID()) AS ?z)", "KG209", "UUID is not allowed in rules: its value differs"),
+        ("?x <urn:p> ?y, ?z FILTER(§RAND() < 0.5)", "KG209", "RAND is not allowed in rules: its value differs"),
+        ("?x <urn:p> ?z MINUS { ?x <urn:q> ?y FILTER(?y < §NOW()) }", "KG209", "NOW is not allowed in rules"),
+        ("{ SELECT ?x (MAX(§RAND()) AS ?z) { ?x ?p ?y } GROUP BY ?x }", "KG209", "RAND is not allowed in rules"),
+        ("?x <urn:p> ?y BIND(§<urn:f>(?y) AS ?z)", "KG209", "the function <urn:f> does not exist"),
+        ("?x <urn:p> ?z FILTER EXISTS { ?z ?p ?y FILTER §<urn:f>(?y) }", "KG209", "the function <urn:f> does not"),
+        ("?x <urn:p> ?y BIND(§xsd:int(?y) AS ?z)", "KG209", "the function xsd:int does not exist"),
+        ("?x <urn:p> ?y BIND(§xsd:integer(?y, 1) AS ?z)", "KG201", "xsd:integer takes 1 argument, not 2"),
+        ("?x <urn:p> ?y BIND(§BNODE(STR(?y)) AS ?z)", "KG209", NAME),
+        ("BIND(§BNODE() AS ?z) ?x <urn:p> ?y", "KG209", NAME),
+        ("?x <urn:p> ?y { BIND(§BNODE() AS ?z) }", "KG209", NAME),
+        ("?x <urn:p> ?y BIND(BNODE() AS ?z) §FILTER(isBlank(?z))", "KG209", NAME),
+        ("?x <urn:p> ?z FILTER(isBlank(§BNODE()))", "KG209", NAME),
+    ],
+)
+def test_functions_that_rules_cannot_call_are_refused(body: str, code: str, message: str) -> None:
+    """The error is at the call, at any depth, and says what to write instead."""
+    before, after = f"CONSTRUCT {{ ?x <urn:h> ?z }} WHERE {{ {body} }}".split("§")
+    with pytest.raises(RuleError) as caught:
+        read(before + after)
+    place = caught.value.place
+    assert place is not None
+    assert (caught.value.code, caught.value.message[: len(message)]) == (code, message)
+    assert place.column == len(before) + 1
+    assert caught.value.hint
+
+
+def test_bnode_is_a_node_of_the_head() -> None:
+    """One new node for each solution and name; the nodes of the head keep theirs."""
+    created = 'BIND(BNODE() AS ?b) BIND(BNODE("k") AS ?c) BIND(BNODE("k") AS ?d)'
+    body = "?x <urn:p> ?y OPTIONAL { ?y <urn:q> ?v }"
+    found = read(f"CONSTRUCT {{ ?x <urn:h> ?b , ?c , ?d , _:b }} WHERE {{ {body} {created} }}")
+    plain = read(f"CONSTRUCT {{ ?x <urn:h> _:b1 , _:c , _:b }} WHERE {{ {body} }}")
+    assert [set(rule.head) for rule in found] == [set(rule.head) for rule in plain]
+    assert [rule.body for rule in found] == [rule.body for rule in plain]
+
+
+def test_a_variable_with_the_name_of_a_generated_one_is_another() -> None:
+    """Printed rules have such names; a filter that is added to one sees the variable that it names."""
+    rules = read("CONSTRUCT { ?x <urn:h> ?_·1 } WHERE { ?x <urn:p>/<urn:q> ?_·1 FILTER(?_·1 != <urn:b>) }")
+    a, b, c, p, q = (NamedNode(f"urn:{name}") for name in "abcpq")
+    assert inferred(rules, [(a, p, b), (b, q, c)]) == {(a, NamedNode("urn:h"), c)}
 
 
 def test_too_many_parts_stay_one_rule_of_the_engine() -> None:

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, Triple
 from rules.engine.comparing import columns, inferred, tuples
 from rules.engine.oracle import Fact, infer
 from rules.forms import atoms, expression, rule, triples
 from rules.forms import test as kept_if
 
-from kg.errors import RuleError
+from kg.errors import Place, RuleError
 from kg.rules.engine import tables
 from kg.rules.engine.evaluate import Limits, Program, evaluate
 from kg.rules.engine.terms import Dictionary
@@ -124,6 +124,18 @@ def test_a_block_of_sparql_joins_like_an_atom() -> None:
     rules = [rule("?x :named ?n . ?x :to ?y . ?y :next ?y", block, "?x :next ?y")]
     asserted = CHAIN | facts(":n3 :name :three")
     assert inferred(rules, asserted) == infer(rules, asserted)
+
+
+def test_a_block_that_the_engine_cannot_evaluate_is_an_error_at_its_place() -> None:
+    """The engine fails where a row of VALUES has a literal as the subject of a triple term."""
+    text = "?z <urn:x:r> <<( ?x <urn:x:p> ?y )>> . VALUES (?x ?y) { (1 <urn:x:a>) (1 <urn:x:b>) }"
+    place = Place("rule.rq", 2, 3)
+    reads = frozenset({NamedNode("urn:x:r")})
+    block = EngineBlock(text, (Variable("x"), Variable("y"), Variable("z")), reads=reads, place=place)
+    statement = Triple(NamedNode("urn:x:a"), NamedNode("urn:x:p"), NamedNode("urn:x:b"))
+    with pytest.raises(RuleError, match="cannot evaluate") as caught:
+        inferred([rule("?z :h ?y", block)], [(NamedNode("urn:x:c"), NamedNode("urn:x:r"), statement)])
+    assert (caught.value.code, caught.value.place) == ("KG209", place)
 
 
 def test_a_join_that_grows_is_chosen_by_the_rows_of_the_terms_at_hand() -> None:

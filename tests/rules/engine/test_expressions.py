@@ -133,6 +133,25 @@ def test_values_are_remembered(names: str) -> None:
     assert dictionary.spellings(first) == expected
 
 
+def test_triple_terms_with_blank_nodes_have_values() -> None:
+    """VALUES cannot contain a blank node inside of a triple term; a string that looks like one is no blank node."""
+    dictionary = Dictionary()
+    spelt = [
+        "<<( _:b <urn:p> <urn:c> )>>",
+        '<<( <urn:a> <urn:p> "_:b" )>>',
+        "<<( <urn:a> <urn:p> <<( _:c <urn:p> _:d )>> )>>",
+    ]
+    rows = Table({"x": dictionary.intern_all(one.encode() for one in spelt)}, len(spelt))
+    computed = Expressions(dictionary)
+    for text, expected in (
+        ("SUBJECT( ?x )", [b"_:b", b"<urn:a>", b"<urn:a>"]),
+        ("SUBJECT(OBJECT( ?x ))", [b"", b"", b"_:c"]),
+        ("<<( <urn:s> <urn:p> ?x )>>", [b"<<( <urn:s> <urn:p> %s )>>" % one.encode() for one in spelt]),
+    ):
+        values = computed.values(expression(text), rows, [("x", "x")], Clock(Limits()))
+        assert dictionary.spellings(values) == expected
+
+
 def test_many_rows_are_evaluated_in_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     """The rows of each batch get their values, with and without blank nodes."""
     monkeypatch.setattr(expressions, "_BATCH", 2)

@@ -155,7 +155,53 @@ def test_sparql_and_shacl_have_no_asserted_data() -> None:
         to_srl([mixed])
 
 
-def test_several_rules_as_sparql_stand_behind_their_names() -> None:
-    """A choice gives several queries, separated by comments with their names."""
-    printed = to_rq(rules_of("CONSTRUCT { ?x <urn:h> ?y } WHERE { ?x <urn:p>|<urn:q> ?y }"))
-    assert [line for line in printed.split("\n") if line.startswith("#")] == ["# test/rule", "# test/rule#2"]
+def test_alternatives_are_a_union_and_paths_are_paths_in_sparql() -> None:
+    """A file of SPARQL has one rule, without auxiliary predicates."""
+    printed = to_rq(rules_of("CONSTRUCT { ?x <urn:h> ?y } WHERE { ?x <urn:p>+|<urn:q> ?y }"))
+    assert printed.count("CONSTRUCT") == printed.count("UNION") == 1
+    assert "?x (<urn:p>)+ ?y ." in printed
+    assert "auxiliary" not in printed
+
+
+def test_rules_with_other_heads_have_variables_of_their_own_in_sparql() -> None:
+    """A solution of one rule leaves the triples of the others out."""
+    text = "RULE { ?x <urn:h> 1 } WHERE { ?x <urn:p> ?y } RULE { ?x <urn:k> 2 } WHERE { ?x <urn:q> ?y }"
+    printed = to_rq(rules_of(text, ".srl"))
+    assert printed.count("?x·1") == printed.count("?x·2") == 2
+
+
+def test_facts_beside_a_rule_have_no_sparql() -> None:
+    """A triple without variables would follow from each of the bodies; the error has a place and a way out."""
+    text = "RULE { <urn:a> <urn:h> 1 } WHERE { ?x <urn:p> ?y } RULE { ?x <urn:k> 2 } WHERE { ?x <urn:q> ?y }"
+    with pytest.raises(RuleError, match="cannot tell apart") as caught:
+        to_rq(rules_of(text, ".srl"))
+    assert caught.value.code == "KG209"
+    assert caught.value.place
+    assert caught.value.hint
+
+
+def test_variables_that_shacl_binds_have_other_names_in_a_shape() -> None:
+    """`$this` is the focus node, which a rule of another notation does not mean."""
+    printed = to_turtle(rules_of("CONSTRUCT { ?this <urn:h> ?y } WHERE { ?y <urn:p> ?this FILTER(?y != ?this) }"))
+    assert "?this " not in printed
+    assert "?this·1 <urn:h> ?y" in printed
+
+
+def test_data_of_a_file_is_printed_with_its_rules(tmp_path: Path) -> None:
+    """DATA stays DATA in SPARQL RL; elsewhere it is a rule without a condition."""
+    (tmp_path / "stated.srl").write_text("DATA { <urn:a> <urn:p> 1 }\nRULE { ?x <urn:q> 2 } WHERE { ?x <urn:p> 1 }\n")
+
+    def printed(notation: str) -> str:
+        found = CliRunner().invoke(app, ["rules", "compile", "stated", "--to", notation, "--rules", str(tmp_path)])
+        return found.stdout or found.stderr
+
+    assert "\nDATA {\n  <urn:a> <urn:p> " in printed("srl")
+    assert "<urn:a> <urn:p> " in printed("ttl")
+    assert "cannot tell apart" in printed("rq")
+
+
+def test_a_file_that_derives_nothing_is_not_printed(tmp_path: Path) -> None:
+    """KG209 instead of an empty text, which is not a file of rules."""
+    (tmp_path / "nothing.rq").write_text("CONSTRUCT { ?x <urn:p> ?x } WHERE { ?x <urn:q> ?y FILTER(false) }")
+    found = CliRunner().invoke(app, ["rules", "compile", "nothing", "--to", "rq", "--rules", str(tmp_path)])
+    assert (found.exit_code, "KG209" in found.stderr) == (1, True)

@@ -16,7 +16,7 @@ from pyoxigraph import Literal, NamedNode
 from kg.rules.notations.shacl.expressions import Expressions
 from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, Cases, check, every, exists, for_all, none, some
 from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
-from kg.rules.notations.shacl.query import Words, query_of, rename, spell, variables
+from kg.rules.notations.shacl.query import PREBOUND, Words, check_prebound, query_of, rename, spell, variables
 from kg.rules.notations.shacl.values import VALUE_TESTS, constant
 from kg.rules.notations.shacl.vocabulary import SH, sh
 from kg.syntax.lexer import Kind
@@ -184,6 +184,7 @@ def solution_of(graph: ShapesGraph, functions: Functions, names: Names, shape: T
     Raises `RuleError` KG230 for queries with modifiers, aggregates or sub-SELECT.
     """
     query = query_of(graph, node, "select")
+    check_prebound(graph, query, PREBOUND | {"PATH"})
     texts = {word.text.upper() for word in [*query.head, *query.group] if word.kind is Kind.WORD}
     if query.modifiers or texts & _REFUSED:
         hint = "Write the query without sub-SELECT, aggregates, GROUP BY, ORDER BY and LIMIT."

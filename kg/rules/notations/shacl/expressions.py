@@ -215,8 +215,6 @@ class Expressions:
     def _call(self, function: Function, chosen: Sequence[Branch], node: Term) -> list[Branch]:
         before = " ".join(branch.pattern for branch in chosen if branch.pattern)
         arguments = self._functions.arguments(function, [branch.term or None for branch in chosen], node)
-        if arguments is None:
-            return []
         if (expression := self._functions.expression(function, arguments)) is not None:
             return [self._bound(before, expression)]
         own = variables(function.query.group) | variables(function.query.head)

@@ -13,12 +13,23 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
-from kg.rules.notations.shacl.query import Query, Word, Words, closing, query_of, rename, spell, top_level, variables
+from kg.rules.notations.shacl.query import (
+    Query,
+    Word,
+    Words,
+    check_prebound,
+    closing,
+    query_of,
+    rename,
+    spell,
+    top_level,
+    variables,
+)
 from kg.rules.notations.shacl.vocabulary import XSD, local_name, sh
 from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
@@ -60,15 +71,18 @@ class Functions:
             if not self._graph.is_instance(node, sh("SPARQLFunction")):
                 hint = "Declare it as a sh:SPARQLFunction in this file; functions in JavaScript are not supported."
                 raise self._graph.error(f"this file does not declare the function {node}", owner, hint=hint)
-            self._known[node] = Function(node, self._parameters(node), self._query(node))
+            parameters = self._parameters(node)
+            self._known[node] = Function(node, parameters, self._query(node, [name for name, _ in parameters]))
         return self._known[node]
 
-    def _query(self, node: NamedNode) -> Query:
+    def _query(self, node: NamedNode, parameters: Collection[str]) -> Query:
         forms = [name for name in ("select", "ask") if self._graph.values(node, sh(name))]
         if len(forms) != 1:
             hint = "Give it exactly one of the two."
             raise self._graph.error(f"the function {node} must have either sh:select or sh:ask", node, hint=hint)
         query = query_of(self._graph, node, forms[0])
+        if parameters:
+            check_prebound(self._graph, query, parameters)
         if any(word.text.upper() in {"LIMIT", "OFFSET", "ORDER", "GROUP", "HAVING"} for word in query.modifiers):
             hint = "Write it without ORDER BY, LIMIT and GROUP BY; to count, use sh:count where it is called."
             raise self._graph.unsupported(f"a solution modifier in the function {node}", node, hint)
@@ -82,15 +96,20 @@ class Functions:
         found.sort(key=self._graph.order if ordered else lambda parameter: names[parameter])
         return tuple((names[parameter], self._graph.flag(parameter, "optional")) for parameter in found)
 
-    def arguments(self, function: Function, given: Sequence[str | None], owner: Term) -> dict[str, str] | None:
-        """Return the texts of arguments by the names of parameters; None when a mandatory one is missing."""
+    def arguments(
+        self, function: Function, given: Sequence[str | None], owner: Term, offset: int | None = None
+    ) -> dict[str, str]:
+        """Return the texts of arguments by the names of parameters; KG201 for too many, or without a mandatory one."""
+        called = f"the function {function.node} is called with {len(given)} argument{'' if len(given) == 1 else 's'}"
         if len(given) > len(function.parameters):
-            count = f"{len(given)} arguments; it has {len(function.parameters)} parameters"
             hint = "Leave arguments out, or declare a sh:parameter for each."
-            raise self._graph.error(f"the function {function.node} is called with {count}", owner, hint=hint)
+            message = f"{called}; it has {len(function.parameters)} parameters"
+            raise self._graph.error(message, owner, hint=hint, offset=offset)
         padded = [*given, *[None] * (len(function.parameters) - len(given))]
-        if any(text is None and not optional for text, (_, optional) in zip(padded, function.parameters, strict=True)):
-            return None
+        for text, (name, optional) in zip(padded, function.parameters, strict=True):
+            if text is None and not optional:
+                hint = "Add the argument, or declare the parameter with sh:optional true."
+                raise self._graph.error(f"{called}; it requires ${name}", owner, hint=hint, offset=offset)
         pairs = zip(function.parameters, padded, strict=True)
         return {name: _ERROR if text is None else text for (name, _), text in pairs}
 
@@ -134,8 +153,8 @@ class Functions:
         if depth > _MAX_CALLS:
             hint = "Functions are put in the place of their calls; write a recursion as a rule."
             raise self._graph.error(f"the function {node} calls itself", node, hint=hint)
-        arguments = self.arguments(function, [spell(part) for part in given], owner)
-        text = _ERROR if arguments is None else self._computed(function, arguments, depth)
+        arguments = self.arguments(function, [spell(part) for part in given], owner, word.offset)
+        text = self._computed(function, arguments, depth)
         if text is None:
             hint = "Write its pattern into the query, or call it in a node expression."
             what = f"calling {node}, whose query reads the data, in SPARQL"

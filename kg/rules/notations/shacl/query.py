@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from pyoxigraph import Literal, NamedNode
@@ -19,7 +20,7 @@ from kg.syntax.lexer import Kind, Token, normalise, tokens, unescape, unescape_l
 from kg.syntax.names import PREFIXES, is_absolute
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Collection, Iterable, Mapping
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
@@ -49,6 +50,13 @@ class Query:
     owner: Term
 
 
+PREBOUND: Final = frozenset({"this", "shapesGraph", "currentShape"})
+"""Variables that have values before any query of a shape is evaluated (SHACL, appendix A)."""
+EXCLUDED: Final = {
+    "MINUS": "Write FILTER NOT EXISTS { ... }.",
+    "VALUES": "Compare with FILTER(?x IN (...)), or bind the values by { BIND(... AS ?x) } UNION { ... }.",
+}
+"""What a query with pre-bound variables must not have, with what to write instead; SERVICE is in no rule."""
 _FORMS: Final = {"construct": "CONSTRUCT", "select": "SELECT", "ask": "ASK"}
 _PAIRS: Final = {"{": "}", "(": ")", "[": "]"}
 
@@ -63,6 +71,26 @@ def query_of(graph: ShapesGraph, owner: Term, name: str) -> Query:
     if not isinstance(literal, Literal):
         raise graph.error(f"sh:{name} of {graph.called(owner)} is not a string", owner, hint="Put the query in quotes.")
     return _Reader(graph, owner, literal).query(_FORMS[name])
+
+
+def check_prebound(graph: ShapesGraph, query: Query, names: Collection[str]) -> None:
+    """Raise RuleError KG201 for what a query with the pre-bound variables `names` must not have (SHACL, appendix A).
+
+    The standard excludes it because nothing defines which value such a variable has there.
+    """
+    words = [*query.head, *query.group, *query.modifiers]
+    for before, word in pairwise([plain(""), *words]):
+        name = word.text.upper() if word.kind is Kind.WORD else ""
+        if name == "SERVICE":
+            message, hint = "SERVICE is not allowed in rules", "Rules read the store alone; load the other data first."
+            raise graph.error(message, query.owner, code="KG209", hint=hint, offset=word.offset)
+        if name in EXCLUDED:
+            bound = "this" if "this" in names else min(names)
+            message = f"SHACL allows no {name} in a query with pre-bound variables, here ${bound}"
+            raise graph.error(message, query.owner, hint=EXCLUDED[name], offset=word.offset)
+        if word.kind is Kind.VARIABLE and word.text[1:] in names and before.text.upper() == "AS":
+            hint = "Assign to another variable."
+            raise graph.error(f"${word.text[1:]} has a value already", query.owner, hint=hint, offset=word.offset)
 
 
 def spell(words: Words) -> str:

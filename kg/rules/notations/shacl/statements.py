@@ -25,7 +25,7 @@ from kg.rules.notations.shacl.expressions import Expressions
 from kg.rules.notations.shacl.functions import Functions
 from kg.rules.notations.shacl.graph import ShapesGraph
 from kg.rules.notations.shacl.paths import Names
-from kg.rules.notations.shacl.query import Query, Words, closing, plain, query_of, variables
+from kg.rules.notations.shacl.query import PREBOUND, Query, Words, check_prebound, closing, plain, query_of, variables
 from kg.rules.notations.shacl.targets import targets
 from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, TYPE, sh
 from kg.syntax.lexer import Kind
@@ -109,7 +109,7 @@ def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
 def bind_inside(graph: ShapesGraph, owner: Term, words: Words, binder: str) -> Words:
     """Return the inside of a group with `binder` at the beginning of each inner group that needs `$this`.
 
-    Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it, and for an assignment to it.
+    Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it.
     """
     return _Groups(graph, owner, binder).inside(words)
 
@@ -129,7 +129,6 @@ class _Groups:
         index = 0
         while index < len(words):
             if words[index].text != "{":
-                self._check(words, index)
                 found.append(words[index])
                 index += 1
                 continue
@@ -157,14 +156,6 @@ class _Groups:
             )
         start = [self._once] if _needs(words[opening + 1 : end]) else []
         return [*head, *words[opening : opening + 1], *start, *self.inside(words[opening + 1 : end]), *words[end:]]
-
-    def _check(self, words: Words, index: int) -> None:
-        """Refuse a query that gives `$this` another value (SHACL, appendix A)."""
-        word = words[index]
-        assigned = word.kind is Kind.VARIABLE and word.text[1:] == _THIS and index > 0
-        if assigned and words[index - 1].text.upper() == "AS":
-            hint = "Take another variable; $this is the focus node."
-            raise self._graph.error("$this has a value already", self._owner, hint=hint, offset=word.offset)
 
 
 def _needs(words: Words) -> bool:
@@ -315,6 +306,7 @@ class _Rule:
 
     def _constructs(self, binder: str) -> Iterator[Statement]:
         query = query_of(self._graph, self._rule, "construct")
+        check_prebound(self._graph, query, PREBOUND)
         template, group = self._parts(query)
         names = Names(variables([*template, *group]) | {"this", "target"})
         target = names.fresh()
@@ -337,7 +329,7 @@ class _Rule:
             raise self._graph.error(
                 "FROM is not allowed in a rule", self._rule, code="KG209", hint=hint, offset=refused.offset
             )
-        if any(word.text.upper() in {"LIMIT", "OFFSET", "GROUP", "HAVING", "VALUES"} for word in query.modifiers):
+        if any(word.text.upper() in {"LIMIT", "OFFSET", "GROUP", "HAVING"} for word in query.modifiers):
             hint = "Put a sub-SELECT into the group."
             offset = query.modifiers[0].offset
             message = "a solution modifier after the group is not supported"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import BlankNode, NamedNode
 
 from kg.rules.notations.shacl.functions import Functions
-from kg.rules.notations.shacl.query import query_of, rename, spell
+from kg.rules.notations.shacl.query import check_prebound, query_of, rename, spell
 from kg.rules.notations.shacl.vocabulary import CLASSES, SUBCLASS, TYPE, local_name, sh
 
 if TYPE_CHECKING:
@@ -62,8 +62,11 @@ def _custom(graph: ShapesGraph, target: Term, shape: Term) -> str:
                 f"a target needs one value of {path}: an IRI or a literal", target, hint="Keep one IRI or literal."
             )
         if not values and not graph.flag(parameter, "optional"):
-            return "VALUES ?this { }"
+            hint = "Add a value, or declare the parameter with sh:optional true."
+            raise graph.error(f"a target of {kinds[0]} has no value of {path}", target, hint=hint)
         parameters |= {local_name(path): str(value) for value in values}
+    if parameters:
+        check_prebound(graph, query_of(graph, kinds[0], "select"), parameters)
     return _selected(graph, kinds[0], parameters)
 
 
