@@ -336,6 +336,8 @@ class Function:
     parameters: tuple[Parameter, ...]
     line: int
     template: tuple[str, ...] = ()
+    outer: tuple[str, ...] = ()
+    """What its definition outside of a class template calls the parameters of the class."""
     returns: Type | None = None
     owner: Class | None = None
     virtual: bool = False

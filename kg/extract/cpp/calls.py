@@ -128,7 +128,7 @@ class Calls:
         if local and (last.upper() == last or "_" in last):
             macro = self._linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is not None:
-                return self._language.expanded(macro, expression.arguments, frame)
+                return self._language.expanded(macro, expression.arguments, frame, expression.line)
         values = machine.arguments(expression.arguments, frame)
         if names[0].startswith("decltype("):
             of = self._kinds.type_of(form.Name(expression.line, (names[0][9:-1],)), frame)

@@ -44,8 +44,12 @@ def inside(cls: Class, types: dict[str, Value] | None = None, this: Object | Non
 
 
 def frame_of(function: Function, types: Mapping[str, Value] | None = None, this: Object | None = None) -> Frame:
-    """Return a new frame for a function."""
-    return Frame(function.unit, function.scope, this, types=dict(types or {}), returns=function.returns)
+    """Return a new frame for a function, with the values of template parameters by the names that it has for them."""
+    bound = dict(types or {})
+    if function.outer and function.owner is not None:
+        names = zip(function.outer, function.owner.template, strict=False)
+        bound |= {own: bound[name] for own, name in names if name in bound}
+    return Frame(function.unit, function.scope, this, types=bound, returns=function.returns)
 
 
 class Kinds:

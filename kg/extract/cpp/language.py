@@ -128,7 +128,7 @@ class Cpp:
         if len(names) == 1:
             macro = self.linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is None:
-                return self.expanded(macro, (), frame)
+                return self.expanded(macro, (), frame, expression.line)
         found = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(found, Kind) and (found.cls is not None or found.names != names):
             return TypeValue(found)
@@ -217,9 +217,9 @@ class Cpp:
         """Return the value of a static member that its declaration initialises."""
         return self.converted(self.machine.value(value, frame), field.type, value, frame)
 
-    def expanded(self, macro: Macro, given: tuple[Expression, ...], frame: Frame) -> Value:
-        """Run the text of a macro in the frame that uses it."""
-        function = macro.unit.expand(macro)
+    def expanded(self, macro: Macro, given: tuple[Expression, ...], frame: Frame, line: int) -> Value:
+        """Run the text of a macro in the frame that uses it, at a line there."""
+        function = macro.unit.expand(macro, line)
         inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
         for parameter, expression in zip(function.parameters, given, strict=False):
             inner.variables[parameter.name] = Alias(expression, frame)

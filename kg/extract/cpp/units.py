@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
@@ -62,6 +62,8 @@ _ASSIGNED: Final = re.compile(
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
+_CONTINUED: Final = re.compile(r"\\\r?\n")
+"""The end of a line of a macro that goes on."""
 _QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
 """A macro with such a text can be another name of a type, or, in front of `::`, of a namespace."""
 _NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")
@@ -78,8 +80,8 @@ class Macro:
     parameters: tuple[str, ...] | None
     text: str
     line: int
-    function: Function | None = None
-    """The macro as a function, once it was expanded."""
+    functions: dict[int, Function] = field(default_factory=dict)
+    """The macro as a function, by the line at which it was expanded."""
 
 
 _PURE: Final = re.compile(rb"\Avirtual\b[^{]*=\s*0\s*;\Z")
@@ -95,7 +97,7 @@ class CppFunction(Function):
         self.unit, self.name, self.scope, self.template, self.owner = unit, name, scope, template, None
         self.node, self.declarator = nodes
         self.line = line_of(self.declarator if self.node.type == "function_definition" else self.node)
-        self.static, self.marks, self.source, self.body_made = False, frozenset(), None, None
+        self.outer, self.static, self.marks, self.source, self.body_made = (), False, frozenset(), None, None
         self._words: frozenset[str] | None = None
         self._assigned: frozenset[str] | None = None
 
@@ -271,7 +273,7 @@ class CppUnit(Unit):
         elif kind in _CLASSES:
             self._type(node, scope, template)
         elif kind == "template_declaration":
-            names = _template_names(node)
+            names = (*template, *_template_names(node))
             for child in node.named_children:
                 if child.type != "template_parameter_list":
                     self._declaration(child, scope, names)
@@ -318,7 +320,7 @@ class CppUnit(Unit):
     def _macro(self, node: Node, parameters: _Scope | None) -> None:
         name, value = node.child_by_field_name("name"), node.child_by_field_name("value")
         if name is not None and value is not None:
-            text = syntax.text(value).replace("\\\n", "\n").strip()
+            text = _CONTINUED.sub(" ", syntax.text(value)).strip()
             shown = syntax.text(name)
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))
             if parameters is None and _QUALIFIER.fullmatch(text):
@@ -423,8 +425,13 @@ class CppUnit(Unit):
                 return None
             body = next(iter(syntax.of_type(node, "try_statement")), None)
         inner = (*scope, *(part.name for part in named[:-1] if part.name))
+        given = syntax.arguments(named[-2].template) if len(named) > 1 else []
+        outer = tuple(name for name in map(syntax.text, given) if name in template)
+        if len(outer) == len(given):
+            template = tuple(name for name in template if name not in outer)
         made = CppFunction(self, shown, inner, (node, declarator), template)
         made.owner, made.source = owner, body
+        made.outer = outer if len(outer) == len(given) else ()
         return made
 
     def code(self, function: Function) -> str:
@@ -521,20 +528,20 @@ class CppUnit(Unit):
             found.append(Initialiser(syntax.simple_name(name), arguments, line_of(entry), listed))
         return tuple(found)
 
-    def expand(self, macro: Macro) -> Function:
-        """Return a macro as a function whose body is its text: an expression, or statements."""
-        if macro.function is not None:
-            return macro.function
+    def expand(self, macro: Macro, line: int) -> Function:
+        """Return a macro as a function at the line that uses it. Its text is an expression or statements."""
+        if line in macro.functions:
+            return macro.functions[line]
         body = f"void kg_macro() {{ {macro.text} }}"
         if not _is_statements(macro.text):
             body = f"auto kg_macro() {{ return {macro.text}; }}"
-        source = body.encode()
+        source = b"\n" * (line - 1) + body.encode()
         statements = Statements(Expressions(self), source)
         definition = next(iter(syntax.of_type(syntax.parse(source).root_node, "function_definition")), None)
         block = statements.block(definition.child_by_field_name("body") if definition is not None else None)
         parameters = tuple(Parameter(name, None) for name in macro.parameters or ())
-        macro.function = Function(self, macro.name, (), parameters, macro.line, body_made=block)
-        return macro.function
+        macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, body_made=block)
+        return macro.functions[line]
 
 
 def _is_statements(text: str) -> bool:

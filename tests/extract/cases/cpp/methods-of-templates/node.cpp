@@ -8,7 +8,9 @@ class Tracker {
 public:
   bool init(const ros::NodeHandle& n);
   bool bound(typename SB::Request& req, typename SB::Response& res) { return true; }
+  void watch(ros::NodeHandle& n);
   ros::ServiceServer srv_, other_;
+  ros::ServiceClient client_;
 };
 template <typename V, typename SB>
 bool Tracker<V, SB>::init(const ros::NodeHandle& n) {
@@ -17,6 +19,11 @@ bool Tracker<V, SB>::init(const ros::NodeHandle& n) {
   other_ = nl.advertiseService("c", &Tracker::bound, this);
   return true;
 }
+// Its definition can have other names for the parameters of the class.
+template <typename A, typename B>
+void Tracker<A, B>::watch(ros::NodeHandle& n) {
+  client_ = n.serviceClient<B>("d");
+}
 typedef Tracker<int, std_srvs::SetBool> T;
 int main(int argc, char** argv)
 {
@@ -24,4 +31,5 @@ int main(int argc, char** argv)
   ros::NodeHandle n("~");
   T t;
   t.init(n);
+  t.watch(n);
 }
