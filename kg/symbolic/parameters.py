@@ -89,6 +89,8 @@ class Parameters:
         default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
         if isinstance(default, Object) and (default.kind.name in _DESCRIPTORS or _is_blank(default)):
             default = None
+        if isinstance(default, Sequence) and _is_pair(default) and default.items[0] == name:
+            default = default.items[1]  # a `rclcpp::Parameter` of that name
         template = call.arguments.template
         if default == Sequence(()) and template:
             default = _BEGINNINGS.get(_type(template, None, None), default)

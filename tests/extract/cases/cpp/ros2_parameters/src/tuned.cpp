@@ -24,6 +24,8 @@ public:
     set_parameter(rclcpp::Parameter("rate", 5.0));
     declare_parameter("host", rclcpp::ParameterType::PARAMETER_STRING);
     declare_parameter("ports", rclcpp::PARAMETER_INTEGER_ARRAY);
+    rclcpp::Parameter span;
+    get_parameter_or("span", span, rclcpp::Parameter("span", 6.5));
   }
 
 private:
