@@ -349,7 +349,8 @@ class _Nodes:
     def _run_from_outside(self, machine: Machine, language: Cpp, root: Object, *, node: bool) -> None:
         """Run the methods of an object that its loader may call, except for those on which no effect depends."""
         machine.drain()
-        names = _called_from_outside(language, root.kind, node=node)
+        described = bool(language.machine.framework.described(root.kind))
+        names = _called_from_outside(language, root.kind, node=node, described=described)
         pending = {name: function for name in names for function, _ in language.methods(root.kind, name)[:1]}
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
             for name in needed:
@@ -521,15 +522,18 @@ def _remappings(value: Value) -> Iterator[tuple[str, str]]:
             yield normalise(old), normalise(new)
 
 
-def _called_from_outside(language: Cpp, kind: Kind, *, node: bool) -> list[str]:
+def _called_from_outside(language: Cpp, kind: Kind, *, node: bool, described: bool) -> list[str]:
     """Return the methods that the loader of a class may call: those of its bases, then those that override.
 
     Methods of outer bases come first: they call those that classes between add.
     The loader of a `node` calls virtual methods only; the others of its bases are for the class itself.
+    Any public method can override one of a base that is not in the sources.
     """
-    chain = language.chain(kind)[0]
+    chain, outside = language.chain(kind)
+    overrides = own.public if outside and not (node or described) and isinstance(own := chain[0][0], CppClass) else ()
     inherited: dict[str, None] = {}
     overriding: dict[str, None] = {}
+    possible: dict[str, None] = {}
     for cls, _ in reversed(chain):
         methods = language.linker.methods(cls)
         for name, listed in (*cls.declared.items(), *methods.items()):
@@ -537,9 +541,12 @@ def _called_from_outside(language: Cpp, kind: Kind, *, node: bool) -> list[str]:
                 continue
             if any(function.virtual for function in listed):
                 overriding[name] = None
+            elif cls is chain[0][0] and name in overrides:
+                possible[name] = None
             elif cls is not chain[0][0] and not node:
                 inherited[name] = None
-    return [*(name for name in inherited if name not in overriding), *overriding]
+    first = [name for name in inherited if name not in overriding and name not in possible]
+    return [*first, *overriding, *(name for name in possible if name not in overriding)]
 
 
 def _belongs(owner: Object | None, root: Object | None) -> bool:

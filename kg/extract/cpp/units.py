@@ -159,6 +159,20 @@ class CppClass(Class):
         return self._words
 
     @property
+    def public(self) -> frozenset[str]:
+        """The names of its public methods."""
+        body = self.node.child_by_field_name("body")
+        found, shown = set(), self.node.type == "struct_specifier"
+        for member in body.named_children if body is not None else ():
+            if member.type == "access_specifier":
+                shown = syntax.text(member).startswith("public")
+            declarator = _function_declarator(member.child_by_field_name("declarator")) if shown else None
+            name = syntax.declared_name(declarator)
+            if name is not None:
+                found.add(syntax.text(name))
+        return frozenset(found)
+
+    @property
     def abstract(self) -> bool:
         """Whether it leaves methods to classes that derive from it: `= 0`."""
         body = self.node.child_by_field_name("body")
