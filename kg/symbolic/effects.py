@@ -154,6 +154,10 @@ class Framework:
             known = self._alike[key] = (found, frozenset(one.name for one in found))
         return known
 
+    def is_a(self, of: Object, name: str) -> bool:
+        """Check whether the class of an object is, derives from, or is like a class of a framework."""
+        return name in self._classes(of)[1]
+
     def is_node(self, of: Value) -> bool:
         """Check whether an object is a node or a node handle."""
         return isinstance(of, Object) and any(one.is_a in _NODES for one in self._classes(of)[0])

@@ -445,8 +445,7 @@ class _Nodes:
             slots=slots,
         )
         marks = [mark_of(one, self._project) for one in framework.marks]
-        described = (one for made in framework.nodes for one in framework.described(made.kind))
-        if any(one.name == "rclcpp_lifecycle::LifecycleNode" for one in described):
+        if any(framework.is_a(made, "rclcpp_lifecycle::LifecycleNode") for made in framework.nodes):
             marks.append(Mark("ros2.lifecycle", node.location))
         return [Extracted(whole, tuple(dict.fromkeys(marks)))]
 
