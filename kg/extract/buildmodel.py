@@ -100,3 +100,5 @@ class BuildModel:
     """The `.cfg` files of dynamic_reconfigure."""
     ros: int = 2
     """The version of ROS that the package is read for."""
+    absent: tuple[str, ...] = ()
+    """The macros that CMake defines for C++ only under conditions that do not hold."""

@@ -44,6 +44,8 @@ class Macros:
     """The version of ROS."""
     guards: frozenset[bytes] = frozenset()
     """The macros that the file itself defines without a value, anywhere; their names say nothing about ROS."""
+    absent: frozenset[bytes] = frozenset()
+    """The macros that the build does not define."""
     texts: dict[bytes, bytes | None] = field(default_factory=dict)
     """What the file has certainly defined before the place; None for macros that it has certainly undefined."""
 
@@ -93,6 +95,8 @@ class _Reading:
             return self._macros.texts[name] is not None
         if name in self._macros.guards:
             return None
+        if name in self._macros.absent:
+            return False
         if flag := _FLAG.fullmatch(name):
             return int(flag[1]) == self._macros.ros
         return True if _VERSION.fullmatch(name) else None
@@ -150,6 +154,8 @@ class _Reading:
             return int(token == b"true")
         if token in self._macros.texts or token in self._macros.guards:
             return None
+        if token in self._macros.absent:
+            return 0
         if flag := _FLAG.fullmatch(token):
             return int(int(flag[1]) == self._macros.ros)
         return self._macros.ros if _VERSION.fullmatch(token) else None

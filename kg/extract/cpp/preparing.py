@@ -48,8 +48,8 @@ _NEAR: Final = 300
 _VISIBLE: Final = re.compile(rb"[^\r\n]")
 
 
-def prepared(source: bytes, ros: int) -> bytes:
-    """Return a source of the same length as a package of ROS 1 or 2 compiles it.
+def prepared(source: bytes, ros: int, absent: frozenset[str] = frozenset()) -> bytes:
+    """Return a source of the same length as a package of ROS 1 or 2 compiles it without the macros in `absent`.
 
     It lacks macros that hide declarations, code for the other ROS, and the sides of `#if` that split a block or an
     expression.
@@ -62,7 +62,7 @@ def prepared(source: bytes, ros: int) -> bytes:
         source = _QT.sub(_unless_directive(_of_qt), source)
     if b"SIGNAL(" in source or b"SLOT(" in source:
         source = _CONNECTED.sub(lambda m: m[1] + b"0" + _VISIBLE.sub(b" ", m[2])[1:], source)
-    return _without_branches(source, ros) if b"#if" in source or b"# if" in source else source
+    return _without_branches(source, ros, absent) if b"#if" in source or b"# if" in source else source
 
 
 def _if_statement(match: re.Match[bytes]) -> bytes:
@@ -110,7 +110,7 @@ class _Group:
         return None if None in self.known else True
 
 
-def _without_branches(source: bytes, ros: int) -> bytes:
+def _without_branches(source: bytes, ros: int, absent: frozenset[str]) -> bytes:
     """Return a source without the sides of `#if` that are not compiled, or that split a block or an expression.
 
     Not compiled is what is for the other ROS, and what the macros exclude that the file defines. Of the sides that
@@ -118,7 +118,7 @@ def _without_branches(source: bytes, ros: int) -> bytes:
     grammar does not know the test itself.
     """
     found = bytearray(source)
-    macros = Macros(ros, frozenset(_DEFINED.findall(source)))
+    macros = Macros(ros, frozenset(_DEFINED.findall(source)), frozenset(name.encode() for name in absent))
     groups: list[_Group] = []
     before: re.Match[bytes] | None = None
     for directive in _DIRECTIVE.finditer(source):

@@ -70,10 +70,10 @@ class _Cache:
         self._held: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
         self._bytes = 0
 
-    def get(self, file: FilePath, content: bytes, ros: int) -> CppUnit | None:
-        """Return the unit of a file with these contents, as a package of ROS 1 or 2 compiles it."""
+    def get(self, file: FilePath, content: bytes, ros: int, absent: frozenset[str]) -> CppUnit | None:
+        """Return the unit of a file with these contents, as a package of ROS 1 or 2 without some macros compiles it."""
         known = self._held.get(file)
-        if known is None or known[0] != content or known[1].ros != ros:
+        if known is None or known[0] != content or (known[1].ros, known[1].absent) != (ros, absent):
             return None
         self._held.move_to_end(file)
         return known[1]
@@ -115,6 +115,7 @@ class Project:
         self.package = package
         self.repository = reader.repository
         self._ros = build.ros
+        self._absent = build.absent
         self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, CppUnit | None] = {}
         self._alone: list[CppUnit] = []
@@ -166,10 +167,11 @@ class Project:
 
     def _parse(self, file: FilePath, data: bytes) -> CppUnit:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
-        known = _cache.get(file, data, self._ros)
+        absent = frozenset(name for name in self._absent if name.encode() in data)
+        known = _cache.get(file, data, self._ros, absent)
         if known is not None:
             return known
-        made = CppUnit(file, data, self._ros)
+        made = CppUnit(file, data, self._ros, absent)
         if not own or not _is_source(file.path):
             _cache.keep(data, made)
         else:

@@ -195,10 +195,10 @@ class CppClass(Class):
 class CppUnit(Unit):
     """The declarations of one file, by name."""
 
-    def __init__(self, key: FilePath, source: bytes, ros: int) -> None:
+    def __init__(self, key: FilePath, source: bytes, ros: int, absent: frozenset[str]) -> None:
         self.key = key
-        self.ros = ros
-        self.source = prepared(source, ros)
+        self.ros, self.absent = ros, absent
+        self.source = prepared(source, ros, absent)
         self.classes: dict[str, list[Class]] = defaultdict(list)
         self.functions: dict[str, list[Function]] = defaultdict(list)
         """Functions with bodies at namespace scope, also methods, by their last name."""

@@ -46,6 +46,7 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         parameter_libraries=(*collected.parameter_libraries, *setup.parameter_modules),
         reconfigure_files=tuple(reconfigure),
         ros=manifest.package.ros,
+        absent=collected.absent,
     )
 
 

@@ -58,6 +58,8 @@ class Collected:
     plugin_executables: dict[str, str] = field(default_factory=dict)
     """Names of plugins and of the executables that run them alone."""
     plugin_files: dict[str, None] = field(default_factory=dict)
+    absent: tuple[str, ...] = ()
+    """The macros that only commands define that are not run."""
     installed: dict[tuple[str, str], None] = field(default_factory=dict)
     """Pairs of an installed file or folder and its source; folders end in a slash."""
 
@@ -332,6 +334,7 @@ def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Colle
         run.run_file(path, own_folder=True)
     if run.stopped:
         reader.problem("KG122", "the file computes more than is followed", run.stopped.path, run.stopped.line)
+    model.absent = tuple(sorted(run.left_out - run.macros))
     if run.too_deep:
         reader.problem("KG114", "blocks nested deeper are left out", run.too_deep.path, run.too_deep.line)
     return model

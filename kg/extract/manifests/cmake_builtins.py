@@ -6,7 +6,7 @@ import posixpath
 import re
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.manifests.cmake_run import BINARY, SOURCE, Run
+from kg.extract.manifests.cmake_run import BINARY, DEFINING, SOURCE, Run, macros_of
 from kg.extract.manifests.cmake_scope import keep_matching, replace_all, split_list
 
 if TYPE_CHECKING:
@@ -276,6 +276,10 @@ def _parse_arguments(run: Run, words: list[str]) -> None:
         run.scope.set(f"{prefix}_{name}", ";".join(found) if found else default)
 
 
+def _defining(command: str) -> Callable[[Run, list[str]], None]:
+    return lambda run, words: run.macros.update(macros_of(command, words))
+
+
 HANDLERS: Final[dict[str, Callable[[Run, list[str]], None]]] = {
     "set": _set,
     "unset": _unset,
@@ -292,4 +296,5 @@ HANDLERS: Final[dict[str, Callable[[Run, list[str]], None]]] = {
     "project": _project,
     "find_package": _find_package,
     "cmake_parse_arguments": _parse_arguments,
+    **{command: _defining(command) for command in DEFINING},
 }

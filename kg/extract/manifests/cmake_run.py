@@ -34,6 +34,14 @@ SOURCE: Final = "/@source"
 BINARY: Final = "/@binary"
 """Stands for the root of the build folder; nothing below it exists."""
 
+DEFINING: Final = (
+    "add_definitions",
+    "add_compile_definitions",
+    "add_compile_options",
+    "target_compile_definitions",
+    "target_compile_options",
+)
+"""The commands that define macros for C++."""
 _STATEMENT: Final = 200
 """What running a statement costs, where looking at one character or file costs one."""
 _WORD: Final = 20
@@ -84,6 +92,10 @@ class Run:
         """Where the work that a package may cost was used up; nothing is run any more then."""
         self.too_deep: Location | None = None
         """The first block that was left out because it stands too deep."""
+        self.macros: set[str] = set()
+        """The macros that the commands define for C++."""
+        self.left_out: set[str] = set()
+        """The macros that commands in branches define that are not run."""
         self._frame = _Frame("", SOURCE)
         self._depth = 0
         self._work = 0
@@ -222,11 +234,13 @@ class Run:
         outer = self.scope
         self.spend(4 * len(outer.variables))
         outcomes: list[Scope] = []
-        for command, body in block.branches:
+        for index, (command, body) in enumerate(block.branches):
             verdict = True if command.name == "else" else decide(self._tokens(command), self.scope)
             if verdict is False:
+                self.left_out |= _macros_in(body)
                 continue
             if verdict and not outcomes:
+                self.left_out |= {name for _, other in block.branches[index + 1 :] for name in _macros_in(other)}
                 return self.execute(body)
             self.scope = Scope(dict(outer.variables), set(outer.uncertain), outer.parent)
             self.execute(body)
@@ -281,6 +295,28 @@ class Run:
             if flow in {_Flow.BREAK, _Flow.RETURN} or verdict is None:
                 break
         return _Flow.NEXT
+
+
+def macros_of(command: str, words: Iterable[str]) -> Iterator[str]:
+    """Yield the macros that a command with some arguments defines for C++: `-DNAME`, `NAME=1`."""
+    for word in words if command in DEFINING else ():
+        name = word.removeprefix("-D").partition("=")[0]
+        if name.isidentifier() and (word.startswith("-D") or command.endswith("compile_definitions")):
+            yield name
+
+
+def _macros_in(statements: Sequence[Statement]) -> set[str]:
+    """Return the macros that statements define for C++, those in blocks too."""
+    found: set[str] = set()
+    pending = list(statements)
+    while pending:
+        one = pending.pop()
+        if isinstance(one, Command):
+            words = (word for argument in one.arguments for word in argument.text.split())
+            found.update(macros_of(one.name, words))
+        else:
+            pending += [inner for _, body in one.branches for inner in body]
+    return found
 
 
 def _items(words: list[str], scope: Scope) -> list[str]:
