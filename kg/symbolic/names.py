@@ -77,7 +77,9 @@ def handle_namespace(arguments: list[Value]) -> Value:
         return join(*(handle_namespace([item, *arguments[1:]]) for item in first.items))
     if isinstance(first, Object):
         outer = namespace_of(first)
-        return outer if second is None or isinstance(second, (Mapping, Sequence)) else below(outer, second)
+        if second is None or isinstance(second, (Mapping, Sequence)):
+            return outer
+        return below(outer, as_text(second) if isinstance(second, Unknown) else second)
     return EMPTY if isinstance(first, (Mapping, Sequence)) else below(EMPTY, first)
 
 

@@ -13,5 +13,7 @@ int main(int argc, char ** argv)
   std::string name = "imu_" + model;
   name += "_filtered";
   ros::Publisher filtered = nh.advertise<sensor_msgs::Imu>(name, 1);
+  ros::NodeHandle inner(nh, model);
+  ros::Publisher state = inner.advertise<sensor_msgs::Imu>("state", 1);
   ros::spin();
 }
