@@ -33,12 +33,14 @@ def test_every_byte_stays_at_its_place(pieces: list[str]) -> None:
     [
         "void f() {\n#if A\n  if (x) {\n#else\n  if (y) {\n#endif\n  }\n}\n",
         "void f() {\n  if (x) {\n#if A\n  } else if (y) {\n#endif\n  } else {\n  }\n}\n",
+        "void f() {\n#if A\n  if (x)\n#else\n  if (y)\n#endif\n  {\n  }\n}\n",
+        "void f() {\n  if (x)\n#if A\n    g();\n#else\n    h();\n#endif\n}\n",
         "#if __has_include(<a.hpp>)\n#include <a.hpp>\n#else\n#include <a.h>\n#endif\nint a;\n",
         "class A : B\n{\nQ_OBJECT\npublic:\nexplicit A(int a);\npublic Q_SLOTS:\nvoid b();\nQ_SIGNALS:\nvoid c();\n};",
         "class A\n{\npublic:\n  A_PUBLIC\n  explicit A(int a);\n  A_LOCAL void b();\n};\n",
         "void f() { connect(a, SIGNAL(b(int)), c, SLOT(d(bool))); }\n",
     ],
-    ids=["sides of a block", "branches", "has_include", "Qt", "visibility", "signals"],
+    ids=["sides of a block", "branches", "heads", "body", "has_include", "Qt", "visibility", "signals"],
 )
 def test_what_only_a_preprocessor_understands_is_read(source: str) -> None:
     """The grammar finds an error in the source, and none in the prepared text."""
