@@ -142,8 +142,17 @@ class Calls:
                 return self.value(self._language.member(this, last), replace(given, template=()))
             if self._language.methods(this.kind, last) or machine.framework.knows_method(this, last):
                 return self.method(this, last, given)
-        scoped = self._scoped(function, this, given, frame) if not local else None
+        scoped = self._sibling(last, given, frame) if local else self._scoped(function, this, given, frame)
         return scoped if scoped is not None else self._function(function, given, frame)
+
+    def _sibling(self, name: str, given: Arguments, frame: Frame) -> Value | None:
+        """Call a static method by its name alone in another one; return None for other functions."""
+        outer = Frame(frame.unit, frame.scope[:-1])
+        kind = self._kinds.kind(form.Type(frame.scope[-1:]), outer) if frame.scope else None
+        if not isinstance(kind, Kind) or kind.cls is None or not self._language.methods(kind, name):
+            return None
+        bound = tuple(frame.types[one] for one in kind.cls.template if one in frame.types)
+        return self._static(replace(kind, arguments=bound), name, given)
 
     def _scoped(self, function: form.Name, this: Value | None, given: Arguments, frame: Frame) -> Value | None:
         """Call a method that is qualified by its class, `Base::method()`; return None for other functions."""
@@ -172,11 +181,15 @@ class Calls:
         """Call a function that is not a method: of the sources, of a framework, of a library, or a construction."""
         names, last = function.names, function.names[-1]
         language = self._language
-        matching = [
+        defined = [
             one
             for one in self._linker.find_functions(names, frame.unit, frame.scope)
-            if one.owner is None and not _constructs(one) and fits(one, len(given.values))
+            if one.owner is None and not _constructs(one)
         ]
+        matching = [one for one in defined if fits(one, len(given.values))]
+        if defined and not matching:
+            given = self._with_defaults(defined, self._linker.find_prototypes(names, frame.unit, frame.scope), given)
+            matching = [one for one in defined if fits(one, len(given.values))]
         if matching:
             return self._invoke([(one, {}) for one in matching], given)
         known = self._framework_function(names, given)
@@ -200,6 +213,17 @@ class Calls:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
         return outside(last, given.values)
+
+    def _with_defaults(self, defined: list[Function], declared: list[Function], given: Arguments) -> Arguments:
+        """Return the arguments of a call of a function, with the default ones that only its declaration has."""
+        count = len(given.values)
+        for one in declared:
+            if fits(one, count) and any(_same_types(one, other) for other in defined):
+                at = Frame(one.unit, one.scope)
+                rest = (parameter.default for parameter in one.parameters[count:])
+                added = [self._language.machine.value(value, at) for value in rest if value is not None]
+                return replace(given, values=[*given.values, *added])
+        return given
 
     def _leave(self, given: Arguments, function: str) -> None:
         """Pass arguments to code that is not run: it can call functions, write by address, and fill empty containers.
@@ -323,6 +347,12 @@ def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
 def _constructs(function: Function) -> bool:
     """Return whether a function that is defined outside of a class is a constructor of it."""
     return function.scope[-1:] == (function.name,) and function.returns is None
+
+
+def _same_types(one: Function, other: Function) -> bool:
+    """Return whether two functions have parameters of the same types, as written without namespaces."""
+    first, second = ([p.type and p.type.name for p in function.parameters] for function in (one, other))
+    return first == second
 
 
 def fits(function: Function, count: int) -> bool:

@@ -93,7 +93,8 @@ NUMBERS: Final[frozenset[str]] = frozenset(
 )  # fmt: skip
 TYPES: Final = TEXTS | STREAMS | LISTS | MAPS | NUMBERS
 _MOST_COPIES: Final = 64
-_MAKERS: Final = frozenset({"make_shared", "make_unique", "allocate_shared", "make_optional"})
+_MAKERS: Final = re.compile(r"make_(?:shared|unique|optional|impl|\w+_impl|\w+_ptr|intrusive\w*)|allocate_shared")
+"""Functions that create an object of their template argument, of the standard library and of others like it."""
 _SAME: Final = frozenset(
     {
         "move", "forward", "ref", "cref", "as_const", "static_pointer_cast", "dynamic_pointer_cast",
@@ -276,7 +277,7 @@ def _typed(language: Cpp, kind: Kind, item: Value, index: int = 0) -> Value:
 def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
     """Return the result of a library function; None for other functions."""
     name, values = names[-1], given.values
-    if name in _MAKERS or name == "make_shared":
+    if _MAKERS.fullmatch(name):
         return _made(language, names, given)
     if name == "string" and not values:
         return Text.of("")
