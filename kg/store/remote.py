@@ -26,6 +26,7 @@ from pyoxigraph import (
     QueryTriples,
     RdfFormat,
     Store,
+    Triple,
     Variable,
     parse,
     parse_query_results,
@@ -34,6 +35,7 @@ from pyoxigraph import (
 
 from kg.errors import GraphError, Place, SourceError, StoreError
 from kg.store.http import Answer, Endpoint, RefusedError
+from kg.store.serialization import serialized
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -232,12 +234,13 @@ class RemoteSnapshot:
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
         """Serialise one graph, or everything; a format without graphs gets the union of all graphs.
 
-        Blank nodes have the labels of this response.
+        Blank nodes have the labels of this response. Raises QueryError KG504 for a triple that the format cannot
+        represent.
         """
-        quads: Iterator[object] = self._quads(graph)
+        found: Iterable[Triple | Quad] = self._quads(graph)
         if not rdf_format.supports_datasets:
-            quads = iter({cast("Quad", quad).triple: None for quad in quads})
-        return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""  # type: ignore[arg-type] # triples or quads
+            found = {cast("Quad", quad).triple: None for quad in found}
+        return serialized(found, rdf_format, prefixes)
 
     def close(self) -> None:
         """Do nothing, as nothing is open."""
