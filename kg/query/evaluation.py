@@ -99,7 +99,7 @@ class Prepared:
             pyoxigraph.Store().query(self.typed, prefixes=dict(PREFIXES), base_iri=base)
         except SyntaxError as typed:
             error = typed
-        return syntax_error(error, self.typed, self.path)
+        return syntax_error(error, self.typed, self.path, base=base)
 
 
 def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str = "query") -> Prepared:

@@ -47,7 +47,7 @@ def mended(text: str, fix: dict[str, Any]) -> str:
         ("SELECT ?x { ?x ?y ?z FILTR(?z) }", "KG501", "FILTR", "Did you mean `FILTER`?"),
         ("SELECT ?x {\t?x ?y '\U0001f600' foo }", "KG501", "foo", None),
         ("SELECT ?x {\r\n\t?x ?y '\U0001f600\u00e9' \U0001f600 }", "KG501", "\U0001f600", None),
-        ("SELECT ?x (COUNT(?y) AS ?n) { ?x ?p ?y }", "KG501", "?x", None),
+        ("SELECT ?x (COUNT(?y) AS ?n) { ?x ?p ?y }", "KG501", "?x", "Group by it, or aggregate it, as in SAMPLE."),
         ("SELECT ?x { SERVICE <http://a/> { ?x ?y ?z } }", "KG502", "SERVICE", "Query the other server itself."),
         ("SELECT ?nod { ?node ?p ?o }", "KG514", "?nod", "Did you mean `?node`?"),
         ("SELECT * { ?a ?b ?c FILTER(?d > 1) }", "KG514", "?d", None),
