@@ -102,7 +102,7 @@ class StoredQuery:
     text: str
 
     def bind(self, values: Mapping[str, str]) -> dict[str, NamedNode | Literal]:
-        """Return the terms of parameters given as text; QueryError KG505 for an unknown parameter or a malformed value."""
+        """Return the terms of parameters given as text; QueryError KG505 for an unknown name or a malformed value."""
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in values:
             if name not in known:

@@ -51,7 +51,9 @@ def test_a_value_is_a_text_and_a_term_is_marked(kg: Program, given: str, propert
     assert (run.code, run.out.splitlines()[1:]) == (0, [f"<https://example.org/{property_}>"])
 
 
-@pytest.mark.parametrize("given", ["o:=a b", "o:=_:x", "o:=<relative>", "o:=1, 2", "o:=1 . <a:b> <a:b> 2", "o:=", "o:=no:x"])
+@pytest.mark.parametrize(
+    "given", ["o:=a b", "o:=_:x", "o:=<relative>", "o:=1, 2", "o:=1 . <a:b> <a:b> 2", "o:=", "o:=no:x"]
+)
 def test_what_is_not_one_term_is_refused(kg: Program, given: str) -> None:
     """A malformed term is KG505; nothing else than one IRI or literal gets into the query."""
     run = kg("query", QUERY, "--param", given)

@@ -83,9 +83,10 @@ def import_files(
 ) -> None:
     """Add RDF files to the store.
 
-    If a file is invalid, nothing is added. Triples go into the graph named with --graph, by default one named after
-    the file. Quads keep their graphs. If the store has no ontologies yet, those of kg are added. Rules then infer
-    further facts, and remove triples of the graph `inferred` that they do not infer. For example:
+    Files may be compressed (.gz). If one is invalid, nothing is added. Triples go into the graph named with --graph,
+    by default one named after the file. Quads keep their graphs. If the store has no ontologies yet, those of kg are
+    added. Rules then infer further facts, and remove triples of the graph `inferred` that they do not infer.
+    For example:
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot

@@ -34,7 +34,10 @@ Text = Annotated[
     ),
 ]
 Parameter = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Set a variable to a text, or with NAME:=TERM to a term; may be repeated.")
+    list[str] | None,
+    typer.Option(
+        "--param", metavar="NAME=VALUE", help="Set a variable to a text, or with NAME:=TERM to a term; may be repeated."
+    ),
 ]
 Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
 HelpQuery = Annotated[bool, typer.Option("--help-query", help="Show the purpose and parameters of the stored query.")]
