@@ -40,7 +40,7 @@ def query_meant(text: str | None, file: Path | None, settings: Settings) -> Stor
     if (text is None) == (file is None):
         raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
     if text == "-" or str(file) == "-":
-        return _typed(sys.stdin.read(), "standard input")
+        return _typed(sys.stdin.read().removeprefix("\ufeff"), "standard input")
     if file is not None:
         return read(file, str(file))
     if text and _NAME.fullmatch(text):

@@ -142,7 +142,8 @@ def _graphs(dataset: Dataset) -> dict[str, Any]:
             "named_graphs": [NamedNode(iri) for iri in dataset.named_graphs or ()],
         }
     except ValueError as error:
-        raise QueryError("KG505", f"a graph of the data set is not an IRI: {error}") from error
+        hint = "Write an absolute IRI without brackets."
+        raise QueryError("KG505", f"a graph of the data set is not an IRI: {error}", hint=hint) from error
 
 
 def evaluation_of(

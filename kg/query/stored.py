@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 _PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
 _TYPES: Final = ("string", "name", "integer", "boolean", "iri")
 _INTERNAL: Final = "internal"
-_HINT: Final = "Check the path."
 
 
 class TermText(str):
@@ -141,10 +140,13 @@ def read(path: Path, name: str) -> StoredQuery:
         UsageError: KG001 if the file cannot be read.
     """
     try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError("KG001", f"the query cannot be read: {reason}", place=Place(str(path)), hint=_HINT) from error
+        text = path.read_text("utf-8-sig")
+    except OSError as error:
+        message = f"the query cannot be read: {error.strerror}"
+        raise UsageError("KG001", message, place=Place(str(path)), hint="Check the path.") from error
+    except UnicodeDecodeError as error:
+        message = f"the query is not in UTF-8 at byte {error.start}"
+        raise UsageError("KG001", message, place=Place(str(path)), hint="Save it in UTF-8.") from error
     lines = list(_header(text))
     prose = [line for line in lines if not line.startswith("@")]
     title, *rest = prose or [""]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from typing import TYPE_CHECKING
 
 import pytest
@@ -58,6 +59,22 @@ def test_what_is_not_one_term_is_refused(kg: Program, given: str) -> None:
     """A malformed term is KG505; nothing else than one IRI or literal gets into the query."""
     run = kg("query", QUERY, "--param", given)
     assert (run.code, "KG505" in run.err) == (5, True)
+
+
+def test_a_query_in_a_file_has_a_mark_or_another_encoding(kg: Program, tmp_path: Path) -> None:
+    """A byte order mark is skipped; what is not UTF-8 is an error with the byte."""
+    (tmp_path / "marked.rq").write_bytes(b"\xef\xbb\xbfASK {}")
+    (tmp_path / "latin.rq").write_bytes(b"ASK { <urn:a> <urn:b> '\xe4' }")
+    assert kg("query", "-f", "marked.rq").out.strip() == "true"
+    run = kg("query", "-f", "latin.rq")
+    assert (run.code, "not in UTF-8 at byte 23" in run.err) == (2, True)
+
+
+def test_an_export_is_compressed(kg: Program, tmp_path: Path) -> None:
+    """The ending `.gz` compresses the format before it, and the file reads back."""
+    assert kg("export", "-o", "all.ttl.gz").code == 0
+    assert gzip.decompress((tmp_path / "all.ttl.gz").read_bytes()).startswith(b"@prefix")
+    assert kg("--store", "other", "import", "all.ttl.gz", "--no-rules").code == 0
 
 
 def test_a_name_has_one_value(kg: Program) -> None:

@@ -48,8 +48,8 @@ def export(
 ) -> None:
     """Write the graph as RDF.
 
-    By default, writes the whole graph as N-Quads. Formats without named graphs (nt, ttl, n3, rdf) get the union of all
-    graphs. For example:
+    By default, writes the whole graph as N-Quads. A file that ends in .gz is compressed. Formats without named graphs
+    (nt, ttl, n3, rdf) get the union of all graphs. For example:
 
         kg export > everything.nq
         kg export --source github.com/acme/rover -o rover.ttl
@@ -66,7 +66,7 @@ def export(
         write_bytes(data)
         return
     try:
-        target.write_bytes(data)
+        target.write_bytes(_packed(data) if target.suffix == ".gz" else data)
     except OSError as error:
         raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(target))) from error
     say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {target}")
@@ -139,6 +139,13 @@ def forget(sources: Sources, *, settings: Settings, no_rules: NoRules = False) -
     _end(inferred)
 
 
+def _packed(data: bytes) -> bytes:
+    """Return compressed data: the same bytes for the same data."""
+    import gzip  # noqa: PLC0415 - start-up time
+
+    return gzip.compress(data, mtime=0)
+
+
 def _end(inferred: "Inferred | None") -> None:
     from kg.cli.build_view import left_out  # noqa: PLC0415 - start-up time
 
@@ -150,7 +157,7 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     """Return the format of that name or of a file's ending; None when neither is given."""
     from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
 
-    ending = name or (output.suffix.lstrip(".") if output else "")
+    ending = name or (output.name.removesuffix(".gz").rpartition(".")[2] if output and output.suffix else "")
     if not ending:
         return None
     found = RdfFormat.from_extension(ending.lower()) or _by_other_names(ending.lower())
