@@ -97,6 +97,11 @@ _QUERIES: Final = """\
 Parameters are optional unless a query says otherwise:
 
     kg query who-publishes --param topic=/cmd_vel
+    kg query 'SELECT ?node { ?node a ?class }' --param class:=ros:Node
+
+`NAME=VALUE` is a value of the type that the query declares, and a text in other queries, whatever it looks like.
+`NAME:=TERM` is a term as in Turtle, with the known prefixes and those of the query: `<urn:a>`, `ros:Node`, `42`,
+`true`, `"text"`, `"text"@en`, `"2026-01-01"^^xsd:date`.
 
 Add folders of your own with the [setting](settings.md) `queries`. A file is a SPARQL query that runs without changes,
 under a header of comments like those in [queries/](../queries).

@@ -231,15 +231,22 @@ def nodes(*, package: str | None = None, store: str | Path | None = None) -> lis
 def rdflib_dataset(store: str | Path | None = None) -> SnapshotDataset:
     """Return the current store as a read-only rdflib `Dataset` over all graphs, with the usual prefixes bound.
 
-    Close it, or use it in a `with` statement. Until then it shows the same data, which stays on disk.
+    Close it, or use it in a `with` statement. Until then it shows the same data, which stays on disk. The dataset
+    itself and its queries see the union of all graphs; its `default_graph` is the unnamed one, empty in most stores.
 
     Raises:
         StoreError: KG301 if there is no store.
     """
+    from kg.query.evaluation import prepare  # noqa: PLC0415 - the same
     from kg.store.rdflib_view import SnapshotDataset as View  # noqa: PLC0415 - the same
+    from kg.syntax.lexer import Kind, tokens  # noqa: PLC0415 - the same
     from kg.syntax.names import PREFIXES  # noqa: PLC0415 - rdflib takes a quarter of a second to load
 
-    return View(open_store(store).read(), PREFIXES)
+    def prepared(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
+        used = {token.text[1:] for token in tokens(text) if token.kind is Kind.VARIABLE}
+        return prepare(text, {name: term for name, term in values.items() if name in used}).bound
+
+    return View(open_store(store).read(), PREFIXES, prepared)
 
 
 def sparql(

@@ -11,10 +11,11 @@ from kg.errors import UnknownNameError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["asked", "did_you_mean", "folded", "similar", "unknown"]
+__all__ = ["asked", "did_you_mean", "folded", "misspelt", "similar", "unknown"]
 
 _FEW = 3
 _ALIKE = 0.6
+_ALMOST = 0.7
 _MANY = 1000
 """Up to this number, all names are compared letter by letter."""
 _PIECE = 3
@@ -32,7 +33,7 @@ def similar(name: str, known: Iterable[str], limit: int = _FEW) -> list[str]:
     A name also matches by a part of it (`move` for `move_base`) or without its package (`base` for `nav/base`).
     """
     wanted = name.strip().lower()
-    names = {candidate.lower(): candidate for candidate in sorted(set(known), reverse=True)}
+    names = {candidate.lower(): candidate for candidate in sorted(set(known), reverse=True) if candidate}
     if len(names) > _MANY:
         names = {candidate: names[candidate] for candidate in _nearest(wanted, names)}
     close = get_close_matches(wanted, names, n=limit, cutoff=_ALIKE)
@@ -51,6 +52,20 @@ def _nearest(wanted: str, names: Iterable[str]) -> list[str]:
     ranks = {name: sum(piece in name for piece in pieces) / (len(wanted) + len(name)) for name in names}
     kept = set(nlargest(_MANY, ranks, key=ranks.__getitem__))
     return [name for name in ranks if name in kept]
+
+
+def misspelt(name: str, known: Iterable[str]) -> list[str]:
+    """Return the `known` names that `name` may be a misspelling of, the likeliest first.
+
+    Unlike `similar`, this returns no longer names with the same part, and none that differ only in their digits.
+    """
+    wanted = name.lower()
+    others = {other.lower(): other for other in known if _letters(other) != _letters(name) or other.lower() == wanted}
+    return [others[other] for other in get_close_matches(wanted, others, n=_FEW, cutoff=_ALMOST)]
+
+
+def _letters(name: str) -> str:
+    return "".join(sign for sign in name.lower() if not sign.isdigit())
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:

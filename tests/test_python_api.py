@@ -106,6 +106,32 @@ def test_a_graph_of_the_dataset_has_its_triples_alone(store: Path) -> None:
         assert len(dataset.graph(name)) == next(iter(ask(text, store))).n
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "SELECT ?node ?type { ?node a ?type }",
+        "SELECT ?node { ?node a ?type }",
+        "SELECT (COUNT(?node) AS ?n) { ?node a ?type }",
+        "ASK { ?node a ?type }",
+        "CONSTRUCT { ?node a ?type } WHERE { ?node a ?type }",
+    ],
+)
+def test_variables_of_a_query_get_values(store: Path, text: str) -> None:
+    """`initBindings` sets variables that a query returns or not, and ignores others, as rdflib does."""
+    with kg.rdflib_dataset(store) as dataset:
+        given = list(dataset.query(text, initBindings={"type": NODE_TYPE, "other": NODE_TYPE}))
+        fixed = text.replace("{ ?node a ?type }", "{ VALUES ?type { rnkg:NodeType } ?node a ?type }")
+        fixed = fixed.replace("CONSTRUCT { VALUES ?type { rnkg:NodeType }", "CONSTRUCT {")
+        assert sorted(given) == sorted(dataset.query(fixed))
+        assert given != list(dataset.query(text, initBindings={"type": URIRef("urn:none")}))
+
+
+def test_a_dataset_calls_no_server(store: Path) -> None:
+    """A query of the dataset with SERVICE is refused, as in `kg.sparql`."""
+    with kg.rdflib_dataset(store) as dataset, pytest.raises(kg.KgError, match="KG502"):
+        dataset.query("SELECT * { SERVICE <http://127.0.0.1:9/> { ?s ?p ?o } }")
+
+
 def test_a_dataset_refuses_changes(store: Path) -> None:
     """A snapshot never changes."""
     with kg.rdflib_dataset(store) as dataset:

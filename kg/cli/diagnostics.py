@@ -7,7 +7,7 @@ An error has its code and message, the place, the source line with carets under 
       |
     3 | SELECT WHERE { ?s ?p ?o }
       |        ^^^^^
-    help: Correct the query there.
+    help: Correct it there.
 """
 
 from __future__ import annotations

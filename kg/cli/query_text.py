@@ -13,17 +13,23 @@ if TYPE_CHECKING:
     from kg.query.stored import StoredQuery
     from kg.settings import Settings
 
+_PAIR: Final = re.compile(r"\s*[?$]?(?P<name>[^=:\s]+)\s*(?P<sign>:?=)(?P<value>.*)", re.DOTALL)
 _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 
 def pairs(given: list[str]) -> dict[str, str]:
-    """Return the values of parameters given as `name=value`."""
-    found = {}
+    """Return the values of parameters given as `name=value`, or as `name:=term`."""
+    from kg.query.stored import TermText  # noqa: PLC0415 - start-up time
+
+    found: dict[str, str] = {}
     for pair in given:
-        name, sign, value = pair.partition("=")
-        if not sign or not name:
-            raise UsageError("KG003", f"`{pair}` is not a parameter", hint="Write --param NAME=VALUE.")
-        found[name.strip().lstrip("?")] = value
+        match = _PAIR.fullmatch(pair)
+        if match is None:
+            hint = "Write --param NAME=VALUE, or NAME:=TERM."
+            raise UsageError("KG003", f"`{pair}` is not a parameter", hint=hint)
+        if match["name"] in found:
+            raise UsageError("KG003", f"the parameter {match['name']} is given twice", hint="Give it one value.")
+        found[match["name"]] = TermText(match["value"]) if match["sign"] == ":=" else match["value"]
     return found
 
 
@@ -34,7 +40,7 @@ def query_meant(text: str | None, file: Path | None, settings: Settings) -> Stor
     if (text is None) == (file is None):
         raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
     if text == "-" or str(file) == "-":
-        return _typed(sys.stdin.read(), "standard input")
+        return _typed(sys.stdin.read().removeprefix("\ufeff"), "standard input")
     if file is not None:
         return read(file, str(file))
     if text and _NAME.fullmatch(text):

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from pyoxigraph import BlankNode, RdfFormat, Triple, parse, serialize
+from pyoxigraph import BlankNode, RdfFormat, Triple, serialize
 
-from kg.errors import GraphError, Place
+from kg.errors import GraphError, Place, SourceError
 from kg.resources import folder
 from kg.settings import Settings, user_paths
+from kg.store.files import format_of, quads_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -94,18 +95,14 @@ def ontology_triples(paths: Iterable[Path] | None = None) -> bytes:
 
 
 def _parsed(path: Path) -> list[Any]:
-    ending = path.suffix.removeprefix(".").replace("owl", "rdf")
-    kind = RdfFormat.from_extension(ending)
+    kind = format_of(path)
     if kind is None:
         message = f"{path.name} has an ending that names no RDF format"
         raise GraphError("KG601", message, place=Place(str(path)), hint="use .ttl, .nt, .rdf, .owl or .jsonld")
     try:
-        return list(parse(path=path, format=kind, base_iri=path.resolve().as_uri()))
-    except SyntaxError as error:
-        place = Place(str(path), error.lineno, error.offset)
-        raise GraphError("KG601", error.msg or "it does not parse", place=place) from error
-    except OSError as error:
-        raise GraphError("KG601", error.strerror or str(error), place=Place(str(path))) from error
+        return list(quads_of(path.resolve(), kind))
+    except SourceError as error:
+        raise GraphError("KG601", error.message, place=error.place) from error
 
 
 def _named(quads: Iterable[Any], prefix: str) -> Iterator[Triple]:

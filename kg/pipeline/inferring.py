@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 
-from kg.errors import GraphError, KgError, Place, RuleError, SourceError, UsageError
+from kg.errors import GraphError, KgError, Place, RuleError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
@@ -30,6 +30,7 @@ from kg.pipeline.report import Inferred
 from kg.rules.recording import Names
 from kg.rules.specialise import is_schema, specialised
 from kg.store.failure import translated
+from kg.store.files import opened
 from kg.store.layout import Layout, write_atomically
 from kg.store.opening import existing
 
@@ -371,11 +372,9 @@ def _schema(file: Path) -> Iterator[Triple]:
 
     kind = rdf_format(file)
     plain = kind == RdfFormat.N_TRIPLES
-    try:
-        with file.open("rb") as lines:
-            found = [line for line in lines if not plain or b"/owl#" in line or b"/rdf-schema#" in line]
-    except OSError as error:
-        raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
+    with opened(file) as content:
+        lines = content.read().splitlines(keepends=True)
+    found = [line for line in lines if not plain or b"/owl#" in line or b"/rdf-schema#" in line]
     address = file.absolute().as_uri()
     try:
         triples = [quad.triple for quad in parse(b"".join(found), kind, base_iri=address, lenient=True)]

@@ -40,7 +40,9 @@ def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
             start = _first_group(found)
             edits.append((start, start, f" VALUES ?{name} {{ {term} }} "))
         else:
-            raise QueryError("KG505", f"the query does not use the variable ?{name}")
+            known = dict.fromkeys(f"?{token.text[1:]}" for token in found if token.kind is Kind.VARIABLE)
+            hint = f"Its variables are {', '.join(known)}." if known else "It has no variables."
+            raise QueryError("KG505", f"the query does not use the variable ?{name}", hint=hint)
     for start, end, replacement in sorted(edits, reverse=True):
         text = text[:start] + replacement + text[end:]
     return text

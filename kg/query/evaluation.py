@@ -99,7 +99,7 @@ class Prepared:
             pyoxigraph.Store().query(self.typed, prefixes=dict(PREFIXES), base_iri=base)
         except SyntaxError as typed:
             error = typed
-        return syntax_error(error, self.typed, self.path)
+        return syntax_error(error, self.typed, self.path, base=base)
 
 
 def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str = "query") -> Prepared:
@@ -142,7 +142,8 @@ def _graphs(dataset: Dataset) -> dict[str, Any]:
             "named_graphs": [NamedNode(iri) for iri in dataset.named_graphs or ()],
         }
     except ValueError as error:
-        raise QueryError("KG505", f"a graph of the data set is not an IRI: {error}") from error
+        hint = "Write an absolute IRI without brackets."
+        raise QueryError("KG505", f"a graph of the data set is not an IRI: {error}", hint=hint) from error
 
 
 def evaluation_of(

@@ -15,7 +15,6 @@ from kg.query.writing import parquet
 from kg.query.writing.graphs import GRAPHS, write_triples
 from kg.query.writing.rows import BOOLEANS, ROWS
 from kg.query.writing.values import display, plain
-from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -29,6 +28,7 @@ __all__ = [
     "SOLUTION_FORMATS",
     "display",
     "plain",
+    "unfit",
     "write",
     "write_boolean",
     "write_graph",
@@ -43,6 +43,13 @@ BOOLEAN_FORMATS: Final = BOOLEANS
 
 GRAPH_FORMATS: Final = GRAPHS
 """Formats of graphs."""
+
+_KINDS: Final[dict[str, tuple[str, Iterable[str]]]] = {
+    "rows": ("rows", ROWS),
+    "graph": ("a graph", GRAPHS),
+    "boolean": ("a boolean", BOOLEANS),
+}
+"""The noun and the formats of each kind of result."""
 
 _AT_A_TIME: Final = 64
 """Number of rows written together; larger batches are not faster."""
@@ -75,7 +82,7 @@ def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], outpu
         return
     chosen = ROWS.get(name)
     if chosen is None:
-        raise _wrong(name, "rows", list(ROWS))
+        raise unfit("rows", name)
     output(chosen.head(variables))
     found = iter(rows)
     separator = b""
@@ -92,19 +99,20 @@ def write_graph(name: str, triples: Iterable[Triple], output: Callable[[bytes], 
         QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
     """
     if name not in GRAPHS:
-        raise _wrong(name, "a graph", list(GRAPHS))
+        raise unfit("graph", name)
     write_triples(name, triples, output)
 
 
 def write_boolean(name: str, output: Callable[[bytes], object], *, value: bool) -> None:
     """Write a boolean to `output` in the format `name`; QueryError KG504 if it is not a format of booleans."""
     if name not in BOOLEANS:
-        raise _wrong(name, "yes or no", list(BOOLEANS))
+        raise unfit("boolean", name)
     output(BOOLEANS[name]("true" if value else "false"))
 
 
-def _wrong(name: str, kind: str, known: list[str]) -> QueryError:
-    hint = did_you_mean(name, known) or f"Use one of {', '.join(known)}."
-    return QueryError(
-        "KG504", f"the query answers {kind}, which `{name}` cannot hold; {', '.join(known)} can", hint=hint
-    )
+def unfit(kind: str, *names: str) -> QueryError:
+    """Return KG504 for formats `names` that cannot represent a result of this kind: `rows`, `graph` or `boolean`."""
+    noun, able = _KINDS[kind]
+    known = [*able, parquet.NAME] if kind == "rows" else list(able)
+    given = " and ".join(f"`{name}`" for name in names)
+    return QueryError("KG504", f"{given} cannot represent {noun}", hint=f"Use {', '.join(known[:-1])} or {known[-1]}.")

@@ -27,7 +27,10 @@ _CLOSING: Final = frozenset({")", "]", "}", ">>", ")>>", "|}"})
 _UNARY: Final = frozenset({"!", "-", "+", "^", "^^"})
 _OPERATORS: Final = frozenset({"!", "-", "+", "^", "||", "&&", "*", "/", "|", "=", "!=", "<", ">", "<=", ">="})
 _PATTERNS: Final = frozenset({"union", "optional", "minus", "bind", "filter", "graph", "lateral", "exists", "not"})
-_SERVER: Final = "the query asks the store to call another server"
+_INSTEAD: Final = {
+    "SERVICE": "Query the other server itself.",
+    "LOAD": "Add the file with `kg import` or the graph store protocol.",
+}
 
 
 def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
@@ -40,7 +43,10 @@ def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
     previous: Token | None = None
     for token in tokens:
         if _is_call(previous, token, depth):
-            raise _refusal("KG502", _SERVER, text, token, path)
+            word = "LOAD" if "load" in token.text.lower() else "SERVICE"
+            place = place_at(text, token.start, path, token.end)
+            message = f"{word} is disabled: it would call another server"
+            raise QueryError("KG502", message, place=place, hint=_INSTEAD[word])
         previous = token
         if token.kind is Kind.SIGN:
             sign = token.text
@@ -51,9 +57,9 @@ def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
             unary = 0
             chain += token.kind is Kind.WORD and token.text.lower() in _PATTERNS
         if depth > MAX_DEPTH or unary > MAX_DEPTH:
-            raise _refusal("KG516", f"the query nests deeper than {MAX_DEPTH}", text, token, path)
+            raise _too_much(f"the query nests deeper than {MAX_DEPTH}", text, token, path)
         if chain > MAX_CHAIN:
-            raise _refusal("KG516", f"the query has more than {MAX_CHAIN} operators and patterns", text, token, path)
+            raise _too_much(f"the query has more than {MAX_CHAIN} operators and patterns", text, token, path)
 
 
 def _is_call(previous: Token | None, token: Token, depth: int) -> bool:
@@ -72,6 +78,5 @@ def _prefix(name: Token) -> str:
     return name.text.partition(":")[0].lower()
 
 
-def _refusal(code: str, message: str, text: str, token: Token, path: str) -> QueryError:
-    hint = "Calls to other servers are off." if code == "KG502" else None
-    return QueryError(code, message, place=place_at(text, token.start, path, token.end), hint=hint)
+def _too_much(message: str, text: str, token: Token, path: str) -> QueryError:
+    return QueryError("KG516", message, place=place_at(text, token.start, path, token.end))

@@ -22,12 +22,14 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, RdfFormat, parse
 
 from kg import resources
 from kg.errors import Place, QueryError, UnknownNameError, UsageError
 from kg.query.binding import defaults
 from kg.similar import did_you_mean
+from kg.syntax.names import PREFIXES
+from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -36,7 +38,12 @@ if TYPE_CHECKING:
 _PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
 _TYPES: Final = ("string", "name", "integer", "boolean", "iri")
 _INTERNAL: Final = "internal"
-_HINT: Final = "Check the path."
+
+
+class TermText(str):
+    """The value of a parameter as a term in Turtle, where any other text is a value of the parameter's type."""
+
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,14 +101,35 @@ class StoredQuery:
     text: str
 
     def bind(self, values: Mapping[str, str]) -> dict[str, NamedNode | Literal]:
-        """Return the terms of parameters given as text; QueryError KG505 for an unknown parameter."""
+        """Return the terms of parameters given as text; QueryError KG505 for an unknown name or a malformed value."""
         known = {parameter.name: parameter for parameter in self.parameters}
         for name in values:
             if name not in known:
                 takes = f"It takes {', '.join(known)}." if known else "It takes none."
                 hint = did_you_mean(name, known) or takes
                 raise QueryError("KG505", f"the query {self.name} has no parameter `{name}`", hint=hint)
-        return {name: known[name].term(value) for name, value in values.items()}
+        return {
+            name: self._term(name, value) if isinstance(value, TermText) else known[name].term(value)
+            for name, value in values.items()
+        }
+
+    def _term(self, name: str, text: str) -> NamedNode | Literal:
+        found = self.read_term(text)
+        if found is None:
+            hint = 'Write <iri>, prefix:name, a number, true, "text", "text"@en or "text"^^xsd:date.'
+            raise QueryError("KG505", f"`{text}` is not a term for ?{name}", hint=hint)
+        return found
+
+    def read_term(self, text: str) -> NamedNode | Literal | None:
+        """Return the IRI or literal that `text` is in Turtle, with known prefixes and those of the query, else None."""
+        known = {**PREFIXES, **declared(self.text)}
+        prologue = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in known.items() if f"{prefix}:" in text)
+        try:
+            found = [quad.object for quad in parse(f"{prologue}<urn:s> <urn:p> {text}\n.", RdfFormat.TURTLE)]
+        except SyntaxError:
+            return None
+        only = found[0] if len(found) == 1 else None
+        return only if isinstance(only, NamedNode | Literal) else None
 
 
 def read(path: Path, name: str) -> StoredQuery:
@@ -112,10 +140,13 @@ def read(path: Path, name: str) -> StoredQuery:
         UsageError: KG001 if the file cannot be read.
     """
     try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError("KG001", f"the query cannot be read: {reason}", place=Place(str(path)), hint=_HINT) from error
+        text = path.read_text("utf-8-sig")
+    except OSError as error:
+        message = f"the query cannot be read: {error.strerror}"
+        raise UsageError("KG001", message, place=Place(str(path)), hint="Check the path.") from error
+    except UnicodeDecodeError as error:
+        message = f"the query is not in UTF-8 at byte {error.start}"
+        raise UsageError("KG001", message, place=Place(str(path)), hint="Save it in UTF-8.") from error
     lines = list(_header(text))
     prose = [line for line in lines if not line.startswith("@")]
     title, *rest = prose or [""]

@@ -5,16 +5,17 @@ from __future__ import annotations
 import itertools
 import re
 from difflib import get_close_matches
+from functools import partial
 from typing import TYPE_CHECKING
 
 import pyoxigraph
 
-from kg.errors import Place, QueryError
-from kg.query.completion.outline import Slot, outline
+from kg.errors import Place, QueryError, RuleError
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
 from kg.similar import asked, did_you_mean
 from kg.syntax.lexer import Kind, Token, tokens
-from kg.syntax.names import PREFIXES, WELL_KNOWN
+from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute
+from kg.syntax.parser import parse_query
 from kg.syntax.position import offset_of, place_at, place_of
 
 if TYPE_CHECKING:
@@ -32,61 +33,136 @@ _WORDS = tuple(dict.fromkeys(word for name in (*KEYWORDS, *AGGREGATES, *FUNCTION
 _ALIKE = 0.75
 _SHORTEST = 4
 """Most words look like misspellings of shorter ones."""
+_TEMPLATES = frozenset({"INSERT", "DELETE", "INSERT DATA", "DELETE DATA", "DELETE WHERE"})
+_BROKEN_IRI = re.compile(r"<\w+://[^<>\n]*>")
+_NOT_IN_IRIS = re.compile(r"[\x00-\x20\"{}|\\^`]")
+"""IRIREF in the grammar of SPARQL."""
 _UPDATES = ("INSERT", "DELETE", "WITH", "CLEAR", "DROP", "CREATE", "ADD", "MOVE", "COPY", "LOAD")
 
+_OPERATIONS = (
+    "An update begins with INSERT, DELETE or WITH, or changes graphs with CLEAR, DROP, CREATE, ADD, MOVE or COPY."
+)
 
-def syntax_error(error: SyntaxError, text: str, path: str, parse_update: Parse | None = None) -> QueryError:
+
+def syntax_error(
+    error: SyntaxError, text: str, path: str, parse_update: Parse | None = None, *, base: str | None = None
+) -> QueryError:
     """Return KG501 for the engine's `error` about `text`, at the place of the first unexpected token.
 
-    Of the engine's message only the sentences are used, without its list of expected tokens. Two frequent mistakes have
-    messages of their own: undeclared prefixes, and updates in place of queries. For an update, `parse_update` parses it
-    with the engine and raises its errors.
+    The engine reports where its parser gave up, which is often far behind the cause. So the cause is searched for: in a
+    query by the parser of `kg`, in an update by its tokens. Both are believed only if they agree with the engine. Of
+    the engine's message only the sentences are used, without its list of expected tokens.
+
+    For an update, `parse_update` parses it with the engine and raises its errors. Relative IRIs of a query are resolved
+    against `base`.
     """
     found = list(tokens(text))
-    special = _open_quote(found, text, path) or _undeclared(found, text, path)
+    special = _open_quote(found, text, path) or _broken_iri(found, text, path) or _undeclared(found, text, path)
     special = special or (_no_update if parse_update else _no_query)(found, text, path)
     if special:
         return special
     match = _POSITION.match(error.msg)
     if match is None:
         return QueryError("KG501", error.msg, place=place_of(text, 1, 1, path))
-    line, column = int(match[1]), int(match[2])
+    reported = offset_of(text, int(match[1]), int(match[2]))
     sentence = _SENTENCE.search(match[3])
-    if sentence:
-        message = sentence[1][0].lower() + sentence[1][1:]
-        ungrouped = _ungrouped(found) if "unbound" in message else None
-        if ungrouped:
-            place = place_at(text, ungrouped.start, path, ungrouped.end)
-            message = f"{ungrouped.text} is not a GROUP BY key and not aggregated"
-            return QueryError("KG501", message, place=place)
-        offset = offset_of(text, line, column)
-        end = next((token.end for token in found if token.start <= offset < token.end), offset)
-        return QueryError("KG501", message, place=place_at(text, offset, path, end))
-    culprit = _first_misfit(found, text, offset_of(text, line, column), parse_update or _parse_query)
+    cause = _misplaced(found, reported, text, path) if parse_update else None
+    if cause is None and not sentence:
+        parse = parse_update or partial(pyoxigraph.Store().query, base_iri=base, prefixes=dict(PREFIXES))
+        culprit = _first_misfit(found, text, reported, parse)
+        cause = None if parse_update else _parsed(found, text, path, base, culprit.start if culprit else len(text))
+        return cause or _unexpected(culprit, text, path, update=parse_update is not None)
+    cause = cause or (None if parse_update else _parsed(found, text, path, base, None))
+    if cause or sentence is None:
+        return cause or QueryError("KG501", error.msg, place=place_at(text, reported, path))
+    end = next((token.end for token in found if token.start <= reported < token.end), reported)
+    return QueryError("KG501", sentence[1][0].lower() + sentence[1][1:], place=place_at(text, reported, path, end))
+
+
+def _parsed(found: list[Token], text: str, path: str, base: str | None, culprit: int | None) -> QueryError | None:
+    """Return the error of the parser of `kg` about a query, unless it contradicts the engine.
+
+    `culprit` is the offset of the engine's first unexpected token; None if the engine parsed all tokens, and objects to
+    their meaning. An unexpected token must be the same one. What a query means goes wrong before the engine notices.
+    """
+    try:
+        parse_query(text, path, base)
+    except RuleError as error:
+        place = error.place
+        if error.code != "KG201" or place is None or place.line is None or place.column is None:
+            return None
+        offset = offset_of(text, place.line, place.column)
+        expected = error.message.startswith("expected")
+        if (offset != culprit) if expected else (culprit is not None and offset > culprit):
+            return None
+        token = next((token for token in found if token.start == offset), None)
+        hint = error.hint or (_meant(token) if token and expected else None)
+        return QueryError(
+            "KG501", error.message, place=place_at(text, offset, path, token.end if token else offset), hint=hint
+        )
+    return None
+
+
+def _unexpected(culprit: Token | None, text: str, path: str, *, update: bool) -> QueryError:
     if culprit is None:
-        what = "update" if parse_update else "query"
-        return QueryError("KG501", f"the {what} ends too early", place=_behind(text, path))
+        return QueryError("KG501", f"the {'update' if update else 'query'} ends too early", place=_behind(text, path))
     place = place_at(text, culprit.start, path, culprit.end)
-    hint = asked(keywords_meant(culprit.text)) if culprit.kind is Kind.WORD else None
-    return QueryError("KG501", f"`{culprit.text}` is not expected here", place=place, hint=hint)
+    if culprit.kind is Kind.IRI and not is_absolute(culprit.text[1:-1]):
+        hint = "Declare BASE <...> or write it out."
+        return QueryError("KG501", f"the IRI `{culprit.text}` is relative", place=place, hint=hint)
+    return QueryError("KG501", f"`{culprit.text}` is not expected here", place=place, hint=_meant(culprit))
+
+
+def _meant(token: Token) -> str | None:
+    return asked(keywords_meant(token.text)) if token.kind is Kind.WORD else None
+
+
+def _misplaced(found: list[Token], reported: int, text: str, path: str) -> QueryError | None:
+    """Return the error about a term that the braces before the offset `reported` must not contain.
+
+    DATA must not contain variables, and no deletion blank nodes (SPARQL 1.1 Query, section 19.8, notes 7 to 9).
+    """
+    opened = _template_before(found, reported)
+    if opened is None:
+        return None
+    kind, inside = opened
+    for before, token in itertools.pairwise(inside):
+        noun = None
+        if token.kind is Kind.VARIABLE and kind.endswith("DATA"):
+            noun = "variables"
+        elif (token.text.startswith("_:") or token.text == "[") and kind.startswith("DELETE"):
+            noun = "blank nodes"
+        elif token.kind in {Kind.STRING, Kind.NUMBER} and before.text in {"{", "."}:
+            noun = "literals as subjects"
+        if noun:
+            place = place_at(text, token.start, path, token.end)
+            return QueryError("KG501", f"{noun} are not allowed in {kind}", place=place)
+    return None
+
+
+def _template_before(found: list[Token], reported: int) -> tuple[str, list[Token]] | None:
+    """Return the last template or data that begins before an offset: its keywords, and its tokens from the brace on."""
+    words = [token.text.upper() for token in found]
+    for at in range(len(found) - 1, -1, -1):
+        if found[at].start >= reported or words[at] not in {"INSERT", "DELETE"}:
+            continue
+        brace = at + 1 if words[at + 1 : at + 2] == ["{"] else at + 2
+        kind = " ".join(words[at:brace])
+        if words[brace : brace + 1] != ["{"] or kind not in _TEMPLATES:
+            continue
+        depth = 0
+        for end in range(brace, len(found)):
+            depth += (words[end] == "{") - (words[end] == "}")
+            if depth == 0:
+                return kind, found[brace:end]
+        return kind, found[brace:]
+    return None
 
 
 def keywords_meant(word: str) -> list[str]:
     """Return the keywords and functions that a word may be a misspelling of; empty if it is one."""
     typed = word.upper()
     return [] if typed in _WORDS or len(typed) < _SHORTEST else get_close_matches(typed, _WORDS, n=2, cutoff=_ALIKE)
-
-
-def _ungrouped(found: list[Token]) -> Token | None:
-    """Return the first variable of a SELECT that is missing from its GROUP BY."""
-    uses = outline(found).uses
-    grouped = {use.name for use in uses if use.slot is Slot.ORDER}
-    projected = (use.token for use in uses if use.slot is Slot.PROJECTION and use.name not in grouped)
-    return next(projected, None)
-
-
-def _parse_query(text: str) -> object:
-    return pyoxigraph.Store().query(text, prefixes=dict(PREFIXES))
 
 
 def _first_misfit(found: list[Token], text: str, reported: int, parse: Parse) -> Token | None:
@@ -121,6 +197,18 @@ def _open_quote(found: list[Token], text: str, path: str) -> QueryError | None:
     return None
 
 
+def _broken_iri(found: list[Token], text: str, path: str) -> QueryError | None:
+    """Return the error about an IRI with a character that IRIs do not contain, such as a space."""
+    for token in found:
+        match = _BROKEN_IRI.match(text, token.start) if token.text == "<" else None
+        if match and (sign := _NOT_IN_IRIS.search(match[0][1:-1])):
+            place = place_at(text, token.start, path, match.end())
+            name = f"`{sign[0]}`" if sign[0].isprintable() and sign[0] != " " else f"U+{ord(sign[0]):04X}"
+            hint = f"Write %{ord(sign[0]):02X} for it."
+            return QueryError("KG501", f"an IRI must not contain {name}", place=place, hint=hint)
+    return None
+
+
 def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about the first undeclared prefix."""
     declared = set(PREFIXES)
@@ -130,7 +218,7 @@ def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
     for token in found:
         prefix = token.text.partition(":")[0]
         if token.kind is Kind.NAME and prefix != "_" and prefix not in declared:
-            close = [] if prefix in WELL_KNOWN else [f"{name}:" for name in declared]
+            close = [] if prefix in WELL_KNOWN else [f"{name}:" for name in declared if name]
             hint = did_you_mean(f"{prefix}:", close)
             hint = hint or f"Declare it: PREFIX {prefix}: <{WELL_KNOWN.get(prefix, '...')}>"
             place = place_at(text, token.start, path, token.end)
@@ -159,14 +247,9 @@ def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
         return None
     place = place_at(text, token.start, path, token.end)
     if token.text.upper() in _FORMS:
-        hint = (
-            "An update begins with INSERT, DELETE or WITH, or changes graphs with CLEAR, DROP, CREATE, ADD, MOVE, COPY."
-        )
-        return QueryError("KG501", "this is a query, not an update", place=place, hint=hint)
-    hint = (
-        did_you_mean(token.text, (*_UPDATES, "PREFIX", "BASE")) or "An update begins with INSERT or DELETE, as a rule."
-    )
-    return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint)
+        return QueryError("KG501", "this is a query, not an update", place=place, hint=_OPERATIONS)
+    hint = did_you_mean(token.text, (*_UPDATES, "PREFIX", "BASE")) if token.kind is Kind.WORD else None
+    return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint or _OPERATIONS)
 
 
 def _after_prologue(found: list[Token]) -> Token | None:

@@ -26,9 +26,9 @@ from datetime import UTC, datetime, timedelta
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from pyoxigraph import NamedNode, RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat
 
-from kg.errors import GraphError, Place, SourceError, UsageError
+from kg.errors import UsageError
 from kg.rules import memory as memories
 from kg.rules.columns import (
     EVERYTHING,
@@ -56,6 +56,7 @@ from kg.store import changes
 from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
+from kg.store.files import format_of, opened, quads_of
 from kg.store.layout import write_atomically
 from kg.store.terms import parts_of_lines
 
@@ -472,23 +473,18 @@ def run_files(
 
 def _rows(file: Path, dictionary: Dictionary, *, rename: bool) -> NDArray[np.int64]:
     """Return the triples of a file as rows of identifiers."""
-    try:
-        text = file.read_bytes()
-    except OSError as error:
-        raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(file))) from error
     kind = rdf_format(file)
-    found = parts_of_lines(text) if kind == RdfFormat.N_TRIPLES else None
-    if found is not None:
-        return dictionary.intern_all(found).reshape(-1, 3)
-    try:
-        return rows_of(parse(text, kind, base_iri=file.absolute().as_uri(), rename_blank_nodes=rename), dictionary)
-    except SyntaxError as error:
-        raise GraphError("KG601", error.msg, place=Place(str(file), error.lineno, error.offset)) from error
+    if kind == RdfFormat.N_TRIPLES:
+        with opened(file) as content:
+            found = parts_of_lines(content.read())
+        if found is not None:
+            return dictionary.intern_all(found).reshape(-1, 3)
+    return rows_of(quads_of(file, kind, rename=rename), dictionary)
 
 
 def rdf_format(file: Path) -> RdfFormat:
     """Return the format that the ending of a file names; UsageError KG003 for one that names none."""
-    found = RdfFormat.from_extension(file.suffix.removeprefix("."))
+    found = format_of(file)
     if found is None:
         hint = "The endings are .nt, .ttl, .nq, .trig, .n3, .rdf, .xml and .jsonld."
         raise UsageError("KG003", f"the ending of {file} names no format of RDF", hint=hint)

@@ -21,6 +21,7 @@ from pyoxigraph import NamedNode
 from kg.errors import RuleError
 from kg.rules.dependencies import Read, depends, mints, reads, writes
 from kg.rules.form import Atom, Rule, Variable
+from kg.syntax.names import shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -254,13 +255,20 @@ def _path(needs: list[dict[int, Read]], start: int, goal: int, members: set[int]
     return chain[::-1]
 
 
+def _shown(term: object) -> str:
+    """Return a term of an atom as in the text of its rule, where blank nodes and copies of variables have no names."""
+    if not isinstance(term, Variable):
+        return shorten(term.value) if isinstance(term, NamedNode) else str(term)
+    return "[]" if term.name.startswith(".") else str(Variable(term.name.partition("·")[0]))
+
+
 def _cycle_in_words(rules: Sequence[Rule], needs: list[dict[int, Read]], cycle: Sequence[int]) -> str:
     steps = []
     for reader, writer in pairwise(cycle):
         read = needs[reader][writer]
         how = "negates or counts" if read.negated else "reads"
         where = f" ({read.atom.place})" if read.atom.place else ""
-        atom = " ".join(map(str, read.atom.positions))
+        atom = " ".join(map(_shown, read.atom.positions))
         steps.append(f"{rules[reader]} {how} {atom}{where}, which {rules[writer]} derives")
     return "the rules cannot be stratified: " + "; ".join(steps)
 

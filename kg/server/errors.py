@@ -112,9 +112,9 @@ def problem(error: KgError) -> dict[str, Any]:
 
 
 def _span(error: KgError) -> tuple[int | None, int | None, int | None, int | None]:
-    """Return start and end of the faulty part as lines and columns, counted from one in code points."""
+    """Return start and end of the faulty part as lines and columns, from one in code points, as far as known."""
     place = error.place if isinstance(error, QueryError | RobotError) else None
-    return (place.span() if place else None) or (None, None, None, None)
+    return (place.span() or (place.line, None, None, None)) if place else (None, None, None, None)
 
 
 def answer(request: HTTPConnection, error: KgError) -> Response:

@@ -19,7 +19,7 @@ from kg.server.addresses import address
 from kg.server.errors import RequestError
 from kg.server.methods import route
 from kg.server.negotiation import GRAPH, choose
-from kg.server.parameters import Parameters, in_utf8, media_type
+from kg.server.parameters import Parameters, in_utf8, media_type, unsupported
 from kg.server.preconditions import on_condition
 from kg.server.protocol_answer import answer
 from kg.server.protocol_question import Asked, digest
@@ -88,7 +88,8 @@ async def _get(request: Request) -> Response:
     stream = parameters.flag("stream") and request.scope["http_version"] != "1.0"
     chosen = {"graph": choices["graph"]}
     message = frame(question)
-    return await answer(request, Asked(question, message, chosen, seconds, None, stream, digest(message, chosen)))
+    asked = Asked(question, message, chosen, seconds, None, stream, digest(message, chosen), parameters.pairs())
+    return await answer(request, asked)
 
 
 async def _exists(request: Request, graph: NamedNode) -> bool:
@@ -100,7 +101,7 @@ async def _exists(request: Request, graph: NamedNode) -> bool:
 
 
 def _missing(graph: NamedNode) -> RequestError:
-    return RequestError("KG521", f"unknown graph {graph}", hint="The service description at /sparql names all.")
+    return RequestError("KG521", f"unknown graph {graph}", hint="The service description at /sparql lists all graphs.")
 
 
 async def _put(request: Request) -> Response:
@@ -182,8 +183,7 @@ def _by_name(name: str) -> str:
 
 def _known(kind: str) -> str:
     if not kind or RdfFormat.from_media_type(kind) is None:
-        told = f"`{kind}`" if kind else "no media type"
-        raise RequestError("KG524", f"the content has {told}", hint="Send text/turtle or another format of RDF.")
+        raise unsupported(kind, "text/turtle", "another format of RDF")
     return kind
 
 

@@ -42,7 +42,10 @@ async def not_allowed(request: Request, error: Exception) -> Response:
 
 
 async def not_found(request: Request, error: Exception) -> Response:
-    """Redirect `/nodes/` to `/nodes`; respond 404 to other addresses without a route."""
+    """Redirect `/nodes/` to `/nodes`, list the methods of all routes for `OPTIONS *`, and respond 404 to the rest."""
+    if request.method == "OPTIONS" and request.scope.get("raw_path") == b"*":
+        methods = {method for one in request.app.routes if isinstance(one, Route) for method in one.methods or ()}
+        return Response(status_code=204, headers={"Allow": ", ".join(sorted({*methods, "OPTIONS"}))})
     path = request.url.path.rstrip("/")
     scope = {**request.scope, "path": path}
     if path != request.url.path and any(one.matches(scope)[0] is not Match.NONE for one in request.app.routes):

@@ -98,12 +98,18 @@ def media_type(request: Request) -> str:
     return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
+def unsupported(kind: str, *supported: str) -> RequestError:
+    """Return KG524 for a body of the media type `kind`, empty if it is not given."""
+    message = f"unsupported content type `{kind}`" if kind else "the Content-Type header is missing"
+    return RequestError("KG524", message, hint=f"Send {' or '.join(supported)}.")
+
+
 def in_utf8(request: Request) -> None:
     """Raise RequestError KG524 for a body declared in another encoding than UTF-8."""
     for parameter in request.headers.get("content-type", "").lower().split(";")[1:]:
         name, _, value = parameter.partition("=")
         if name.strip() == "charset" and value.strip(' "') not in {"utf-8", "utf8", "us-ascii"}:
-            raise RequestError("KG524", f"the body is in {value.strip()}", hint="Send it in UTF-8.")
+            raise RequestError("KG524", f"unsupported charset `{value.strip()}`", hint="Send the body in UTF-8.")
 
 
 def body_text(request: Request, body: bytes) -> str:

@@ -55,16 +55,19 @@ async def on_condition(
             return await exists() if exists else True
         return current in _snapshots(name, value)
 
+    if match == _ANY and not await matches(_MATCH, match):
+        raise RequestError("KG536", "`If-Match: *` fails: the graph does not exist", hint="Leave it out to create one.")
     if match and not await matches(_MATCH, match):
-        raise _failed(f"`If-Match` does not hold: the data is snapshot {current}")
+        raise RequestError("KG536", f"`If-Match` fails: the data is snapshot {current}")
     if none_match and await matches(_NONE_MATCH, none_match):
-        raise _failed(f"`If-None-Match` does not hold: it is there, and the data is snapshot {current}")
+        reason = "the target exists" if none_match == _ANY else f"the data is still snapshot {current}"
+        raise RequestError("KG536", f"`If-None-Match` fails: {reason}", hint="Leave it out to change what exists.")
     try:
         return await change(named or current)
     except QueryError as error:
         if error.code != "KG512" or named:
             raise
-        raise _failed(f"the condition does not hold any more: {error.message}") from error
+        raise RequestError("KG536", f"the condition fails: {error.message}") from error
 
 
 def _snapshots(name: str, value: str) -> set[str]:
@@ -76,7 +79,3 @@ def _snapshots(name: str, value: str) -> set[str]:
     if not tags:
         raise RequestError("KG520", f"`{name}` is not a list of entity tags", hint='Send `*`, or tags such as "7".')
     return {tag.partition("-")[0] for weak, tag in tags if not weak or name == _NONE_MATCH}
-
-
-def _failed(message: str) -> RequestError:
-    return RequestError("KG536", message)

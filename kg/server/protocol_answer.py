@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import tempfile
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from starlette.responses import Response
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 
 _IN_MEMORY: Final = 8 << 20
 _PIECE: Final = 256 << 10
+_SAFE: Final = frozenset({"GET", "HEAD", "QUERY"})
+_KEPT: Final = ("ETag", "Vary", "Cache-Control", "X-Kg-Snapshot")
+"""Headers of a response without its content (RFC 9110, section 15.4.5)."""
 
 
 class Held:
@@ -86,6 +90,10 @@ class _HeldResponse(Response):
         super().__init__(None, 200, {**headers, "Content-Length": str(held.size)})
         self._held = held
 
+    def close(self) -> None:
+        """Release the buffer without sending it."""
+        self._held.close()
+
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002 - ASGI's signature
         try:
             pieces = self._held.pieces()
@@ -102,6 +110,17 @@ class _HeldResponse(Response):
 
 async def answer(request: Request, asked: Asked) -> Response:
     """Return the response to a query; raises KgError for failures before the first byte, and ClientLeftError."""
+    if request.method not in _SAFE or (header(request.scope, b"if-none-match") or "").strip() != "*":
+        return await _answer(request, asked)
+    # The condition fails if there is a response, so an error takes precedence (RFC 9110, section 13.2.1).
+    found = await _answer(request, replace(asked, stream=False))
+    if isinstance(found, _HeldResponse):
+        found.close()
+    headers = {name: found.headers[name] for name in _KEPT if name in found.headers}
+    return Response(status_code=304, headers=headers)
+
+
+async def _answer(request: Request, asked: Asked) -> Response:
     record(request).query = asked.question.text
     readers = state(request).readers
     if _unchanged(request, asked):
@@ -152,8 +171,12 @@ def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
     """Return the error, with a link added if it reports that the requested data no longer exists."""
     if error.code != "KG512":
         return error
-    link = f'<{asked.link(request, snapshot=None)}>; rel="latest-version"'
-    return RequestError(error.code, error.message, hint=error.hint, headers={"Link": link})
+    headers = _link(asked.link(request, snapshot=None), "latest-version")
+    return RequestError(error.code, error.message, hint=error.hint, headers=headers)
+
+
+def _link(address: str | None, relation: str) -> dict[str, str]:
+    return {"Link": f'<{address}>; rel="{relation}"'} if address else {}
 
 
 def _headers(asked: Asked, found: Answer | Kept) -> dict[str, str]:
@@ -178,7 +201,7 @@ def _counted(request: Request, asked: Asked, found: Answer | Kept) -> dict[str, 
     if found.end.more:
         behind = asked.question.offset + found.end.rows
         following = asked.link(request, offset=str(behind), snapshot=found.head.snapshot)
-        headers |= {"X-Kg-Truncated": "true", "Link": f'<{following}>; rel="next"'}
+        headers |= {"X-Kg-Truncated": "true", **_link(following, "next")}
     return headers
 
 

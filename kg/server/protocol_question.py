@@ -17,13 +17,14 @@ from kg.query.readers.messages import Question, frame
 from kg.server.addresses import address, url
 from kg.server.errors import RequestError
 from kg.server.negotiation import Choice, choose
-from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
+from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type, unsupported
+from kg.server.safety.bodies import ADDRESS_BYTES
 from kg.server.safety.tokens import is_trusted
 from kg.server.scopes import body_of, header
 from kg.server.state import state
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from starlette.requests import Request
 
@@ -41,7 +42,7 @@ class Asked:
     """A parsed query request: `message` is `question` encoded for a reader.
 
     `choices` has the format for each kind of result, `seconds` is the deadline, `job` the identity that the client
-    chose. With `stream`, the response is sent as results arrive.
+    chose. With `stream`, the response is sent as results arrive. `pairs` are the parameters of the same request as GET.
     """
 
     question: Question
@@ -51,18 +52,21 @@ class Asked:
     job: str | None
     stream: bool
     digest: str
+    pairs: Sequence[tuple[str, str]]
 
     def tag(self, snapshot: str) -> str:
         """Return the entity tag of the response for the data of an identity (RFC 9110, section 8.8.3)."""
         return f'"{snapshot}-{self.digest}"'
 
-    def link(self, request: Request, **changed: str | None) -> str:
-        """Return the address of the same request with some parameters changed; parameters that are None are removed."""
-        pairs = [
-            (name, value) for name, value in Parameters(request.scope["query_string"]).pairs() if name not in changed
-        ]
+    def link(self, request: Request, **changed: str | None) -> str | None:
+        """Return the address of the same request as GET with some parameters changed; None if it is too long.
+
+        Parameters that are None are removed.
+        """
+        pairs = [(name, value) for name, value in self.pairs if name not in changed]
         pairs += [(name, value) for name, value in changed.items() if value is not None]
-        return f"{url(request.url.path)}?{urlencode(pairs)}"
+        found = f"{url(request.url.path)}?{urlencode(pairs)}"
+        return found if len(found) <= ADDRESS_BYTES else None
 
 
 def digest(message: bytes, choices: Mapping[str, Choice]) -> str:
@@ -117,6 +121,7 @@ def _asked(request: Request, body: bytes) -> Asked | None:
         job=job,
         stream=parameters.flag("stream") and request.scope["http_version"] != "1.0",
         digest=digest(message, choices),
+        pairs=[*parameters.pairs(), *(() if "query" in parameters else [("query", text)])],
     )
 
 
@@ -136,8 +141,7 @@ def _said(request: Request, body: bytes) -> tuple[Parameters, str | None]:
         in_utf8(request)
         parameters = Parameters(said, body)
         return parameters, parameters.one("query")
-    told = f"`{kind}`" if kind else "no media type"
-    raise RequestError("KG524", f"the body has {told}", hint=f"Send {QUERY} or {FORM} in Content-Type.")
+    raise unsupported(kind, QUERY, FORM)
 
 
 def _question(request: Request, parameters: Parameters, text: str, choices: Mapping[str, Choice]) -> Question:

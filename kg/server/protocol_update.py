@@ -11,7 +11,7 @@ from starlette.responses import Response
 from kg.server.addresses import address
 from kg.server.errors import RequestError
 from kg.server.methods import route
-from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type
+from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type, unsupported
 from kg.server.preconditions import on_condition
 from kg.server.state import state
 
@@ -28,7 +28,7 @@ def writer(request: Request) -> Writer:
     """Return the writer of the store; RequestError KG530 if the server is read-only."""
     found = state(request).writer
     if found is None:
-        raise RequestError("KG530", "this server reads only")
+        raise RequestError("KG530", "this server is read-only")
     return found
 
 
@@ -77,8 +77,7 @@ async def _said(request: Request) -> tuple[Parameters, str | None]:
         in_utf8(request)
         parameters = Parameters(said, await request.body())
         return parameters, parameters.one("update")
-    told = f"`{kind}`" if kind else "no media type"
-    raise RequestError("KG524", f"the body has {told}", hint=f"Send {_UPDATE} or {FORM} in Content-Type.")
+    raise unsupported(kind, _UPDATE, FORM)
 
 
 ROUTES = [route(path, POST=_update) for path in ("/update", "/update/")]

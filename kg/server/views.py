@@ -13,7 +13,7 @@ from starlette.responses import Response
 
 from kg.server.errors import RequestError
 from kg.server.methods import route
-from kg.server.parameters import media_type
+from kg.server.parameters import media_type, unsupported
 from kg.server.safety.tokens import client
 from kg.server.state import state
 from kg.views.calls import CALLS
@@ -43,7 +43,7 @@ async def _view(request: Request) -> Response:
 async def _posted(request: Request) -> dict[str, Any]:
     """Return the arguments in the body of a request; KG520 if it is not a JSON object, KG524 for another media type."""
     if media_type(request) != "application/json":
-        raise RequestError("KG524", "the body is not application/json")
+        raise unsupported(media_type(request), "application/json")
     try:
         found = json.loads(await request.body())
         msgspec.msgpack.encode(found)

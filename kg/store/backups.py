@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, CanonicalizationAlgorithm, Dataset, Quad, RdfFormat, Triple, serialize
 
-from kg.errors import Place, StoreError
+from kg.errors import GraphError, Place, StoreError
 from kg.store.failure import translated
 from kg.store.layout import Layout
 from kg.store.snapshot import EmbeddedSnapshot
@@ -139,7 +139,12 @@ def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
         raise _unusable(source, "there is nothing of this name")
     if source.is_file():
         transaction.start_from(None)
-        _load_file(transaction, source)
+        try:
+            transaction.load_file(source, RdfFormat.N_QUADS, keep_labels=True)
+        except GraphError as error:
+            if error.place is None or error.place.line is None:  # it is about the file, not a line of it
+                raise _unusable(source, error.message) from error
+            raise
         return None
     layout = Layout(source if (source / "current").exists() else source / ".kg")
     with EmbeddedSnapshot(layout) as snapshot:
@@ -160,21 +165,6 @@ def _manifest(layout: Layout, default: Backup) -> Backup:
         return default
     except (OSError, ValueError, TypeError) as error:
         raise _unusable(layout.root, f"its manifest cannot be read: {error}") from error
-
-
-def _load_file(transaction: EmbeddedTransaction, source: Path) -> None:
-    if source.suffix != ".gz":
-        transaction.load_file(source, RdfFormat.N_QUADS, keep_labels=True)
-        return
-    unpacked = transaction.layout.root / f"restore.{os.getpid()}.tmp"
-    try:
-        with gzip.open(source) as file, unpacked.open("wb") as output:
-            shutil.copyfileobj(file, output)
-        transaction.load_file(unpacked, RdfFormat.N_QUADS, keep_labels=True)
-    except (EOFError, gzip.BadGzipFile) as error:
-        raise _unusable(source, f"it cannot be unpacked: {error}") from error
-    finally:
-        unpacked.unlink(missing_ok=True)
 
 
 def _unusable(source: Path, message: str) -> StoreError:

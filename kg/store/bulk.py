@@ -14,7 +14,7 @@ The engine is passed as a function that returns it: in a local variable, the tra
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, BinaryIO, Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 from pyoxigraph import (
     BlankNode,
@@ -101,17 +101,6 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
     if size > _LEAST_BYTES:
         give_back()
     return size
-
-
-class Interruptible:
-    """File object for the engine with a method in Python, so Ctrl-C ends a load at the next read."""
-
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
-
-    def read(self, size: int = -1) -> bytes:
-        """Return the next chunk."""
-        return self._file.read(size)
 
 
 def _quads(graph: NamedNode, content: bytes) -> bytes:

@@ -6,30 +6,37 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from oxrdflib import OxigraphStore
-from oxrdflib._converter import from_ox, from_ox_graph_name, to_ox_quad_pattern
+from oxrdflib._converter import from_ox, from_ox_graph_name, to_ox, to_ox_quad_pattern
+from pyoxigraph import BlankNode
 from rdflib import Dataset
 from rdflib.graph import ModificationException
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from typing import Self
+    from collections.abc import Callable, Iterator, Mapping
+    from typing import Self, TypeAlias
+
+    from pyoxigraph import Literal, NamedNode, Store
+    from rdflib.query import Result
 
     from kg.store.snapshot import EmbeddedSnapshot
 
+    Prepare: TypeAlias = Callable[[str, Mapping[str, NamedNode | Literal]], str]
+
 
 class SnapshotDataset(Dataset):
-    """All graphs of a snapshot, read-only; the default graph is their union.
+    """All graphs of a snapshot, read-only; their union is what the dataset itself and its queries see.
 
     Use it as a context manager, or close it: it protects its generation on disk, and closes the snapshot with itself.
-    Queries run in the engine of the store. The given prefixes are bound.
+    Queries run in the engine of the store. The given prefixes are bound. `prepare` checks a query, and returns it with
+    values for its variables.
 
     Raises on every change:
         rdflib.graph.ModificationException: a snapshot never changes.
     """
 
-    def __init__(self, snapshot: EmbeddedSnapshot, prefixes: Mapping[str, str]) -> None:
+    def __init__(self, snapshot: EmbeddedSnapshot, prefixes: Mapping[str, str], prepare: Prepare) -> None:
         self._snapshot = snapshot
-        super().__init__(store=_SnapshotStore(store=snapshot.engine), default_union=True)
+        super().__init__(store=_SnapshotStore(snapshot.engine, prepare), default_union=True)
         for prefix, iri in prefixes.items():
             self.bind(prefix, iri, replace=True)
 
@@ -46,6 +53,20 @@ class SnapshotDataset(Dataset):
 
 class _SnapshotStore(OxigraphStore):
     """A read-only `oxrdflib` store, in which the union of all graphs has each triple once."""
+
+    def __init__(self, engine: Store, prepare: Prepare) -> None:
+        super().__init__(store=engine)
+        self._prepare = prepare
+
+    def query(self, query: Any, initNs: Any, initBindings: Any, queryGraph: Any, **kwargs: object) -> Result:  # noqa: N803 - names of rdflib
+        """Run a query; `initBindings` gives values to any of its variables, whether or not it returns them."""
+        blank = initBindings
+        if isinstance(query, str):
+            terms = {str(name): to_ox(value) for name, value in initBindings.items()}
+            values = {name: term for name, term in terms.items() if not isinstance(term, BlankNode)}
+            query = self._prepare(query, values)  # type: ignore[arg-type] # all others were IRIs and literals
+            blank = {name: value for name, value in initBindings.items() if str(name) not in values}
+        return super().query(query, initNs, blank, queryGraph, **kwargs)
 
     def triples(self, triple_pattern: Any, context: Any = None) -> Iterator[Any]:
         """Yield the matching triples, each once, with the graphs that contain it."""

@@ -26,14 +26,17 @@ from pyoxigraph import (
     QueryTriples,
     RdfFormat,
     Store,
+    Triple,
     Variable,
     parse,
     parse_query_results,
     serialize,
 )
 
-from kg.errors import GraphError, Place, SourceError, StoreError
+from kg.errors import GraphError, Place, StoreError
+from kg.store.files import format_of, quads_of
 from kg.store.http import Answer, Endpoint, RefusedError
+from kg.store.serialization import serialized
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -82,19 +85,11 @@ class RemoteTransaction:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        place = Place(str(path))
-        rdf_format = rdf_format or RdfFormat.from_extension(path.suffix.lstrip("."))
+        rdf_format = rdf_format or format_of(path)
         if rdf_format is None:
             hint = "Name the format with `--format`."
-            raise GraphError("KG601", f"the format of `{path.name}` is not known", place=place, hint=hint)
-        try:
-            quads = list(
-                parse(path.read_bytes(), rdf_format, base_iri=path.absolute().as_uri(), rename_blank_nodes=True)
-            )
-        except OSError as error:
-            raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=place) from error
-        except SyntaxError as error:
-            raise GraphError("KG601", error.msg, place=Place(str(path), error.lineno, error.offset)) from error
+            raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
+        quads = quads_of(path, rdf_format, rename=True)
         self._operations.append("INSERT DATA {\n" + "".join(_stated(quad, graph) for quad in quads) + "}")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
@@ -232,12 +227,13 @@ class RemoteSnapshot:
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
         """Serialise one graph, or everything; a format without graphs gets the union of all graphs.
 
-        Blank nodes have the labels of this response.
+        Blank nodes have the labels of this response. Raises QueryError KG504 for a triple that the format cannot
+        represent.
         """
-        quads: Iterator[object] = self._quads(graph)
+        found: Iterable[Triple | Quad] = self._quads(graph)
         if not rdf_format.supports_datasets:
-            quads = iter({cast("Quad", quad).triple: None for quad in quads})
-        return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""  # type: ignore[arg-type] # triples or quads
+            found = {cast("Quad", quad).triple: None for quad in found}
+        return serialized(found, rdf_format, prefixes)
 
     def close(self) -> None:
         """Do nothing, as nothing is open."""

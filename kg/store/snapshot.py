@@ -15,16 +15,17 @@ from pyoxigraph import (
     QueryTriples,
     RdfFormat,
     Store,
+    Triple,
     Variable,
-    serialize,
 )
 
 from kg.store import bulk
 from kg.store.failure import translated
 from kg.store.locks import hold_generation
+from kg.store.serialization import serialized
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from types import TracebackType
     from typing import Self
 
@@ -110,18 +111,18 @@ class EmbeddedSnapshot:
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
         """Serialise `graph`, or everything.
 
-        A format without graphs gets the union of all graphs, without duplicates.
+        A format without graphs gets the union of all graphs, without duplicates. Raises QueryError KG504 for a triple
+        that the format cannot represent.
         """
-        if graph is None and rdf_format.supports_datasets:
-            return self._db.dump(format=rdf_format, prefixes=dict(prefixes)) or b""
-        if graph is None:
+        quads = self._db.quads_for_pattern(None, None, None, graph)
+        found: Iterable[Triple | Quad] = quads
+        if graph is None and not rdf_format.supports_datasets:
             # CONSTRUCT removes duplicates of triples in several graphs.
-            triples = self._db.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }", use_default_graph_as_union=True)
-            return serialize(cast("QueryTriples", triples), format=rdf_format, prefixes=dict(prefixes)) or b""
-        if rdf_format.supports_datasets:
-            quads = self._db.quads_for_pattern(None, None, None, graph)
-            return serialize(quads, format=rdf_format, prefixes=dict(prefixes)) or b""
-        return self._db.dump(format=rdf_format, from_graph=graph, prefixes=dict(prefixes)) or b""
+            union = self._db.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }", use_default_graph_as_union=True)
+            found = cast("QueryTriples", union)
+        elif not rdf_format.supports_datasets:
+            found = (quad.triple for quad in quads)
+        return serialized(found, rdf_format, prefixes)
 
     def every_graph(self) -> list[NamedNode | BlankNode | DefaultGraph]:
         """Return the default graph and all others, also those named by blank nodes."""

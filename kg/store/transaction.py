@@ -9,7 +9,7 @@ fifths of the store begins empty.
 from __future__ import annotations
 
 import shutil
-from typing import TYPE_CHECKING, BinaryIO, cast
+from typing import IO, TYPE_CHECKING, cast
 
 from pyoxigraph import (
     DefaultGraph,
@@ -24,10 +24,11 @@ from pyoxigraph import (
     serialize,
 )
 
-from kg.errors import GraphError, Place, SourceError
+from kg.errors import GraphError, Place
 from kg.store import bulk
 from kg.store.changes import Changes
 from kg.store.failure import translated
+from kg.store.files import format_of, reading
 from kg.store.layout import Layout, folder_bytes
 from kg.store.snapshot import EmbeddedSnapshot
 
@@ -277,35 +278,31 @@ class EmbeddedTransaction:
     ) -> None:
         """Add the content of an RDF file: to `graph`, or to the graphs that the file names.
 
-        The default format is that of the file name's suffix. Labels of blank nodes are local to the file, so its blank
-        nodes get new ones; `keep_labels`, for an empty store, preserves them.
+        The default format is that of the file name's suffix; `.gz` files are unpacked. Labels of blank nodes are local
+        to the file, so its blank nodes get new ones; `keep_labels`, for an empty store, preserves them.
 
         Raises:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        try:
-            path.open("rb").close()
-        except OSError as error:
-            raise SourceError("KG101", f"cannot be opened: {error.strerror}", place=Place(str(path))) from error
-        try:
-            rdf_format = rdf_format or RdfFormat.from_extension(path.suffix.lstrip("."))
-            if rdf_format is None:
-                hint = "Name the format with `--format`."
-                raise GraphError(
-                    "KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint
-                )
-            base = path.absolute().as_uri()
-            target = graph or DefaultGraph()
-            with translated(str(self._layout.root)):
-                self._begin(frozenset())
-                self._note(target, rdf_format)
-                self._load(path, rdf_format, base, target, keep_labels=keep_labels)
-        except SyntaxError as error:
-            raise GraphError("KG601", error.msg, place=Place(str(path), error.lineno, error.offset)) from error
+        rdf_format = rdf_format or format_of(path)
+        if rdf_format is None:
+            hint = "Name the format with `--format`."
+            raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
+        target = graph or DefaultGraph()
+        with translated(str(self._layout.root)), reading(path, rdf_format) as file:
+            self._begin(frozenset())
+            self._note(target, rdf_format)
+            self._load(file, rdf_format, path.absolute().as_uri(), target, keep_labels=keep_labels)
 
     def _load(
-        self, path: Path, rdf_format: RdfFormat, base: str, target: NamedNode | DefaultGraph, *, keep_labels: bool
+        self,
+        file: IO[bytes],
+        rdf_format: RdfFormat,
+        base: str,
+        target: NamedNode | DefaultGraph,
+        *,
+        keep_labels: bool,
     ) -> None:
         """Load a file; quads of its default graph go into `target`.
 
@@ -315,13 +312,11 @@ class EmbeddedTransaction:
         default = DefaultGraph()
         placing = rdf_format.supports_datasets and target != default
         if keep_labels or (placing and any(self._engine.quads_for_pattern(None, None, None, default))):
-            quads = parse(path=path, format=rdf_format, base_iri=base, rename_blank_nodes=not keep_labels)
+            quads = parse(file, rdf_format, base_iri=base, rename_blank_nodes=not keep_labels)
             self._engine.bulk_extend(_into(target, quad) for quad in quads)
             return
         to_graph = None if rdf_format.supports_datasets else target
-        with path.open("rb") as file:
-            source = cast("BinaryIO", bulk.Interruptible(file))
-            self._engine.bulk_load(source, rdf_format, base_iri=base, to_graph=to_graph)
+        self._engine.bulk_load(file, rdf_format, base_iri=base, to_graph=to_graph)
         if placing:
             loose = self._engine.quads_for_pattern(None, None, None, default)
             self._engine.bulk_extend(_into(target, quad) for quad in loose)

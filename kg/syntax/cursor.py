@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import Fix, RuleError
-from kg.similar import asked, similar
+from kg.similar import asked, misspelt, similar
 from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute, resolve
 from kg.syntax.position import place_at
@@ -94,7 +94,7 @@ class Cursor:
 
     def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
         """Return the error for an unexpected token; `known` are names for suggestions."""
-        meant = similar(self.token.text, known) if self.token.kind is Kind.WORD else ()
+        meant = misspelt(self.token.text, known) if self.token.kind is Kind.WORD else ()
         message = f"expected {what}, found {self._found()}"
         return self.error(message, self.token.start, hint=asked(meant), fixes=map(Fix, meant))
 
@@ -129,7 +129,7 @@ class Cursor:
         """Enter a nesting level; raise KG201 if there are too many."""
         self._depth += 1
         if self._depth > MAX_NESTING:
-            raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start)
+            raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start, code="KG209")
         yield
         self._depth -= 1
 
@@ -161,13 +161,13 @@ class Cursor:
         namespace = self.prefixes.get(prefix)
         if namespace is None:
             unknown = self._unknown_prefixes(token)
-            near = similar(prefix, self.prefixes) if prefix and len(unknown) == 1 else ()
+            near = [f"{one}:" for one in similar(prefix, self.prefixes)] if prefix and len(unknown) == 1 else []
             hint = f"Declare {'it' if len(unknown) == 1 else 'them'}: PREFIX {prefix}: <...>."
             raise self.error(
                 f"unknown prefix{'es' * (len(unknown) > 1)} {', '.join(f'`{each}:`' for each in unknown)}",
                 token.start,
                 hint=asked(near) or hint,
-                fixes=[*(Fix(f"{each}:{local}") for each in near), *self._declaring(unknown)],
+                fixes=[*(Fix(f"{each}{local}") for each in near), *self._declaring(unknown)],
             )
         return namespace + unescape_local(local)
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Fix
-from kg.syntax.functions import RULE_FUNCTIONS
+from kg.syntax.functions import AGGREGATES, RULE_FUNCTIONS
 from kg.syntax.lexer import END, Kind, as_assignment
 from kg.syntax.names import PREFIXES
 from kg.syntax.patterns import Patterns
-from kg.syntax.tree import Bind, Exists, Filter, Group, Node, RuleText, RuleUnit, TriplePattern
+from kg.syntax.tree import Bind, Exists, Filter, Group, Node, RuleText, RuleUnit, TriplePattern, visible
 from kg.syntax.triples import Mode
 
 if TYPE_CHECKING:
@@ -64,16 +64,17 @@ class QueryUnit:
     exists: int
 
 
-def parse_query(text: str, path: str) -> QueryUnit:
+def parse_query(text: str, path: str, base: str | None = None) -> QueryUnit:
     """Return the pattern of a SELECT, ASK or CONSTRUCT; the prefixes of `kg.syntax.names` are predefined.
 
-    Raises RuleError: KG201, KG209 for other queries, and for features missing from the grammar of rules.
+    Raises RuleError: KG201 for invalid SPARQL and for other queries, KG209 for features missing from the grammar of
+    rules, and for too much nesting.
     """
-    parser = _Query(text, path, prefixes=PREFIXES)
+    parser = _Query(text, path, prefixes=PREFIXES, base=base)
     try:
         return parser.query()
     except RecursionError:
-        raise parser.error("the query nests too deep", parser.token.start) from None
+        raise parser.error("the query nests too deep", parser.token.start, code="KG209") from None
 
 
 class _Construct(Patterns):
@@ -157,14 +158,28 @@ class _Query(_Construct):
         """Parse the whole text."""
         self.begin_labels()
         self._prologue()
-        group = self._pattern()
-        self.modifiers()
+        group = self._select() if self.at_word("SELECT") else self._pattern()
         if self.accept_word("VALUES"):
             self.table()
         if not self.at(END):
             raise self.expected("the end of the query")
         words = [token.text.upper() for token in self.consumed if token.kind is Kind.WORD]
         return QueryUnit(group, words.count("EXISTS"))
+
+    def _select(self) -> Group:
+        start = self.advance().start
+        self.accept_word("DISTINCT", "REDUCED")
+        columns = self._columns()
+        self._dataset()
+        self.accept_word("WHERE")
+        group = self.group()
+        first = len(self.consumed)
+        keys, _, _ = self.modifiers()
+        aggregated = any(column.expression and column.expression.aggregates for column, _ in columns)
+        words = {token.text.upper() for token in self.consumed[first:] if token.kind is Kind.WORD}
+        grouped = bool(keys or aggregated or words & AGGREGATES)
+        self._check_columns(columns, keys, visible(group.nodes), grouped=grouped, start=start)
+        return group
 
     def _pattern(self) -> Group:
         if self.accept_word("CONSTRUCT"):
@@ -174,16 +189,16 @@ class _Query(_Construct):
             self._dataset()
             if short:
                 self.expect_word("WHERE")
-                return self._both()[1]
-        elif self.accept_word("SELECT"):
-            self.accept_word("DISTINCT", "REDUCED")
-            self._columns()
-            self._dataset()
+                group = self._both()[1]
+                self.modifiers()
+                return group
         else:
             self.expect_word("ASK")
             self._dataset()
         self.accept_word("WHERE")
-        return self.group()
+        group = self.group()
+        self.modifiers()
+        return group
 
     def _dataset(self) -> None:
         while self.accept_word("FROM"):

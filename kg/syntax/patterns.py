@@ -166,7 +166,7 @@ class Patterns(Triples):
     def _unknown_function(self, what: str) -> Exception:
         name = self.token.text
         if name.upper() in AGGREGATES and self.patterns_in_expressions:
-            hint = "Aggregates are allowed in the columns and the HAVING clause of a sub-SELECT."
+            hint = "Aggregates are allowed in the columns and the HAVING clause of a SELECT."
             return self.error(f"the aggregate {name.upper()} is not allowed here", self.token.start, hint=hint)
         if name.upper() in FUNCTIONS or name.upper() in {"EXISTS", *AGGREGATES}:
             return self.error(f"SPARQL RL has no {name.upper()}", self.token.start)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from kg.errors import Place
+from kg.syntax.lexer import Kind, tokens
 
 
 def place_at(text: str, offset: int, path: str, end: int | None = None) -> Place:
@@ -12,6 +13,15 @@ def place_at(text: str, offset: int, path: str, end: int | None = None) -> Place
     line, column = _line_and_column(text, offset)
     end_line, end_column = (None, None) if end is None else _line_and_column(text, max(offset, end))
     return Place(path, line, column, text[begin : last if last >= 0 else None], end_line, end_column)
+
+
+def place_of_variable(text: str, name: str, start: int, end: int, path: str) -> Place:
+    """Return the place of the first use of a variable between two offsets of a normalised text, or else of `start`."""
+    used = (token for token in tokens(text[start:end]) if token.kind is Kind.VARIABLE and token.text[1:] == name)
+    token = next(used, None)
+    return (
+        place_at(text, start, path) if token is None else place_at(text, start + token.start, path, start + token.end)
+    )
 
 
 def _line_and_column(text: str, offset: int) -> tuple[int, int]:

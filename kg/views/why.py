@@ -121,5 +121,5 @@ def explaining(
 def absent(fact: Triple, view: View) -> RuleError:
     """Return the error about a fact that the store does not hold, KG226."""
     words = " ".join(f"'{view.spelt(term)}'" for term in (fact.subject, fact.predicate, fact.object))
-    message = f"the store does not hold {view.sentence(fact)}"
+    message = f"the store does not contain {view.sentence(fact)}"
     return RuleError("KG226", message, hint=f"`kg why-not {words}` shows what is missing.")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+import pytest
+
 from kg.resources import folder
 
 if TYPE_CHECKING:
@@ -30,6 +32,24 @@ def test_what_is_imported_is_inferred_from(kg: Program, tmp_path: Path) -> None:
     assert kg("--store", "two", "query", PUBLISHES).out.strip() == "false"
     assert kg("--store", "two", "rules", "run").code == 0
     assert kg("--store", "two", "query", PUBLISHES).out.strip() == "true"
+
+
+def test_the_graph_of_inferences_takes_no_import(kg: Program, tmp_path: Path) -> None:
+    """--graph refuses it; quads of it in a file, which the rules do not infer, are removed with a note."""
+    (tmp_path / "robot.ttl").write_text(DATA)
+    (tmp_path / "robot.nq").write_text("<urn:x:a> <urn:x:b> <urn:x:c> <https://w3id.org/rnkg/graph/inferred> .\n")
+    run = kg("import", "robot.ttl", "--graph", "inferred")
+    assert (run.code, "KG561" in run.err) == (5, True)
+    run = kg("import", "robot.nq")
+    assert (run.code, "1 inferred triple removed" in run.err) == (0, True)
+
+
+@pytest.mark.parametrize("name", ["", "a b", "https://example.org/a b"])
+def test_a_graph_needs_a_name(kg: Program, tmp_path: Path, name: str) -> None:
+    """A name that is not an IRI, in full or after the base, is refused."""
+    (tmp_path / "robot.ttl").write_text(DATA)
+    run = kg("import", "robot.ttl", "--graph", name)
+    assert (run.code, "KG003" in run.err) == (2, True)
 
 
 def test_a_build_says_how_much_it_inferred(kg: Program) -> None:

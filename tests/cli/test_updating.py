@@ -51,6 +51,16 @@ def test_what_cannot_be_done_is_told(kg: Program, tmp_path: Path) -> None:
     assert (run.code, "KG502" in run.err) == (5, True)
 
 
+def test_an_update_without_a_rule_has_findings(kg: Program, tmp_path: Path) -> None:
+    """A rule that is left out is a note, and the exit code reports it."""
+    (tmp_path / "rules" / "mine").mkdir(parents=True)
+    (tmp_path / "robot.ttl").write_text(DATA)
+    kg("import", "robot.ttl")
+    (tmp_path / "rules" / "mine" / "broken.rq").write_text("CONSTRUCT {")
+    run = kg("update", MOVE)
+    assert (run.code, "a rule was left out" in run.err) == (1, True)
+
+
 def test_a_store_is_copied_and_put_back(kg: Program, tmp_path: Path) -> None:
     """A copy opens as a store; restored, it replaces the previous content."""
     (tmp_path / "robot.ttl").write_text(DATA)

@@ -15,6 +15,7 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import Exit, QueryError
 from kg.query.binding import bind, defaults
 from kg.query.core import run
+from kg.query.evaluation import Dataset, prepare
 from kg.query.guard import MAX_CHAIN
 from kg.query.result import Boolean, Graph, Solutions
 
@@ -84,16 +85,30 @@ def test_deadline(snapshot: EmbeddedSnapshot) -> None:
     ("text", "line", "column", "words"),
     [
         ("SELECT * {\n  ?s ex:p ?o\n}", 2, 6, "the prefix `ex:` is not declared"),
-        ("SELECT * {\n ?s ?p ?o .\n FILTER(?o = )}", 3, 14, "`)` is not expected here"),
-        ("SELECT ?s WHERE { ?s ?p }", 1, 25, "`}` is not expected here"),
-        ("SELECT * { ?s ?p ?o } LIMIT x", 1, 29, "`x` is not expected here"),
+        ("SELECT * {\n ?s ?p ?o .\n FILTER(?o = )}", 3, 14, "expected an expression, found `)`"),
+        ("SELECT ?s WHERE { ?s ?p }", 1, 25, "expected an object, found `}`"),
+        ("SELECT * { ?s ?p ?o } LIMIT x", 1, 29, "expected a whole number, found `x`"),
         ("SELECT * { ?s ?p 'abc }", 1, 18, "this quote is never closed"),
-        ("SELECT * {?s ?p ?o} PREFIX a: <b:>", 1, 21, "`PREFIX` is not expected here"),
+        ("SELECT * {?s ?p ?o} PREFIX a: <b:>", 1, 21, "expected the end of the query, found `PREFIX`"),
         ("SELEC ?x {}", 1, 1, "a query does not begin with `SELEC`"),
         ("PREFIX a: <b:c>\nINSERT DATA {}", 2, 1, "this is an update, not a query"),
-        ("SELECT * {?s ?p ?o", 1, 19, "the query ends too early"),
+        ("SELECT * {?s ?p ?o", 1, 19, "expected `}` or a pattern, found the end of the text"),
         ("  ", 1, 3, "the query is empty"),
-        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 8, "?x is not a GROUP BY key and not aggregated"),
+        ("SELECT ?x (COUNT(?y) AS ?c) {?x ?p ?y}", 1, 8, "`?x` is not a GROUP BY key and not aggregated"),
+        ("SELECT ?x { ?x ?y ?z } ORDER BY COUNT(?y)", 1, 8, "`?x` is not a GROUP BY key and not aggregated"),
+        ("SELECT * { ?x ?y ?z\n BIND(1 AS ?x) }", 2, 12, "BIND assigns to `?x`, which is bound before it"),
+        ("SELECT (1 AS ?x) { ?x ?y ?z }", 1, 8, "SELECT assigns to `?x`, which is bound before it"),
+        ("SELECT ?x ?x { ?x ?y ?z }", 1, 11, "SELECT has `?x` twice"),
+        ("SELECT * { ?x ?y ?z } GROUP BY ?x", 1, 1, "`SELECT *` conflicts with GROUP BY"),
+        ("ASK { ?x ?y ?z FILTER(COUNT(?z) > 1) }", 1, 23, "the aggregate COUNT is not allowed here"),
+        ("ASK { <a> ?y ?z }", 1, 7, "the IRI `<a>` is relative"),
+        ("DESCRIBE <a>", 1, 10, "the IRI `<a>` is relative"),
+        ("ASK { ?x <http://e/a b> ?z }", 1, 10, "an IRI must not contain U+0020"),
+        ("ASK { _:x ?y ?z OPTIONAL { _:x ?p ?o } }", 1, 28, "`_:x` occurs in two patterns"),
+        ("ASK { VALUES (?x ?y) { (1 2) (1) } }", 1, 30, "a row of 1 for 2 variables"),
+        ("ASK { ?x ?y ?z } VALUES (?x ?y) { (1) }", 1, 35, "a row of 1 for 2 variables"),
+        ("ASK { FILTER(STRLEN(?x, ?y) = 1) }", 1, 14, "STRLEN takes 1 argument, not 2"),
+        ("ASK { << ?x ?y >> ?p 1 }", 1, 16, "expected an object, found `>>`"),
         ("SELECT * {?s '\u00e9\U0001f600' ?o }", 1, 14, None),
     ],
 )
@@ -107,6 +122,28 @@ def test_syntax_errors_have_a_place(
     assert (error.place.line, error.place.column) == (line, column)
     assert error.place.excerpt == text.split("\n")[line - 1]
     assert words is None or error.message == words
+
+
+def test_a_base_makes_iris_absolute(snapshot: EmbeddedSnapshot) -> None:
+    """With a base, a syntax error is not attributed to a relative IRI."""
+    with pytest.raises(QueryError) as caught:
+        prepare("ASK { <a> ?y ?z FILTR }", {}).evaluate(snapshot, Dataset(), "https://example.org/")
+    assert (caught.value.message, caught.value.hint) == (
+        "expected a pattern or `}`, found `FILTR`",
+        "Did you mean `FILTER`?",
+    )
+
+
+def test_a_query_in_syntax_of_rdf_12_is_not_blamed(snapshot: EmbeddedSnapshot) -> None:
+    """An error behind valid syntax that rules do not have is at its own place."""
+    error = failure(snapshot, "ASK { ?x ?y ?z ~ ?r {| ?p ?o |} . FILTER(?x = ) }")
+    assert (error.place and error.place.column) == 47
+
+
+def test_no_prefix_is_suggested_for_an_empty_one(snapshot: EmbeddedSnapshot) -> None:
+    """An unknown prefix is not answered with the empty prefix that the query declares."""
+    error = failure(snapshot, "PREFIX : <urn:x:> ASK { ?x zzz:y ?z }")
+    assert error.hint == "Declare it: PREFIX zzz: <...>"
 
 
 def test_unknown_prefix_is_guessed(snapshot: EmbeddedSnapshot) -> None:

@@ -236,7 +236,7 @@ def test_wrong_format_names_the_right_ones(
     with pytest.raises(QueryError) as caught:
         write(run(snapshot, text), name)
     assert caught.value.code == "KG504"
-    assert all(known in caught.value.message for known in named)
+    assert all(known in (caught.value.hint or "") for known in named)
 
 
 def test_formats_are_the_engines() -> None:

@@ -3,10 +3,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from pyoxigraph import NamedNode
 from rules.forms import atom, atoms, expression, rule
 
 from kg.errors import RuleError
-from kg.rules.form import Aggregate, Assignment, Column, Exists, Variable
+from kg.rules.form import Aggregate, Assignment, Atom, Column, Exists, Variable
 from kg.rules.stratify import stratify
 
 NOT_Q = Exists(atoms("?x :q ?x"), negated=True)
@@ -60,6 +61,14 @@ def test_negation_of_what_a_rule_feeds_is_refused_rule_by_rule() -> None:
         "the rules cannot be stratified: t/one negates or counts ?x <urn:x:q> ?x (p.rq:7), which t/two derives; "
         "t/two reads ?x <urn:x:p> ?x, which t/one derives"
     )
+
+
+def test_the_cycle_has_no_variables_of_kg() -> None:
+    """In the words of KG202, a blank node is `[]` and a copy of a variable has the name of the variable."""
+    negated = Exists((Atom(Variable(".g1"), NamedNode("urn:x:q"), Variable("x\u00b71")),), negated=True)
+    with pytest.raises(RuleError) as raised:
+        stratify([rule("?x :p ?x", "?x :node ?x", negated), rule("?x :q ?x", "?x :p ?x")])
+    assert "negates or counts [] <urn:x:q> ?x," in raised.value.message
 
 
 def test_counting_what_a_rule_feeds_is_refused() -> None:

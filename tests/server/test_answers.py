@@ -265,6 +265,47 @@ def test_pages_of_rows(store: Path) -> None:
         assert "x-kg-truncated" not in exact.headers
 
 
+def test_the_next_page_of_a_post(store: Path) -> None:
+    """The link after a POST is a GET of the rest of the same query; one too long for an address is left out."""
+    query = "SELECT DISTINCT ?c WHERE { ?s a ?c } ORDER BY ?c"
+    with application(store, rows=7, log="off") as small:
+        direct = {"content-type": "application/sparql-query"}
+        for first in (
+            small.post("/sparql", data={"query": query}),
+            small.post("/sparql", content=query, headers=direct),
+            small.request("QUERY", "/sparql", content=query, headers=direct),
+        ):
+            following = re.fullmatch(r'<(.*)>; rel="next"', first.headers["link"])
+            assert following
+            second = small.get(following[1])
+            assert second.status_code == 200
+            rows = [row["c"]["value"] for answer in (first, second) for row in answer.json()["results"]["bindings"]]
+            assert rows == sorted(set(rows))
+            assert len(rows) == 14
+        long = small.post("/sparql", data={"query": query + " #" + "x" * 9000})
+        assert (long.headers["x-kg-truncated"], "link" in long.headers) == ("true", False)
+
+
+def test_any_tag(client: TestClient) -> None:
+    """`If-None-Match: *` is 304 for every query with a result, and an error takes precedence (RFC 9110, 13.2.1)."""
+    anything = {"if-none-match": "*"}
+    first = client.get("/sparql", params={"query": COUNT})
+    for given in ({"query": COUNT}, {"query": COUNT, "stream": "true"}):
+        again = client.get("/sparql", params=given, headers=anything)
+        assert (again.status_code, again.content) == (304, b"")
+    assert client.get("/sparql", params={"query": COUNT}, headers=anything).headers["etag"] == first.headers["etag"]
+    assert client.get("/sparql", params={"query": "SELECT"}, headers=anything).status_code == 400
+    assert client.post("/sparql", data={"query": COUNT}, headers=anything).status_code == 200
+
+
+def test_what_the_accepted_formats_cannot_represent(client: TestClient) -> None:
+    """A result that no accepted format represents is 406 with the formats that do."""
+    answer = client.get("/sparql", params={"query": COUNT}, headers={"accept": "text/turtle, application/ld+json"})
+    assert (answer.status_code, answer.json()["code"]) == (406, "KG504")
+    assert answer.json()["message"] == "`turtle` cannot represent rows"
+    assert "csv" in answer.json()["hint"]
+
+
 def test_tags(client: TestClient) -> None:
     """The tag of a response identifies data and request; with it, an unchanged response is not sent again (C31)."""
     first = client.get("/sparql", params={"query": COUNT})

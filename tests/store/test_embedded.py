@@ -12,7 +12,7 @@ import pytest
 from pyoxigraph import NamedNode, RdfFormat
 
 from kg.errors import GraphError, SourceError, StoreError
-from kg.store import bulk
+from kg.store import files
 from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout
 
@@ -280,7 +280,7 @@ def test_ctrl_c_ends_a_load(store: EmbeddedStore, tmp_path: Path, monkeypatch: p
     def interrupted(_file: object, _size: int = -1) -> bytes:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(bulk.Interruptible, "read", interrupted)
+    monkeypatch.setattr(files._Continued, "read", interrupted)
     path = tmp_path / "some.nt"
     path.write_text("<urn:d> <urn:d> <urn:d> .\n")
     with pytest.raises(KeyboardInterrupt), store.write("test") as transaction:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from kg.cli.diagnostics import say
+from kg.cli.diagnostics import note, say
 from kg.cli.options import NoRules, with_settings
 from kg.cli.output import write_bytes
 from kg.errors import Exit, Place, QueryError, UsageError
@@ -48,8 +48,8 @@ def export(
 ) -> None:
     """Write the graph as RDF.
 
-    By default, writes the whole graph as N-Quads. Formats without named graphs (nt, ttl, n3, rdf) get the union of all
-    graphs. For example:
+    By default, writes the whole graph as N-Quads. A file that ends in .gz is compressed. Formats without named graphs
+    (nt, ttl, n3, rdf) get the union of all graphs. For example:
 
         kg export > everything.nq
         kg export --source github.com/acme/rover -o rover.ttl
@@ -66,7 +66,7 @@ def export(
         write_bytes(data)
         return
     try:
-        target.write_bytes(data)
+        target.write_bytes(_packed(data) if target.suffix == ".gz" else data)
     except OSError as error:
         raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(target))) from error
     say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {target}")
@@ -83,9 +83,10 @@ def import_files(
 ) -> None:
     """Add RDF files to the store.
 
-    If a file is invalid, nothing is added. Triples go into the graph named with --graph, by default one named after
-    the file. Quads keep their graphs. If the store has no ontologies yet, those of kg are added. Rules then infer
-    further facts. For example:
+    Files may be compressed (.gz). If one is invalid, nothing is added. Triples go into the graph named with --graph,
+    by default one named after the file. Quads keep their graphs. If the store has no ontologies yet, those of kg are
+    added. Rules then infer further facts, and remove triples of the graph `inferred` that they do not infer.
+    For example:
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
@@ -94,20 +95,27 @@ def import_files(
 
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
     from kg.pipeline.inferring import Inference  # noqa: PLC0415 - start-up time
+    from kg.pipeline.updating.ownership import protected_graphs  # noqa: PLC0415 - start-up time
 
     iris = Iris(settings.base)
+    named = _named(settings.base, graph) if graph is not None else None
+    if named in protected_graphs(settings):
+        hint = "Leave out --graph, or name another one. Quads of a file keep their graphs."
+        raise QueryError("KG561", f"the graph {named} is written by kg alone", hint=hint)
     with writable(settings) as target:
         rdf_format = _format(format_name, None)
         inference = Inference(target, settings)
         with target.write("kg import") as transaction:
             for file in map(Path, files):
-                into = (_iri(settings.base, graph) if graph else None) or iris.graph(f"imported-{file.name}")
-                transaction.load_file(file, rdf_format, graph=NamedNode(into))
+                into = named or NamedNode(iris.graph(f"imported-{file.name}"))
+                transaction.load_file(file, rdf_format, graph=into)
             inference.update_ontologies(transaction)
             inferred = None if no_rules else inference.run(transaction)
             inference.remember(transaction.commit())
         with target.read() as snapshot:
             say(f"the store now holds {count(snapshot.count(), 'quad')}")
+    if inferred and inferred.removed:
+        note(f"{count(inferred.removed, 'inferred triple')} removed: the rules do not infer them from this data")
     _end(inferred)
 
 
@@ -131,6 +139,13 @@ def forget(sources: Sources, *, settings: Settings, no_rules: NoRules = False) -
     _end(inferred)
 
 
+def _packed(data: bytes) -> bytes:
+    """Return compressed data: the same bytes for the same data."""
+    import gzip  # noqa: PLC0415 - start-up time
+
+    return gzip.compress(data, mtime=0)
+
+
 def _end(inferred: "Inferred | None") -> None:
     from kg.cli.build_view import left_out  # noqa: PLC0415 - start-up time
 
@@ -142,7 +157,7 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     """Return the format of that name or of a file's ending; None when neither is given."""
     from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
 
-    ending = name or (output.suffix.lstrip(".") if output else "")
+    ending = name or (output.name.removesuffix(".gz").rpartition(".")[2] if output and output.suffix else "")
     if not ending:
         return None
     found = RdfFormat.from_extension(ending.lower()) or _by_other_names(ending.lower())
@@ -166,25 +181,30 @@ def _by_other_names(name: str) -> "RdfFormat | None":
     return others.get(name) or (RdfFormat.from_media_type(name) if "/" in name else None)
 
 
-def _iri(base: str, name: str) -> str:
-    """Return the IRI of a graph given by its short name or as IRI."""
-    return name if ":" in name else f"{base}graph/{name}"
+def _named(base: str, name: str) -> "NamedNode":
+    """Return the graph of a short name or an IRI; UsageError KG003 if it is neither."""
+    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
+
+    try:
+        return NamedNode(name if ":" in name or not name else f"{base}graph/{name}")
+    except ValueError as error:
+        hint = "Give a short name such as `notes`, or an IRI."
+        raise UsageError("KG003", f"`{name}` cannot name a graph: {error}", hint=hint) from error
 
 
 def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: str | None) -> "NamedNode | None":
     """Return the graph that the options name; KG001 when the store does not have it."""
-    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
-
     from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
 
     if source and graph:
         raise UsageError("KG003", "--source and --graph are mutually exclusive", hint="Give one of them.")
-    if not source and not graph:
+    if not source and graph is None:
         return None
-    wanted = Iris(base).source_graph(source) if source else _iri(base, graph or "")
-    found = [one.value for one in snapshot.graphs()]
-    if wanted in found:
-        return NamedNode(wanted)
+    wanted = _named(base, Iris(base).source_graph(source) if source else graph or "")
+    graphs = snapshot.graphs()
+    if wanted in graphs:
+        return wanted
+    found = [one.value for one in graphs]
     start = f"{base}graph/source/" if source else f"{base}graph/"
     names = [one.removeprefix(start) for one in found if one.startswith(start) or not source]
     kind = "source" if source else "graph"

@@ -34,7 +34,10 @@ Text = Annotated[
     ),
 ]
 Parameter = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Set a variable; may be repeated.")
+    list[str] | None,
+    typer.Option(
+        "--param", metavar="NAME=VALUE", help="Set a variable to a text, or with NAME:=TERM to a term; may be repeated."
+    ),
 ]
 Listed = Annotated[bool, typer.Option("--list", "-l", help="List the stored queries.")]
 HelpQuery = Annotated[bool, typer.Option("--help-query", help="Show the purpose and parameters of the stored query.")]
@@ -70,6 +73,10 @@ def query(  # noqa: PLR0913 - the options of a command
     are predefined. The default graph is the union of all graphs. Formats of rows: table, tsv, csv, json, xml,
     markdown, jsonl, parquet (an extra); of graphs: turtle, ntriples, nquads, trig, jsonld, rdfxml.
 
+    A value of --param is a text, or of the type that a stored query declares. A term is written NAME:=TERM, as in
+    Turtle: <urn:a>, ros:Node, 42, true, "text"@en, "2026-01-01"^^xsd:date. The exit code is 0 for every result, also
+    for an empty one and for the answer no.
+
     Use --on-demand FAMILY for rules whose results are too many to store. The answer is the same as if they were
     stored, but only what the query needs is derived. For example:
 
@@ -77,6 +84,7 @@ def query(  # noqa: PLR0913 - the options of a command
         kg query -f mine.rq --format csv > answer.csv
         kg query --list
         kg query who-publishes --param topic=cmd_vel
+        kg query 'SELECT ?node { ?node a ?class }' --param class:=ros:Node
         kg query --store mine --store theirs who-publishes --param topic=cmd_vel
         kg query --on-demand kinship 'SELECT ?who { ?who <urn:x:ancestor> <urn:x:anna> }'
     """
@@ -174,7 +182,22 @@ def _meant(
     from kg.query.terms import unknown_terms  # noqa: PLC0415 - start-up time
 
     value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
-    return [value] if value else unknown_terms(snapshot, asked.text)
+    return [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
+
+
+def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
+    """Yield a sentence for each text that is a term in Turtle, which may have been meant."""
+    from pyoxigraph import Literal  # noqa: PLC0415 - start-up time
+
+    from kg.query.stored import TermText  # noqa: PLC0415 - start-up time
+
+    for name, value in values.items():
+        term = asked.bind({name: value})[name]
+        if isinstance(value, TermText) or not isinstance(term, Literal):
+            continue
+        written = f"<{value}>" if "://" in value and not value.startswith(("<", '"', "'")) else value
+        if asked.read_term(written) not in {None, term}:
+            yield f"?{name} is the text {term}; for the term write --param {name}:={shlex.quote(written)}"
 
 
 def _links(snapshot: "EmbeddedSnapshot") -> "Links":

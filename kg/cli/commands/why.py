@@ -45,7 +45,10 @@ Query = Annotated[
 ]
 Row = Annotated[str, typer.Option("--row", metavar="N", help="Number of the row to explain.", show_default=True)]
 Parameter = Annotated[
-    list[str] | None, typer.Option("--param", metavar="NAME=VALUE", help="Set a variable of the query.")
+    list[str] | None,
+    typer.Option(
+        "--param", metavar="NAME=VALUE", help="Set a variable to a text, or with NAME:=TERM to a term of the query."
+    ),
 ]
 
 

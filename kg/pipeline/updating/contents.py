@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+from io import BytesIO
 from typing import TYPE_CHECKING
 
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, parse
 
 from kg.errors import Place, QueryError
+from kg.store.files import BYTE_ORDER_MARK, parsing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -23,10 +26,12 @@ def quads(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, b
     for number, (content, kind) in enumerate(parts, 1):
         rdf_format = _format(kind)
         name = "content" if number == 1 else f"content of part {number}"
+        plain = content.removeprefix(BYTE_ORDER_MARK)
         try:
-            found = parse(content, rdf_format, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
-            for quad in found:
-                yield Quad(quad.subject, quad.predicate, quad.object, graph)
+            with parsing(rdf_format, partial(BytesIO, plain)):
+                found = parse(plain, rdf_format, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
+                for quad in found:
+                    yield Quad(quad.subject, quad.predicate, quad.object, graph)
         except SyntaxError as error:
             place = Place(name, error.lineno, error.offset)
             raise QueryError("KG562", error.msg, place=place) from error

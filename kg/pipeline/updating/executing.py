@@ -82,8 +82,8 @@ class Executor:
     def allow(self, graph: Any) -> None:
         """Raise KG561 for a graph that may not be written."""
         if graph in self._protected:
-            message = f"the graph {graph} is written by kg alone, and the update would change it"
-            raise QueryError("KG561", message, hint="Leave it out: FILTER(?g != ...) for a variable in GRAPH ?g.")
+            hint = "Change another graph. FILTER(?g != ...) leaves it out of GRAPH ?g."
+            raise QueryError("KG561", f"the graph {graph} is written by kg alone", hint=hint)
 
     def _modify(self, operation: Modify, text: str, using: Sequence[str], using_named: Sequence[str]) -> None:
         own = operation.graph is not None or operation.using or operation.named

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from kg.pipeline.updating.executing import Executor
     from kg.settings import Settings
 
+LEFT_OUT: Final = "a rule was left out"
+"""Beginning of the warnings about rules that did not run."""
 _NEVER: Final = ("inferred", "builds")
 _BUILT: Final = ("shared", "source/", "launch/")
 _FEW: Final = 2
@@ -37,7 +39,7 @@ def warnings(executor: Executor, settings: Settings, inferred: Inferred | None) 
     if kept:
         yield f"{_listed(kept)}: written by kg alone, left as it was"
     for problem in inferred.problems if inferred else ():
-        yield f"a rule was left out: {problem}"
+        yield f"{LEFT_OUT}: {problem}"
 
 
 def _listed(names: list[str]) -> str:

@@ -17,7 +17,7 @@ from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import KgError, QueryError
 from kg.query.evaluation import Dataset, Evaluation, prepare
-from kg.query.formats import write_boolean, write_graph, write_rows
+from kg.query.formats import unfit, write_boolean, write_graph, write_rows
 from kg.query.readers.cache import Pointer
 from kg.query.readers.messages import Call, Configuration, End, Head, Message, Question, Ready, Refresh, frame
 from kg.query.readers.parts import Parts, Pulse
@@ -98,7 +98,7 @@ class _Reader:
         evaluation = prepared.evaluate(snapshot, dataset, question.base)
         kind = evaluation.kind
         if kind not in question.formats:
-            raise QueryError("KG504", f"the query answers {kind}, which no format asked for can hold")
+            raise unfit(kind, *sorted(set(question.formats.values())))
         head = Head(kind, question.formats[kind], snapshot.identity, evaluation.variables, prepared.repeatable)
         parts = Parts(self._answers, head, question.size)
         count, more = self._write(parts, head, evaluation, question)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import escape, quoteattr
 
@@ -10,6 +9,7 @@ from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import QueryError
 from kg.query.writing.values import quoted_and_mark
+from kg.store.serialization import forbidden_in_xml
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,22 +21,7 @@ _NAMESPACE: Final = "http://www.w3.org/2005/sparql-results#"
 _DIRECTION: Final = ' its:dir="{}" xmlns:its="http://www.w3.org/2005/11/its" its:version="2.0"'
 _ESCAPES: Final = {"\r": "&#13;"}
 """An XML parser reads a bare carriage return as a line feed."""
-_UNWRITABLE: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
-"""Characters that XML 1.0 cannot represent, not even as a reference (section 2.2)."""
-
 TAIL: Final = b"</results>\n</sparql>\n"
-
-
-def refuse_unwritable(text: str) -> None:
-    """Reject a text with a character that XML cannot represent.
-
-    Raises:
-        QueryError: KG504 with the character.
-    """
-    found = _UNWRITABLE.search(text)
-    if found:
-        message = f"a text of the answer has the character U+{ord(found.group()):04X}, which XML cannot hold"
-        raise QueryError("KG504", message, hint="Ask for a format that is not XML.")
 
 
 def head(variables: tuple[str, ...]) -> bytes:
@@ -86,6 +71,7 @@ def _marks(mark: str) -> str:
 
 
 def _text(value: str) -> str:
-    if not value.isprintable():
-        refuse_unwritable(value)
+    reason = forbidden_in_xml(value)
+    if reason:
+        raise QueryError("KG504", f"xml cannot represent a text of a row: {reason}", hint="Use json, csv or tsv.")
     return escape(value, _ESCAPES)

@@ -9,7 +9,7 @@ from kg.errors import Fix, Place
 from kg.rules.checks.finding import Context, Finding, at_offset, at_rule
 from kg.rules.checks.tokens import variables
 from kg.rules.form import Atom, Exists, Rule, Variable, atoms_of, binds, mentions
-from kg.similar import asked, similar
+from kg.similar import asked, misspelt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -60,7 +60,7 @@ def variable_used_once(file: RuleFile, _context: Context) -> Iterator[Finding]:
         name = token.text[1:]
         if uses[name] == 1 and not name.startswith("_"):
             others = [other for other in uses if other != name]
-            meant = similar(name, others)
+            meant = misspelt(name, others)
             intended = [f"{token.text[0]}_{name}", *["[]"] * (Variable(name) in blank)]
             fixes = (*(Fix(f"{token.text[0]}{each}") for each in meant), *map(Fix, intended))
             message = f"the variable ?{name} is used only here"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import NamedNode
 
-from kg.errors import RuleError
+from kg.errors import Fix, RuleError
 from kg.rules import form, sparql
 from kg.rules.decompose.blocks import block
 from kg.rules.decompose.calls import prepared
@@ -15,8 +15,9 @@ from kg.rules.decompose.parts import IndivisibleError, Scope
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
 from kg.rules.decompose.work import Names, Work, head_variables
+from kg.similar import asked, misspelt
 from kg.syntax.lexer import normalise
-from kg.syntax.position import place_at
+from kg.syntax.position import place_at, place_of_variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -141,11 +142,13 @@ def _check_head(work: Work) -> None:
     bound = possible(work.rule.group.nodes)
     for triple in work.rule.template:
         for name in sorted(head_variables(triple) - bound):
+            near = [f"?{other}" for other in misspelt(name, (each for each in bound if not each.startswith(".")))]
             raise RuleError(
                 "KG203",
                 f"`?{name}` is in the head, but nothing in the body binds it",
-                place=work.place(triple.span),
-                hint=f"Bind `?{name}` in the body, or leave the triple out.",
+                place=place_of_variable(work.written, name, triple.span.start, triple.span.end, work.path),
+                hint=asked(near) or f"Bind `?{name}` in the body, or leave the triple out.",
+                fixes=map(Fix, near),
             )
 
 

@@ -135,7 +135,7 @@ def why_all(view: View, rules: tuple[Rule, ...], fact: Triple) -> tuple[Proof, .
 
 def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bool) -> _Search:
     if not view.graphs(fact):
-        message = f"the store does not hold {_spelt(view, fact)}"
+        message = f"the store does not contain {_spelt(view, fact)}"
         raise RuleError("KG226", message, hint="`kg why-not` shows what is missing.")
     for width in _WIDTHS:
         search = _Search(view, rules, width)
@@ -144,7 +144,7 @@ def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bo
             search.explore(fact, _SHORTEST_FACTS, whole=True)
         if found:
             return search
-    message = f"no rule in force derives {_spelt(view, fact)}, which the graph of inferred facts holds"
+    message = f"no active rule derives {_spelt(view, fact)}, although the graph of inferred facts contains it"
     raise RuleError("KG226", message, hint="Run `kg rules run`: rules have changed since it was inferred.")
 
 

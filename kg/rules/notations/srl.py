@@ -5,7 +5,6 @@ The bodies of SPARQL RL are those of the internal form, element by element, in t
 
 from __future__ import annotations
 
-import re
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -20,11 +19,11 @@ from kg.rules.decompose.paths import Link, normal
 from kg.rules.decompose.uses import uses
 from kg.rules.decompose.work import Names
 from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Pattern, Rule, Term, TripleTerm, Variable
-from kg.similar import asked, similar
+from kg.similar import asked, misspelt
 from kg.syntax import tree
 from kg.syntax.lexer import normalise
 from kg.syntax.parser import parse_srl
-from kg.syntax.position import place_at
+from kg.syntax.position import place_at, place_of_variable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -248,11 +247,10 @@ class _Checker:
 
     def unbound(self, name: str, span: Span, message: str, bound: set[str]) -> RuleError:
         """Return the error that a variable is not bound."""
-        near = similar(name, {other for other in bound if not other.startswith(".")})
+        near = misspelt(name, {other for other in bound if not other.startswith(".")})
         hint = asked(near) or f"Bind `?{name}` by a triple or SET before it is read."
         return self._error(name, span, message, hint, [Fix(f"?{each}") for each in near])
 
     def _error(self, name: str, span: Span, message: str, hint: str, fixes: Iterable[Fix] = ()) -> RuleError:
-        found = re.compile(rf"[?$]{re.escape(name)}(?!\w)").search(self._text, span.start, span.end)
-        place = place_at(self._text, found.start() if found else span.start, self._path)
+        place = place_of_variable(self._text, name, span.start, span.end, self._path)
         return RuleError("KG203", message, place=place, hint=hint, fixes=fixes)

@@ -20,7 +20,7 @@ from kg.robot.programs.tree import Program
 from kg.robot.programs.trees import behavior_tree, program_of
 from kg.server.errors import RequestError
 from kg.server.methods import route
-from kg.server.parameters import media_type
+from kg.server.parameters import media_type, unsupported
 from kg.server.robot.judging import LONGEST, Robot, judged
 from kg.server.safety.tokens import is_trusted
 from kg.server.state import state
@@ -69,7 +69,7 @@ class _Do(msgspec.Struct, forbid_unknown_fields=True):
 async def _read(request: Request, kind: type[_Body]) -> _Body:
     """Return the decoded body of a request; KG520 if it is invalid, KG524 if it is not JSON."""
     if media_type(request) != "application/json":
-        raise RequestError("KG524", "the body is not application/json")
+        raise unsupported(media_type(request), "application/json")
     body = await request.body()
     if len(body) > LONGEST:
         raise RequestError("KG525", f"the body is longer than {LONGEST} bytes")

@@ -44,7 +44,7 @@ def announced(most: int) -> Check:
             )
         headers = dict(given)
         if headers.get(b"content-encoding", b"identity").lower() != b"identity":
-            return RequestError("KG524", "compressed bodies are not read", headers={"Accept-Encoding": "identity"})
+            return RequestError("KG524", "compressed bodies are not supported", headers={"Accept-Encoding": "identity"})
         length = headers.get(b"content-length", b"0")
         if not length.isdigit():
             return RequestError("KG520", "the header Content-Length is not a number")

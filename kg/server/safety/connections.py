@@ -19,6 +19,7 @@ from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 from kg.server.addresses import rooted
 from kg.server.errors import STATUS, RequestError, problem
+from kg.server.safety.bodies import ADDRESS_BYTES
 from kg.server.safety.floods import ALWAYS
 from kg.server.safety.headers import HEADERS
 
@@ -35,6 +36,8 @@ STALLED_SECONDS: Final = 60.0
 """Maximum seconds for a client to read none of its response."""
 LINGER_SECONDS: Final = 2.0
 """Seconds during which input is discarded after a refusal: closing at once could drop the response."""
+URL_BYTES: Final = 60 << 10
+"""Maximum length in bytes of an address that uvicorn parses; the application checks the limit for clients."""
 JOINED_BYTES: Final = 4096
 """A larger part of a response is sent at once."""
 LINGER_BYTES: Final = 1 << 20
@@ -163,13 +166,13 @@ class Guarded(HttpToolsProtocol):
                 self.transport.abort()
             return
         super().data_received(data)
-        if self._in_head and self._head > HEAD_BYTES and not self._refused:
+        if self._in_head and self._head > HEAD_BYTES and not self._is_address_long():
             self._refuse("KG535", f"the headers have more than {HEAD_BYTES} bytes")
 
-    def send_400_response(self, msg: str) -> None:
+    def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - uvicorn's signature
         """Respond to malformed HTTP: KG520."""
         if not self._refused:
-            self._refuse("KG520", msg)
+            self._refuse("KG520", "the request is not valid HTTP")
 
     def on_message_begin(self) -> None:
         """Start the timer for the headers."""
@@ -177,16 +180,24 @@ class Guarded(HttpToolsProtocol):
         self._start("head", HEAD_SECONDS, self._head_is_late)
         super().on_message_begin()
 
+    def _is_address_long(self) -> bool:
+        """Refuse a request whose address is longer than uvicorn can parse (KG526); return whether it is refused."""
+        if not self._refused and len(self.url) > URL_BYTES:
+            self._refuse("KG526", f"the address is longer than {ADDRESS_BYTES} bytes")
+        return self._refused
+
     def on_headers_complete(self) -> None:
-        """Pass the request to the application; KG533 above the limit of requests."""
+        """Pass the request to the application; KG526 for its address, KG533 above the limit of requests."""
         self._in_head = False
         self._stop("head")
+        if self._is_address_long():
+            return
         path = self.url.partition(b"?")[0].decode("latin-1").removeprefix(self.crowd.root)
         if len(self.crowd.answering) >= self.crowd.most and path not in ALWAYS and not self._refused:
             self._refuse("KG533", f"{self.crowd.most} requests are being answered already")
         if not self._refused:
-            self._answering = True
             super().on_headers_complete()
+            self._answering = True
 
     def on_body(self, body: bytes) -> None:
         """Pass on a part of a body."""
@@ -231,7 +242,7 @@ class Guarded(HttpToolsProtocol):
         """Refuse a request without the application, and close the connection."""
         self._refused = True
         self._stop("head")
-        if self.transport.is_closing() or self._answering:
+        if self.transport.is_closing() or (self._answering and not self._may_answer()):
             self.transport.abort()
             return
         with rooted(self.crowd.root):
@@ -250,6 +261,15 @@ class Guarded(HttpToolsProtocol):
         if self.transport.can_write_eof():
             self.transport.write_eof()
         self._start("linger", LINGER_SECONDS, self.transport.abort)
+
+    def _may_answer(self) -> bool:
+        """Take over the response to a request whose body is malformed; False if another one has begun."""
+        cycle = self.cycle
+        if cycle.response_started or not cycle.more_body or self.pipeline:
+            return False
+        cycle.disconnected = True  # the application is told that the client left, and sends nothing
+        cycle.message_event.set()
+        return True
 
     def _start(self, name: str, seconds: float, then: Any) -> None:
         self._stop(name)

@@ -43,10 +43,11 @@ class Hosts:
         """Return the error for a request for another host."""
         named = [value.decode("latin-1") for name, value in request.scope["headers"] if name == b"host"]
         if len(named) != 1:
-            return RequestError("KG520", f"the request has {len(named)} headers Host", hint="Send one.")
+            problem = f"the Host header is sent {len(named)} times" if named else "the Host header is missing"
+            return RequestError("KG520", problem, hint="Send it once.")
         name = _name(named[0])
         if name is None:
-            return RequestError("KG520", f"the header Host names no host: {named[0]!r}")
+            return RequestError("KG520", f"the Host header does not contain a host: {named[0]!r}")
         if name in self._named or (self._any_address and _is_address(name)):
             return None
         return RequestError("KG527", f"this server does not answer for the host {named[0]!r}")

@@ -117,7 +117,7 @@ class Doors:
         scope["kg.trusted"] = self._has_token(request)
         changes = _changes(request)
         if changes and not self._write:
-            return RequestError("KG530", "this server reads only")
+            return RequestError("KG530", "this server is read-only")
         moves = scope["method"] not in SAFE and scope["path"].rstrip("/") in MOVING
         if moves and not self._move:
             hint = "Start it with a token, in KG_TOKEN or by --token-file, and log in with that."

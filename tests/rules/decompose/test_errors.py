@@ -11,14 +11,22 @@ from kg.rules.form import EngineBlock
 
 
 def test_a_variable_of_the_head_that_nothing_binds_is_refused() -> None:
-    """KG203 has the variable, its triple and instructions."""
+    """KG203 has the variable, its place and instructions."""
     text = "CONSTRUCT {\n  ?x <urn:h> ?z }\nWHERE { ?x <urn:p> ?y FILTER(?z > 1) MINUS { ?y <urn:q> ?z } }"
     with pytest.raises(RuleError) as caught:
         read(text)
     assert caught.value.code == "KG203"
     assert "`?z`" in caught.value.message
-    assert caught.value.place == Place("rule.rq", 2, 3, "  ?x <urn:h> ?z }")
+    assert caught.value.place == Place("rule.rq", 2, 14, "  ?x <urn:h> ?z }", 2, 16)
     assert caught.value.hint
+
+
+def test_a_misspelt_variable_of_the_head_is_suggested() -> None:
+    """KG203 suggests a bound variable of nearly the same name, not one that only contains it."""
+    for body, hint in (("?node <urn:p> ?n1", "Did you mean `?node`?"), ("?scanner_node <urn:p> ?other", "Bind `?nod`")):
+        with pytest.raises(RuleError) as caught:
+            read(f"CONSTRUCT {{ ?nod <urn:h> 1 }} WHERE {{ {body} }}")
+        assert (caught.value.hint or "").startswith(hint)
 
 
 @pytest.mark.parametrize(

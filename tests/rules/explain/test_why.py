@@ -69,9 +69,9 @@ def test_cycles_prove_nothing() -> None:
     world = World(":a :knows :b .", (SAME,))
     check(why(world.view, world.rules, fact("b knows a")))
     world.store.remove(next(iter(world.store.quads_for_pattern(None, None, fact("b b b").object))))
-    with pytest.raises(RuleError, match="does not hold"):
+    with pytest.raises(RuleError, match="does not contain"):
         why(world.view, world.rules, fact("a knows b"))
-    with pytest.raises(RuleError, match="no rule in force derives"):
+    with pytest.raises(RuleError, match="no active rule derives"):
         why(world.view, world.rules, fact("b knows a"))
 
 
@@ -108,7 +108,7 @@ def test_graphs_that_rules_do_not_read_prove_nothing() -> None:
     moved = fact("b parent c")
     world.store.remove(next(iter(world.store.quads_for_pattern(moved.subject, moved.predicate, moved.object))))
     world.store.add(Quad(moved.subject, moved.predicate, moved.object, BUILDS))
-    with pytest.raises(RuleError, match="no rule in force derives"):
+    with pytest.raises(RuleError, match="no active rule derives"):
         why(world.view, world.rules, fact("a ancestor c"))
 
 

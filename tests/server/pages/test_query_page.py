@@ -69,7 +69,7 @@ def test_what_is_wrong_is_underlined(browser: Chromium, site: str) -> None:
 
     under, problem, text, left = visited(browser, site, mistake)
     assert under == "FILTR"
-    assert "2:12 FILTR is not expected here. Did you mean FILTER?" in problem
+    assert "2:12 expected a pattern or }, found FILTR. Did you mean FILTER?" in problem
     assert "FILTER(?s != ?p)" in text
     assert left == 0
 

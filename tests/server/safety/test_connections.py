@@ -149,6 +149,33 @@ def test_a_chunked_body_without_end(server: Serving) -> None:
     assert b" 413 " in answer
 
 
+@pytest.mark.parametrize("body", [b"zz\r\nASK {}\r\n", b"5\r\nASK {}\r\n0\r\n\r\n"])
+def test_a_malformed_body_is_answered(server: Serving, body: bytes) -> None:
+    """A body whose chunks are malformed gets 400, although the application waits for it."""
+    head = b"POST /sparql HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/sparql-query\r\n"
+    answer = heard(opened(server, head + b"Transfer-Encoding: chunked\r\n\r\n" + body))
+    assert (answer.startswith(b"HTTP/1.1 400 "), b"KG520" in answer) == (True, True)
+    assert is_alive(server)
+
+
+@pytest.mark.parametrize("length", [10_000, 64_000, 90_000, 3_000_000])
+def test_long_addresses_are_answered(server: Serving, length: int) -> None:
+    """An address of any length above the limit gets 414."""
+    connection = opened(server)
+    with suppress(ConnectionError):
+        connection.sendall(b"GET /sparql?query=" + b"a" * length + b" HTTP/1.1\r\nHost: localhost\r\n\r\n")
+    answer = connection.recv(65536)
+    connection.close()
+    assert (answer.startswith(b"HTTP/1.1 414 "), b"KG526" in answer) == (True, True)
+
+
+def test_options_of_the_whole_server(server: Serving) -> None:
+    """`OPTIONS *` lists the methods of all addresses (RFC 9110, section 9.3.7)."""
+    answer = heard(opened(server, b"OPTIONS * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"))
+    assert answer.startswith(b"HTTP/1.1 204 ")
+    assert b"\r\nallow: delete, get, head, options, post, put, query\r\n" in answer.lower()
+
+
 @pytest.mark.parametrize(
     "said",
     [
