@@ -112,6 +112,10 @@ class Publication(Protocol):
     def peers(self) -> int:
         """Number of connected subscribers."""
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether every connected subscriber has confirmed all messages; False if the connection cannot tell."""
+
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost."""
 

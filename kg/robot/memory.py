@@ -80,6 +80,11 @@ class MemoryPublication:
         return len(self._side.subscriptions)
 
     @property
+    def confirmed(self) -> bool:
+        """Whether all messages were received: subscribers get them at once."""
+        return True
+
+    @property
     def _side(self) -> Topic:
         return self._owner.bus.topics[self._topic]
 

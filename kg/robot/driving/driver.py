@@ -329,15 +329,22 @@ class Driver:
             afterwards=types.complete(found.sends, found.zero(now)) if found.moves else None,
         )
 
-    async def stop(self) -> None:
-        """Stop the robot: end all commands, send zero to every topic that ever moved, cancel all goals."""
-        await asyncio.shield(asyncio.ensure_future(self._stop()))
+    async def stop(self, *, released: bool = False) -> None:
+        """Stop the robot: end all commands, send zero to every topic that ever moved, cancel all goals.
 
-    async def _stop(self) -> None:
+        Topics that were released get zero only with `released`: another client may drive the robot by them.
+        """
+        await asyncio.shield(asyncio.ensure_future(self._stop(released=released)))
+
+    async def release(self, seconds: float) -> None:
+        """Stop publishing topics that stopped some seconds ago, if their subscribers have confirmed it."""
+        await self._doing.release(seconds)
+
+    async def _stop(self, *, released: bool) -> None:
         commands = list(self._commands)
         for command in commands:
             command.end("stopped")
-        await self._doing.still(again=True)
+        await self._doing.still(released=released)
         await asyncio.gather(*(command.ended() for command in commands))
 
     def saw(self, graph: ComputationGraph) -> None:

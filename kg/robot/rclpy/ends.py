@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any, Final
 
+from rclpy.duration import Duration
+from rclpy.qos import ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
 from kg.errors import RobotError
@@ -67,8 +69,16 @@ class RclpyWriter(End):
     """A publisher of raw messages."""
 
     def __init__(self, node: Any, topic: str, kind: Any, qos: Any) -> None:
+        self._node = node
         self._publisher = node.create_publisher(kind, topic, qos)
         super().__init__(self._publisher.get_subscription_count, lambda: node.destroy_publisher(self._publisher))
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether all subscribers are reliable and have confirmed all messages."""
+        readers = self._node.get_subscriptions_info_by_topic(self._publisher.topic_name)
+        reliable = all(one.qos_profile.reliability is ReliabilityPolicy.RELIABLE for one in readers)
+        return reliable and not self._closed and bool(self._publisher.wait_for_all_acked(Duration()))
 
     def write(self, content: bytes) -> None:
         """Send a message; RobotError KG803 if that fails."""

@@ -159,6 +159,11 @@ class Ros2Publication:
         """Number of connected subscribers."""
         return 0 if self._closed else self._writer.peers
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether every subscriber has confirmed all messages, as far as the middleware can tell."""
+        return not self._closed and self._writer.confirmed
+
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the topic is closed."""
         content = self._encode(value)

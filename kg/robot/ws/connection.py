@@ -218,6 +218,11 @@ class _Publication:
         """Number of subscribers."""
         return self._connection.hears(self.topic)
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether messages arrived: bridges do not tell."""
+        return False
+
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG803, KG805."""
         await self._connection.publish(self, value)

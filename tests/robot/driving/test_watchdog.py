@@ -27,6 +27,7 @@ TOPIC, KIND = "/cmd_vel", "geometry_msgs/TwistStamped"
 
 MOVED = f"{json.dumps(['topic', TOPIC, KIND, ZERO])}\n"
 LEFT = f'["forget", "{TOPIC}"]\n'
+WITHDRAWN = f'["withdraw", "{TOPIC}"]\n'
 BEAT = '["beat"]\n'
 NEVER = 3600.0
 
@@ -39,6 +40,9 @@ NEVER = 3600.0
         (MOVED + '["end"]\n', 0),
         (MOVED + LEFT, 0),
         (MOVED + LEFT + MOVED, 5),
+        (MOVED + WITHDRAWN, 5),
+        (MOVED + LEFT + WITHDRAWN, 0),
+        (MOVED + LEFT + WITHDRAWN + MOVED, 5),
         (f'["topic", "/arm", "own_msgs/Nobody", {{}}]\n{MOVED}', 5),
         (f'["topic", "/arm", "geometry_msgs/Twist", {{}}]\n{MOVED}', 5),
         (f'{MOVED}["topic", "/arm", "geome', 5),
@@ -104,6 +108,28 @@ def test_a_robot_that_was_lost_is_stopped_when_it_is_back() -> None:
 async def _process(address: str, silence: float) -> Process:
     command = (sys.executable, "-c", "from kg.robot.driving.watchdog import main; main()", address, str(silence))
     return await asyncio.create_subprocess_exec(*command, stdin=PIPE, stdout=PIPE, stderr=PIPE)
+
+
+def test_a_topic_that_stopped_is_withdrawn() -> None:
+    """After the controller has released a topic, its watchdog does not publish it either."""
+
+    async def scene() -> None:
+        async with Master() as master, asyncio.timeout(patient(20)):
+            base = await connect(master.address, name="/base")
+            process = await _process(master.address, NEVER)
+            assert process.stdin is not None
+            process.stdin.write(MOVED.encode())
+            graphs = base.changes()
+            while not any(end.name == TOPIC for end in (await anext(graphs)).ends):
+                pass
+            process.stdin.write((LEFT + WITHDRAWN).encode())
+            while any(end.name == TOPIC for end in (await anext(graphs)).ends):
+                pass
+            _, said = await process.communicate(b'["end"]\n')
+            assert not said
+            await base.aclose()
+
+    asyncio.run(scene())
 
 
 def test_silence_sends_zero_and_is_reported_once() -> None:
