@@ -145,7 +145,7 @@ class Ros2Connection:
         if self.types.knows(message):
             return
         package = kind.partition("/")[0]
-        hint = f"Read its definition with `kg build` of the package `{package}`."
+        hint = f"Source a ROS 2 workspace that has the package `{package}`; kg reads its definition from there."
         because = f": {why}" if why else ""
         raise RobotError("KG804", f"the message type `{message}` is not known{because}", hint=hint)
 
