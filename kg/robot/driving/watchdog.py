@@ -310,6 +310,7 @@ class _Watching:
             done = [f"zero velocity was sent to `{topic}`" for topic in zeros]
             done += [f"a goal of `{action}` was cancelled" for action in goals.values()]
             _report("KG828", f"{why}: {', '.join(done)}")
+            self._connection.log("error", f"[KG828] {why}: {', '.join(done)}")
         work = [self._still(topic, zero) for topic, zero in zeros.items()]
         work += [self._cancelled(identity, action) for identity, action in goals.items()]
         await asyncio.gather(*work, return_exceptions=True)  # the unreachable were reported, or do not subscribe

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _STORES: Final = {1: Stores.ROS1_NOETIC, 2: Stores.ROS2_JAZZY}
 _ACTION_PARTS: Final = ("_Goal", "_Result", "_Feedback")
+_ENCAPSULATION: Final = 4  # bytes before the first field in CDR
 _SERVICE_PARTS: Final = ("_Request", "_Response")
 
 
@@ -149,6 +150,16 @@ class Types:
         try:
             read = self._store.deserialize_ros1 if self.ros == 1 else self._store.deserialize_cdr
             return plain(self._store, kind, read(content, kind))
+        except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
+            raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
+
+    def trimmed(self, name: str, content: bytes) -> bytes:
+        """Return a value in CDR without the bytes that a library left behind it; errors as `decode`."""
+        kind = self._known(name)
+        known = self._store.get_msgdef(kind)
+        try:
+            read = known.deserialize_cdr_le if content[1] else known.deserialize_cdr_be
+            return content[: _ENCAPSULATION + read(content[_ENCAPSULATION:], 0, known.cls, self._store)[1]]
         except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
             raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from rclpy.duration import Duration
 from rclpy.qos import ReliabilityPolicy
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from kg.robot.ros2.middleware import Deliver
 
+Trimmed: TypeAlias = "Callable[[bytes], bytes]"
+"""Removes what `serialize_message` leaves behind a message: its buffer is as long as Fast DDS estimates."""
 _MOMENT: Final = 0.02  # seconds between checks for ends of other nodes, which rclpy does not report
 
 
@@ -91,9 +93,10 @@ class RclpyWriter(End):
 class RclpyCaller(End):
     """A client of a service."""
 
-    def __init__(self, node: Any, service: str, kind: Any) -> None:
+    def __init__(self, node: Any, service: str, kind: Any, trimmed: Trimmed) -> None:
         self._loop = asyncio.get_running_loop()
         self._kind = kind
+        self._trimmed = trimmed
         self._client = node.create_client(kind, service)
         super().__init__(lambda: int(self._client.service_is_ready()), lambda: node.destroy_client(self._client))
 
@@ -109,7 +112,7 @@ class RclpyCaller(End):
         future = self._client.call_async(deserialize_message(content, self._kind.Request))
         future.add_done_callback(lambda done: _passed(self._loop, answer, serialize_message(done.result())))
         try:
-            return await answered
+            return self._trimmed(await answered)
         finally:
             self._client.remove_pending_request(future)
 
@@ -121,10 +124,13 @@ class RclpyServer(End):
     response is sent when it is ready.
     """
 
-    def __init__(self, node: Any, service: str, kind: Any, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
+    def __init__(
+        self, node: Any, service: str, kind: Any, answer: Callable[[bytes], Awaitable[bytes]], trimmed: Trimmed
+    ) -> None:
         loop = asyncio.get_running_loop()
         self._kind = kind
         self._answer = answer
+        self._trimmed = trimmed
         self._tasks = Tasks()
         self._service = node.create_service(kind, service, self._ask)
         self._send = self._service.send_response
@@ -140,9 +146,12 @@ class RclpyServer(End):
             self._tasks.spawn(self._respond(asked, header), "answering a service")
 
     async def _respond(self, asked: bytes, header: Any) -> None:
-        found = await outcome(self._answer(asked))
+        found = await outcome(self._answered(asked))
         if isinstance(found, bytes) and not self._closed:
             self._send(deserialize_message(found, self._kind.Response), header)
+
+    async def _answered(self, asked: bytes) -> bytes:
+        return await self._answer(self._trimmed(asked))
 
     def close(self) -> None:
         """Stop serving; pending requests get no response."""

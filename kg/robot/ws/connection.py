@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.client import ClientConnection
 
+    from kg.robot.connection import Level
     from kg.robot.messages import Types
     from kg.robot.ws.foxglove import Foxglove
     from kg.robot.ws.rosbridge import Rosbridge
@@ -179,6 +180,10 @@ class BridgeConnection:
         raise RobotError("KG852", f"{self.address} is a bridge; kg cannot send goals or offer services over it")
 
     send_goal = canceller = serve = serve_action = _impossible
+
+    def log(self, level: Level, message: str) -> None:
+        """Do nothing: bridges have no log."""
+        del level, message
 
     async def wait_lost(self) -> str:
         """Return the reason when the connection is lost; never before."""

@@ -155,6 +155,26 @@ def test_silence_sends_zero_and_is_reported_once() -> None:
     asyncio.run(scene())
 
 
+def test_the_log_of_the_robot_says_why_it_was_stopped() -> None:
+    """What the watchdog did is on `/rosout`, for people who do not see the controller's terminal."""
+
+    async def scene() -> None:
+        async with Master() as master, asyncio.timeout(patient(20)):
+            base = await connect(master.address, name="/base")
+            await base.subscribe(TOPIC, KIND, queue=100)
+            lines = aiter(await base.subscribe("/rosout", "rosgraph_msgs/Log"))
+            process = await _process(master.address, 0.2)
+            assert process.stdin is not None
+            process.stdin.write(MOVED.encode())
+            line = (await anext(lines)).value
+            assert (line["level"], line["name"]) == (8, f"/kg_watchdog_{process.pid}")
+            assert "zero velocity was sent to `/cmd_vel`" in line["msg"]
+            await process.communicate(b"")
+            await base.aclose()
+
+    asyncio.run(scene())
+
+
 def test_heartbeats_keep_a_movement_up() -> None:
     """While the loop of the controller runs nothing is sent, however long the movement takes."""
 

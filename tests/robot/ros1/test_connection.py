@@ -236,6 +236,27 @@ def test_what_waits_for_a_slow_subscriber_is_sent_before_the_topic_ends() -> Non
     assert asyncio.run(scene()).endswith(b"stand still")
 
 
+def test_our_log_is_on_rosout() -> None:
+    """Lines of the log have level, name and time of the node."""
+
+    async def scene() -> Value:
+        async with Master() as master:
+            one, two = await connect(master.address, name="/one"), await connect(master.address, name="/two")
+            lines = aiter(await two.subscribe("/rosout", "rosgraph_msgs/Log"))
+            asking = asyncio.ensure_future(anext(lines))
+            async with asyncio.timeout(patient(10)):
+                while not asking.done():
+                    one.log("warning", "it slips")
+                    await asyncio.sleep(0.05)
+            await one.aclose()
+            await two.aclose()
+            return asking.result().value
+
+    line = asyncio.run(scene())
+    assert (line["level"], line["name"], line["msg"]) == (4, "/one", "it slips")
+    assert line["header"]["stamp"]["sec"]
+
+
 def test_a_topic_is_offered_after_an_offer_was_given_up() -> None:
     """An advertised topic is found by subscribers, even if another advertisement was just cancelled."""
 
@@ -265,7 +286,7 @@ def test_connecting_can_be_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
         begun.set()
         await asyncio.sleep(3600)
 
-    monkeypatch.setattr(Ros1Connection, "advertise", never)
+    monkeypatch.setattr(Ros1Connection, "open_log", never)
 
     async def scene() -> None:
         async with Master() as master:
