@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from kg.robot.ros2.address import Address
 
 
-_STAYS: Final = 1.0  # seconds after which our node offers what every node does
+_STAYS: Final = 1.0  # seconds, once the graph is complete, after which our node offers what every node does
 
 
 class _Open(Protocol):
@@ -64,7 +64,7 @@ class Ros2Connection:
     @classmethod
     async def open(cls, wire: Middleware, address: Address, name: str) -> Self:
         """Return the connection of a node that has just joined; it watches the graph and the robot's clock."""
-        watch = Watch(wire.neighbourhood, address.settle)
+        watch = Watch(wire.neighbourhood, address.settle, address.quiet)
         wire.begin(watch)
         connection = cls(wire, watch, address, name)
         await connection.follow_clock()
@@ -84,6 +84,7 @@ class Ros2Connection:
 
     async def _stay(self) -> None:
         """Offer the interfaces of every node, unless ours leaves at once, as that of a short command."""
+        await self.watch.settled()
         await asyncio.sleep(_STAYS)
         await self._interfaces.serve()
 

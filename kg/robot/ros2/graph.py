@@ -127,16 +127,18 @@ class Watch:
         look: returns the current nodes and ends.
         settle: seconds until the graph is complete. Discovery depends on the network, so this is wall-clock time even
         if the robot is simulated.
+        quiet: seconds without a change after which a graph with nodes is complete before that; None for never.
 
     `amend` may add what the middleware does not report; `on_problem` receives new problems.
     """
 
-    def __init__(self, look: Callable[[], Neighbourhood], settle: float) -> None:
+    def __init__(self, look: Callable[[], Neighbourhood], settle: float, quiet: float | None = None) -> None:
         self._look = look
         self.amend: Callable[[ComputationGraph], ComputationGraph] = lambda seen: seen
         self.on_problem: Callable[[GraphProblem], None] = lambda _: None
         self._loop = asyncio.get_running_loop()
-        self._settled = self._loop.time() + settle
+        self._settled = self._latest = self._loop.time() + settle
+        self._quiet = quiet
         self._changes = Changes()
         self._problems: dict[GraphProblem, None] = {}
         self._seen = False
@@ -177,6 +179,10 @@ class Watch:
     def _tell(self) -> None:
         self._gathering = None
         self._count()
+        if self._quiet is not None and self._seen and not self.complete:
+            self._settled = min(self._latest, self._loop.time() + self._quiet)
+            self._settling.cancel()
+            self._settling = self._loop.call_at(self._settled, self.changed)
         self._changes.tell()
 
     def _count(self) -> None:
