@@ -271,10 +271,10 @@ def _line(*parts: str) -> str:
     return "  ".join(part for part in parts if part)
 
 
-def paged(lines: Iterable[str], legend: list[str], page: int, size: int) -> str:
+def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = "`page` {}") -> str:
     """Return a page of lines of at most `size` bytes, with what tells of the others; pages count from 1.
 
-    A line that is longer than a page is cut. Every page ends with the legend.
+    A line that is longer than a page is cut. Every page ends with the legend. `further` names the page of a number.
     """
     tail = "\n".join(legend)
     room = max(size - len(tail.encode()) - 100, 200)
@@ -291,7 +291,8 @@ def paged(lines: Iterable[str], legend: list[str], page: int, size: int) -> str:
         used += len(content) + 1
     if page > len(pages):
         return f"page {page} does not exist; the answer has {len(pages)}"
-    more = [f"page {page} of {len(pages)}; continue with `page` {page + 1}"] if page < len(pages) else []
+    next_page = further.format(page + 1)
+    more = [f"page {page} of {len(pages)}; continue with {next_page}"] if page < len(pages) else []
     if len(pages) > 1 and not more:
         more = [f"page {page} of {len(pages)}"]
     return "\n".join([*pages[page - 1], *more, *legend])

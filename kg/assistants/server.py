@@ -14,7 +14,7 @@ from kg.query.readers.pool import Readers
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Awaitable, Callable
 
     from kg.settings import Settings
 
@@ -63,18 +63,9 @@ def create_server(settings: Settings) -> MCPServer:
 
 def _add_resources(server: MCPServer, tools: Tools) -> None:
     """Offer what the store has as documents: lists, and one document for each node, launch file and rule."""
-
-    @server.resource("kg://nodes", description="The nodes of the store, by package.", mime_type="text/plain")
-    async def nodes() -> str:
-        return await tools.nodes()
-
-    @server.resource("kg://launch-files", description="The launch files of the store.", mime_type="text/plain")
-    async def launch_files() -> str:
-        return await tools.launch_files()
-
-    @server.resource("kg://rules", description="The rules in force, by name and title.", mime_type="text/plain")
-    async def rules() -> str:
-        return await tools.rules()
+    _add_list(server, "nodes", "The nodes of the store, by package", tools.nodes)
+    _add_list(server, "launch-files", "The launch files of the store", tools.launch_files)
+    _add_list(server, "rules", "The rules in force, by name and title", tools.rules)
 
     @server.resource("kg://node/{package}/{name}", description="One node.", mime_type="text/plain")
     async def node(package: str, name: str) -> str:
@@ -87,6 +78,18 @@ def _add_resources(server: MCPServer, tools: Tools) -> None:
     @server.resource("kg://rule/{family}/{name}", description="One rule: its text.", mime_type="text/plain")
     async def rule(family: str, name: str) -> str:
         return await tools.rule(f"{unquote(family)}/{unquote(name)}")
+
+
+def _add_list(server: MCPServer, name: str, description: str, listed: Callable[[int], Awaitable[str]]) -> None:
+    """Offer a list, and its further pages."""
+
+    @server.resource(f"kg://{name}", description=f"{description}.", mime_type="text/plain")
+    async def first() -> str:
+        return await listed(1)
+
+    @server.resource(f"kg://{name}/{{page}}", description=f"{description}, a page.", mime_type="text/plain")
+    async def further(page: int) -> str:
+        return await listed(page)
 
 
 def _add_prompts(server: MCPServer) -> None:

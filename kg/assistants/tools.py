@@ -18,7 +18,7 @@ from kg.errors import KgError
 from kg.query.readers.messages import Question
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Coroutine
+    from collections.abc import Callable, Coroutine, Iterable
 
     from kg.query.readers.pool import Readers
 
@@ -308,19 +308,21 @@ class Tools:
                 *("robot", "run", path, how, *self._robot, *self._store), seconds=seconds, page=page, hidden=folder
             )
 
-    async def nodes(self) -> str:
+    async def nodes(self, page: int = 1) -> str:
         """Return the names of the nodes by package, for the resource of that name."""
-        return _document(await self._answer("list", {"of": "nodes", "limit": str(_MOST_NODES)}), lines.nodes)
+        found = await self._answer("list", {"of": "nodes", "limit": str(_MOST_NODES)})
+        return _document("nodes", lines.nodes(found, lines.Where(), detail=False), page)
 
-    async def launch_files(self) -> str:
+    async def launch_files(self, page: int = 1) -> str:
         """Return the launch files with their counts, for the resource of that name."""
-        return _document(await self._answer("systems", {}), lines.systems)
+        found = await self._answer("systems", {})
+        return _document("launch-files", lines.systems(found, lines.Where(), detail=False), page)
 
-    async def rules(self) -> str:
+    async def rules(self, page: int = 1) -> str:
         """Return the names and titles of the rules in force, for the resource of that name."""
         found = await self._answer("rules", {})
-        every = [one for family in found["families"] if family["in_force"] for one in family["rules"]]
-        return lines.paged([f"{one['rule']}: {one['title']}" for one in every], [], 1, _DETAILED)
+        every = (one for family in found["families"] if family["in_force"] for one in family["rules"])
+        return _document("rules", (f"{one['rule']}: {one['title']}" for one in every), page)
 
     async def rule(self, name: str) -> str:
         """Return the text of a rule, for the resource of that name."""
@@ -374,9 +376,9 @@ def _text(found: dict[str, Any], written: Callable[..., Any], *, none: str = "no
     return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE)
 
 
-def _document(found: dict[str, Any], written: Callable[..., Any]) -> str:
-    """Return a resource: the first lines of a list, on one page of the size of pages with detail."""
-    return lines.paged(list(written(found, lines.Where(), detail=False)), [], 1, _DETAILED)
+def _document(name: str, shown: Iterable[str], page: int) -> str:
+    """Return a page of the resource that lists what a store has; the next page is a resource of its own."""
+    return lines.paged(shown, [], page, PAGE, further=f"kg://{name}/{{}}")
 
 
 def _told(error: KgError) -> ToolError:

@@ -346,16 +346,24 @@ def _short(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, float):
         return "free" if math.isinf(value) else f"{value:.3f}"
-    text = f"{len(value)} bytes" if isinstance(value, bytes) else str(value)
+    text = _of_bytes(value) if isinstance(value, bytes) else str(value)
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
 
 
+_SHOWN: Final = 16
+"""Bytes up to which an array is written in hexadecimal: identities of goals are that long, and images longer."""
+
+
+def _of_bytes(value: bytes) -> str:
+    return value.hex() if len(value) <= _SHOWN else f"{len(value)} bytes"
+
+
 def _plain(value: Any) -> Any:
-    """Return a value for JSON: null for numbers that are not finite, the length for bytes."""
+    """Return a value for JSON: null for numbers that are not finite."""
     if isinstance(value, dict):
         return {name: _plain(one) for name, one in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(one) for one in value]
     if isinstance(value, bytes):
-        return f"{len(value)} bytes"
+        return _of_bytes(value)
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -8,7 +8,7 @@ fields by name, lists, numbers, texts, and bytes for arrays of bytes; times are 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, TypeAlias
 
 from kg.errors import KgError, RobotError
 from kg.facts import Qos, Role  # noqa: TC001 - read when the classes are made
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.messages import Types
 
+Level: TypeAlias = Literal["info", "warning", "error"]
+"""The severity of a line of the log."""
 Value: TypeAlias = dict[str, Any]
 """A message as plain values."""
 FAILURES: Final = (KgError, ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
@@ -111,6 +113,10 @@ class Publication(Protocol):
     @property
     def peers(self) -> int:
         """Number of connected subscribers."""
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether every connected subscriber has confirmed all messages; False if the connection cannot tell."""
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost."""
@@ -209,6 +215,9 @@ class Connection(Protocol):
 
     async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
         """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
+
+    def log(self, level: Level, message: str) -> None:
+        """Write a line to the log of the robot (`/rosout`), if the connection supports that."""
 
     async def wait_lost(self) -> str:
         """Return the reason when the connection is lost; never before."""

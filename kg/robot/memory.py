@@ -25,6 +25,7 @@ from kg.robot.connection import (
     Accepted,
     ComputationGraph,
     GraphProblem,
+    Level,
     LiveEnd,
     LiveNode,
     Received,
@@ -78,6 +79,11 @@ class MemoryPublication:
     def peers(self) -> int:
         """Number of connected subscribers."""
         return len(self._side.subscriptions)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether all messages were received: subscribers get them at once."""
+        return True
 
     @property
     def _side(self) -> Topic:
@@ -401,6 +407,10 @@ class MemoryConnection:
         self.bus.actions[action] = ActionServer(self, action, kind, carry_out)
         self.bus.changed()
         return self.bus.actions[action]
+
+    def log(self, level: Level, message: str) -> None:
+        """Do nothing: there is no log."""
+        del level, message
 
     async def wait_lost(self) -> str:
         """Return the reason when the connection is lost; never before."""

@@ -219,7 +219,7 @@ def test_resources_and_prompts_lead_to_the_tools(connected: Connected) -> None:
     found = asyncio.run(run())
     assert re.search(r"^rover_robot: .*\bscan_filter\b", found["kg://nodes"], re.MULTILINE)
     assert ROVER in found["kg://launch-files"]
-    assert "function/weighed: " in found["kg://rules"]
+    assert "architecture/" in found["kg://rules"]
     assert "publishes  scan_filtered" in found["kg://node/rover_robot/scan_filter"]
     assert "starts  /rover1/patrol" in found[f"kg://launch-file/{ROVER}"]
     assert found[f"kg://launch-file/{ROVER}"] == found[f"kg://launch-file/{ROVER.replace('/', '%2F')}"]
@@ -227,6 +227,23 @@ def test_resources_and_prompts_lead_to_the_tools(connected: Connected) -> None:
     tools = {"find_node": "find_nodes", "review_launch_change": "impact", "write_rule": "query"}
     tools["write_program"] = "check_program"
     assert all(tool in found[prompt] for prompt, tool in tools.items())
+
+
+def test_lists_are_read_page_by_page(connected: Connected) -> None:
+    """Every page of a list is at most 3 KB and names the next one, until the last."""
+
+    async def run() -> list[str]:
+        async with connected() as client:
+            pages = [(await client.read_resource("kg://rules")).contents[0].text]
+            while found := re.search(r"continue with (kg://rules/\d+)", pages[-1]):
+                pages.append((await client.read_resource(found[1])).contents[0].text)
+            return pages
+
+    pages = asyncio.run(run())
+    assert max(len(page.encode()) for page in pages) <= 3000
+    names = [line.partition(":")[0] for page in pages for line in page.splitlines() if "/" in line.partition(":")[0]]
+    assert len(pages) > 1
+    assert len(names) == len(set(names)) > 50
 
 
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:

@@ -118,6 +118,12 @@ def test_values_are_lines_of_json(monkeypatch: pytest.MonkeyPatch, capsys: pytes
     assert lines == [{"nearest": 0.5, "ahead": 0.5}, {"nearest": None, "ahead": None}]
 
 
+def test_bytes_of_a_message(capsys: pytest.CaptureFixture[str]) -> None:
+    """An identity is written in hexadecimal, an image as its length."""
+    driving.tell_message({"uuid": bytes(range(16)), "data": bytes(17)})
+    assert json.loads(capsys.readouterr().out) == {"uuid": "000102030405060708090a0b0c0d0e0f", "data": "17 bytes"}
+
+
 def test_values_are_words_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """A terminal shows names, rounded numbers and units."""
 

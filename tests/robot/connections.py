@@ -8,7 +8,8 @@ Create a subclass of `Behaviour` in your test module with a fixture `system` tha
             return System(ros=1, join=lambda name: connect(f"ros1://127.0.0.1:{port}", name, types_for_tests(1)))
 
 `join` creates another node of the same system each time that it is awaited. `seconds` is the time limit for the graph,
-or a message, to arrive. For unsupported features, override the test with the reason.
+or a message, to arrive; `confirms` is whether publications report that subscribers confirmed their messages. For
+unsupported features, override the test with the reason.
 """
 
 from __future__ import annotations
@@ -52,11 +53,12 @@ def types_for_tests(ros: int) -> Types:
 
 @dataclass
 class System:
-    """A system under test: how to join it as a node, and its time limit."""
+    """A system under test: how to join it as a node, its time limit, and whether subscribers confirm messages."""
 
     ros: int
     join: Callable[[str], Awaitable[Connection]]
     seconds: float = 2.0
+    confirms: bool = True
 
     async def soon(self, what: Awaitable[Any]) -> Any:
         """Return the awaited result, or fail at the time limit."""
@@ -210,6 +212,21 @@ class Behaviour:
                 with pytest.raises(RobotError) as unknown:
                     await system.soon(two.subscribe("/nobody"))
                 assert unknown.value.code == "KG804"
+
+        asyncio.run(scene())
+
+    def test_received_messages_are_confirmed(self, system: System) -> None:
+        """A connection that can tell reports when all subscribers have confirmed all messages; others never do."""
+
+        async def scene() -> None:
+            async with system.pair() as (one, two):
+                publication, subscription = await system.topic(one, two, "std_msgs/String")
+                await publication.publish({"data": "stop"})
+                assert len(await system.soon(_first(subscription, 1))) == 1
+                if system.confirms:
+                    await system.until(lambda: publication.confirmed)
+                else:
+                    assert not publication.confirmed
 
         asyncio.run(scene())
 

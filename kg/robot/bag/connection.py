@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
     from kg.robot.bag.files import Bag, Source
+    from kg.robot.connection import Level
     from kg.robot.messages import Types
 
 _OPTIONS: Final = {"speed": "as a multiple of the recorded one", "start": "seconds from the beginning"}
@@ -227,6 +228,10 @@ class BagConnection:
         raise not_commanded(self.address)
 
     advertise = call = send_goal = canceller = serve = serve_action = _refused
+
+    def log(self, level: Level, message: str) -> None:
+        """Do nothing: recordings have no log."""
+        del level, message
 
     async def wait_lost(self) -> str:
         """Return at the end of the recording; never before."""

@@ -22,6 +22,7 @@ from cyclonedds.core import (
     Entity,
     GuardCondition,
     InstanceState,
+    Policy,
     SampleState,
     ViewState,
     WaitSet,
@@ -224,6 +225,14 @@ class DdsWriter(_End):
         handles = [] if self._closed else _matched(self._entity.get_matched_subscriptions)
         found = (self._entity.get_matched_subscription_data(handle) for handle in handles)
         return any(one.key.bytes[:PREFIX] == participant for one in found if one)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether all matched readers are reliable and have confirmed all messages."""
+        handles = [] if self._closed else _matched(self._entity.get_matched_subscriptions)
+        readers = [self._entity.get_matched_subscription_data(handle) for handle in handles]
+        reliable = all(one and one.qos[Policy.Reliability] != Policy.Reliability.BestEffort for one in readers)
+        return reliable and not self._closed and self._entity.wait_for_acks(0)
 
     def write(self, content: bytes) -> None:
         """Send a message with its encapsulation; RobotError KG803 if the library refuses it."""

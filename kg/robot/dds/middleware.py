@@ -39,6 +39,7 @@ _TOLD: Final = Qos("reliable", "transient_local", "keep_last", 1)
 _HEARD: Final = Qos("reliable", "transient_local", "keep_all")
 _SAMPLES: Final = 1000
 _ALIVE: Final = InstanceState.Alive
+_CYCLONE: Final = b"\x01\x10"  # the first bytes of an identifier are those of its vendor (DDSI-RTPS 2.5, 9.3.1.5)
 _OURS: Final = "kg"  # user data of kg's own participants, which read identifiers of any length
 
 
@@ -121,7 +122,7 @@ class DdsMiddleware:
                 sample.participant_key.bytes,
                 sample.topic_name,
                 end,
-                from_dds(sample.qos, writer=writer),
+                from_dds(sample.qos, writer=writer, cyclone=sample.key.bytes.startswith(_CYCLONE)),
                 sample.sample_info.instance_handle,
                 told.get("clientid") or told.get("serviceid"),
                 sample.type_id,

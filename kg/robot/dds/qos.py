@@ -16,7 +16,7 @@ from kg.facts import Qos
 
 _POLICIES: Final[Any] = _CQos
 _STRUCTURE: Final[Any] = dds_c_t.qos_p
-_READ: Final = ("reliability", "durability", "deadline", "lifespan", "liveliness", "userdata", "property")
+_READ: Final = ("reliability", "durability", "deadline", "history", "lifespan", "liveliness", "userdata", "property")
 
 _BLOCKING: Final = duration(milliseconds=100)
 """Maximum time that writing waits for slow readers; it blocks the event loop."""
@@ -49,6 +49,8 @@ def to_dds(qos: Qos, data: Mapping[str, str]) -> DdsQos:
         policies.append(Policy.Durability.TransientLocal)
         limits = (_UNLIMITED, _UNLIMITED, _UNLIMITED)
         policies.append(Policy.DurabilityService(0, history, *limits))
+    if qos.lifespan is not None:
+        policies.append(Policy.Lifespan(duration(seconds=qos.lifespan)))
     return DdsQos(*policies)
 
 
@@ -74,12 +76,19 @@ def told(pointer: int) -> DdsQos:
     return DdsQos(*(policy for each in policies for policy in each))
 
 
-def from_dds(qos: DdsQos, *, writer: bool) -> Qos:
-    """Return the quality of service of another node's end; discovery does not include history and depth."""
+def from_dds(qos: DdsQos, *, writer: bool, cyclone: bool = False) -> Qos:
+    """Return the quality of service of another node's end.
+
+    History and depth are not part of DDS discovery, but Cyclone DDS sends them to its own kind. For peers of other
+    vendors the library returns its default, which means nothing, so they are read with `cyclone` only.
+    """
     liveliness = _policy(qos, Policy.Liveliness)
+    history = _policy(qos, Policy.History) if cyclone else None
     return Qos(
         reliability="best_effort" if _policy(qos, Policy.Reliability) == Policy.Reliability.BestEffort else "reliable",
         durability="volatile" if _policy(qos, Policy.Durability) == Policy.Durability.Volatile else "transient_local",
+        history=None if history is None else "keep_all" if history == Policy.History.KeepAll else "keep_last",
+        depth=getattr(history, "depth", None),
         deadline=_seconds(_policy(qos, Policy.Deadline), "deadline"),
         lifespan=_seconds(_policy(qos, Policy.Lifespan), "lifespan") if writer else None,
         liveliness="manual_by_topic" if isinstance(liveliness, Policy.Liveliness.ManualByTopic) else "automatic",

@@ -72,8 +72,9 @@ class Channel:
     `zero` creates the message that ends the current movement; None without one.
     """
 
-    def __init__(self, topic: str, publication: Publication, clock: Clock, limit: float) -> None:
+    def __init__(self, topic: str, kind: str, publication: Publication, clock: Clock, limit: float) -> None:
         self.topic = topic
+        self.kind = kind
         self.zero: Callable[[], Value] | None = None
         self.last_zero: Callable[[], Value] | None = None
         self.lost = False
@@ -85,10 +86,38 @@ class Channel:
         self._free = float("-inf")
         self._order = asyncio.Lock()
         self._sending = Tasks()
+        self._peers = 0
+        self._left = False
+        self._used = 0.0
+
+    @property
+    def taken(self) -> bool:
+        """Whether a command owns it."""
+        return self._holder is not None
+
+    def unused(self, seconds: float) -> bool:
+        """Return whether it stopped some seconds ago, and every subscriber has confirmed that.
+
+        If a subscriber left or a message was not sent, the topic must keep its zero command for a robot that comes
+        back.
+        """
+        if self.taken or self.zero is not None or self.lost or self._sending:
+            return False
+        self._count()
+        idle = asyncio.get_running_loop().time() - self._used
+        return not self._left and idle >= seconds and (self._peers == 0 or self._publication.confirmed)
+
+    def _count(self) -> int:
+        """Return the number of subscribers, and record whether one has left."""
+        peers = self._publication.peers
+        self._left |= peers < self._peers
+        self._peers = peers
+        return peers
 
     def take(self, command: Command) -> None:
         """Give the channel to a command; the previous one ends, and the new one takes over its movement."""
         earlier, self._holder = self._holder, command
+        self._used = asyncio.get_running_loop().time()
         if earlier is not None:
             earlier.end("taken over")
 
@@ -109,7 +138,7 @@ class Channel:
         wait = min(self._free - self._clock.now(), self._gap)
         if wait > 0:
             await self._clock.sleep(wait)
-        if self._publication.peers == 0:
+        if self._count() == 0:
             raise RobotError("KG824", f"no node listens to `{self.topic}` any more")
         self._free = self._clock.now() + self._gap
         await self._send(message)
@@ -117,6 +146,7 @@ class Channel:
 
     async def release(self, command: Command) -> None:
         """Give the channel back; a current movement is stopped."""
+        self._used = asyncio.get_running_loop().time()
         if self._holder is command:
             await self.still()
 
@@ -126,6 +156,7 @@ class Channel:
         zero = self.zero or (self.last_zero if again else None)
         self.zero, self.last_zero = None, zero or self.last_zero
         if zero is not None:
+            self._count()
             try:
                 await self._send(zero())
                 self.lost = False
@@ -224,6 +255,7 @@ class Doing:
         self, connection: Connection, parts: Parts, watchdog: Watchdog | None, *, limit: float, listen: float
     ) -> None:
         self.channels: dict[str, Channel] = {}
+        self._released: dict[str, Channel] = {}
         self._connection = connection
         self._parts = parts
         self._watchdog = watchdog
@@ -266,11 +298,29 @@ class Doing:
 
     async def _channel(self, plan: Plan, route: Route) -> Channel:
         async with self._opening:
-            if plan.name not in self.channels:
-                # Latched, the final zero command also reaches subscribers that reconnect later.
-                publication = await self._connection.advertise(plan.name, plan.type, latch=route.moves)
-                self.channels[plan.name] = Channel(plan.name, publication, self._connection.clock, self._limit)
-            return self.channels[plan.name]
+            return await self._open(plan.name, plan.type, latch=route.moves)
+
+    async def _open(self, topic: str, kind: str, *, latch: bool) -> Channel:
+        if topic not in self.channels:
+            # Latched, the final zero command also reaches subscribers that reconnect later.
+            publication = await self._connection.advertise(topic, kind, latch=latch)
+            self.channels[topic] = Channel(topic, kind, publication, self._connection.clock, self._limit)
+            if (before := self._released.pop(topic, None)) is not None:
+                self.channels[topic].last_zero = before.last_zero
+        return self.channels[topic]
+
+    async def release(self, seconds: float) -> None:
+        """Stop publishing the topics that were not used for some seconds and whose subscribers confirmed all messages.
+
+        Another client may then drive the robot exclusively.
+        """
+        unused = [one for one in self.channels.values() if one.unused(seconds)]
+        for one in unused:
+            self._released[one.topic] = self.channels.pop(one.topic)
+        for one in unused:
+            if self._watchdog is not None:
+                await self._watchdog.withdraw(one.topic)
+            await one.aclose()
 
     async def _once(self, command: Command, channel: Channel, route: Route, plan: Plan) -> None:
         if channel.zero is not None:
@@ -346,9 +396,18 @@ class Doing:
         """Cancel a goal, even one being sent, whatever happens to its command."""
         await asyncio.shield(self._cancelling.spawn(_cancelled(sending), "cancelling a goal"))
 
-    async def still(self, *, again: bool) -> None:
-        """Stop all movements; with `again`, also send zero for those that have ended."""
-        await asyncio.gather(*(one.still(again=again) for one in self.channels.values()))
+    async def still(self, *, released: bool) -> None:
+        """Send zero to all topics that moved; with `released`, also to those that are not published any more."""
+        again = [self._again(one) for one in self._released.values() if one.last_zero] if released else []
+        await asyncio.gather(*(one.still(again=True) for one in self.channels.values()), *again)
+
+    async def _again(self, released: Channel) -> None:
+        with suppress(RobotError):  # nobody listens, or the robot is lost
+            async with self._opening:
+                channel = await self._open(released.topic, released.kind, latch=True)
+            await channel.heard(self._listen)
+            if not channel.taken:
+                await channel.still(again=True)
 
     async def aclose(self) -> None:
         """Stop publishing all topics."""

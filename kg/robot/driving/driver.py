@@ -20,7 +20,7 @@ from kg.robot.tasks import finished, spawn
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, Callable, Collection, Iterator, Mapping
 
-    from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Subscription
+    from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Level, Subscription
     from kg.robot.driving.watchdog import Watchdog
 
 _QUEUE: Final = 100  # maximum number of messages queued for a slow reader
@@ -329,16 +329,28 @@ class Driver:
             afterwards=types.complete(found.sends, found.zero(now)) if found.moves else None,
         )
 
-    async def stop(self) -> None:
-        """Stop the robot: end all commands, send zero to every topic that ever moved, cancel all goals."""
-        await asyncio.shield(asyncio.ensure_future(self._stop()))
+    async def stop(self, *, released: bool = False) -> None:
+        """Stop the robot: end all commands, send zero to every topic that ever moved, cancel all goals.
 
-    async def _stop(self) -> None:
+        Topics that were released get zero only with `released`: another client may drive the robot by them.
+        """
+        await asyncio.shield(asyncio.ensure_future(self._stop(released=released)))
+
+    async def release(self, seconds: float) -> None:
+        """Stop publishing topics that stopped some seconds ago, if their subscribers have confirmed it."""
+        await self._doing.release(seconds)
+
+    async def _stop(self, *, released: bool) -> None:
         commands = list(self._commands)
         for command in commands:
             command.end("stopped")
-        await self._doing.still(again=True)
+        await self._doing.still(released=released)
         await asyncio.gather(*(command.ended() for command in commands))
+
+    def log(self, level: Level, message: str) -> None:
+        """Write a line to the log of the robot, except in a dry run."""
+        if not self._dry_run:
+            self.connection.log(level, message)
 
     def saw(self, graph: ComputationGraph) -> None:
         """Set the current computation graph: other controllers are reported, or end the movement."""
@@ -354,6 +366,7 @@ class Driver:
             names = ", ".join(f"`{one.subject}`" for one in sorted(others))
             return RobotError("KG829", f"{names} publishes to `{found.way.name}`, which was to be driven exclusively")
         for one in sorted(others - self._others):
+            self.log("warning", f"[{one.code}] {one.subject}: {one.message}")
             self._on_problem(one)
         self._others = others
         return None

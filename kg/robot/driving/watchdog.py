@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from kg.errors import RobotError
 from kg.robot.clock import stamp
 from kg.robot.connecting import SCHEMES, connect, scheme_of
-from kg.robot.tasks import ended, spawn
+from kg.robot.tasks import Tasks, ended, spawn
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -101,6 +101,10 @@ class Watchdog:
         """Stop watching a topic or goal that was stopped, or has ended."""
         self._watched.discard(key)
         await self._send(["forget", key])
+
+    async def withdraw(self, topic: str) -> None:
+        """Stop publishing a topic that has stopped; a later movement publishes it again."""
+        await self._send(["withdraw", topic])
 
     async def owe(self, topic: str) -> None:
         """Have zero sent to a topic when the robot can be reached again: it was lost before it could be stopped."""
@@ -237,6 +241,8 @@ class _Watching:
         self._zeros: dict[str, Value] = {}
         self._goals: dict[str, str] = {}
         self._publications: dict[str, asyncio.Task[Publication]] = {}
+        self._stopping: set[str] = set()
+        self._tasks = Tasks()
         self._cancellers: dict[str, asyncio.Task[Canceller]] = {}
 
     async def run(self) -> None:
@@ -280,6 +286,9 @@ class _Watching:
             case ["forget", key]:
                 self._zeros.pop(key, None)
                 self._goals.pop(key, None)
+            case ["withdraw", topic]:
+                if topic not in self._zeros and topic not in self._stopping and topic in self._publications:
+                    self._tasks.spawn(_closed(self._publications.pop(topic)), f"closing `{topic}`")
             case ["owe", topic]:
                 if self._zeros.pop(topic, None) is not None:
                     self.owed.append(self._moving[topic])
@@ -295,14 +304,17 @@ class _Watching:
     async def _stop(self, why: str) -> None:
         """Stop everything in parallel, so one unreachable peer delays no other."""
         zeros, self._zeros = self._zeros, {}
+        self._stopping |= zeros.keys()
         goals, self._goals = self._goals, {}
         if zeros or goals:
             done = [f"zero velocity was sent to `{topic}`" for topic in zeros]
             done += [f"a goal of `{action}` was cancelled" for action in goals.values()]
             _report("KG828", f"{why}: {', '.join(done)}")
+            self._connection.log("error", f"[KG828] {why}: {', '.join(done)}")
         work = [self._still(topic, zero) for topic, zero in zeros.items()]
         work += [self._cancelled(identity, action) for identity, action in goals.items()]
         await asyncio.gather(*work, return_exceptions=True)  # the unreachable were reported, or do not subscribe
+        self._stopping -= zeros.keys()
 
     async def _still(self, topic: str, zero: Value) -> None:
         publication = await self._publications[topic]
@@ -322,6 +334,11 @@ class _Watching:
         async with asyncio.timeout(_HEARD):
             await (await self._cancellers[action]).cancel(identity)
             await asyncio.sleep(_PAUSE)  # messages leave before the node does
+
+
+async def _closed(publication: asyncio.Task[Publication]) -> None:
+    with suppress(RobotError):  # it could not be opened, which was reported
+        await (await publication).aclose()
 
 
 def _check(what: str, task: asyncio.Task[Any]) -> None:

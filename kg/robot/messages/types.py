@@ -1,12 +1,14 @@
 """Message types of one version of ROS, by `rosbags`: their fields, and encoding and decoding of values.
 
 Names are `package/Type`; the two messages of a service are `package/Type_Request` and `package/Type_Response`, those of
-an action `_Goal`, `_Result` and `_Feedback`. Types are also learned from definitions in recordings and of bridges:
-`.msg` texts with names of ROS 2, and IDL.
+an action `_Goal`, `_Result` and `_Feedback`. Definitions of an installed ROS 2 take precedence over those that come
+with kg. Types are also learned from definitions in recordings and of bridges: `.msg` texts with names of ROS 2, and
+IDL.
 """
 
 from __future__ import annotations
 
+import os
 import re
 import struct
 from dataclasses import dataclass
@@ -20,6 +22,7 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typest
 from kg.errors import RobotError
 from kg.robot.messages import definitions
 from kg.robot.messages.definitions import Definition, check_size, derived, library, parts
+from kg.robot.messages.installed import installed
 from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
 
 if TYPE_CHECKING:
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
 
 _STORES: Final = {1: Stores.ROS1_NOETIC, 2: Stores.ROS2_JAZZY}
 _ACTION_PARTS: Final = ("_Goal", "_Result", "_Feedback")
+_ENCAPSULATION: Final = 4  # bytes before the first field in CDR
 _SERVICE_PARTS: Final = ("_Request", "_Response")
 
 
@@ -54,22 +58,26 @@ class Field:
 
 
 class Types:
-    """The types of one version of ROS: common ones, and those defined at run time."""
+    """The types of one version of ROS: common ones, those of an installed ROS 2, and those defined at run time."""
 
     def __init__(self, ros: int) -> None:
         self.ros = ros
         self._store = get_typestore(_STORES[ros])
+        self._standard = frozenset(self._store.fielddefs)
         self._library, self._sorts = library(ros)
+        self._installed = installed(os.environ.get("AMENT_PREFIX_PATH", "") if ros == 2 else "")  # noqa: PLR2004 - ROS 2
+        self._looked: set[str] = set()
         self._read: dict[str, Definition] = {}
         self._told: set[str] = set()
 
     def knows(self, name: str) -> bool:
         """Return whether a message type is known."""
         found = self._message(name)
-        return _full(found) in self._store.fielddefs or found in self._library
+        known = _full(found) in self._store.fielddefs or found in self._library
+        return known or self._installed.get(found) is not None
 
     def names(self) -> list[str]:
-        """Return the sorted names of all known message types, including parts of services and actions."""
+        """Return the sorted names of the message types that come with kg, including parts of services and actions."""
         return sorted({short(name) for name in self._store.fielddefs} | self._library.keys())
 
     def sort(self, name: str) -> str | None:
@@ -145,6 +153,16 @@ class Types:
         except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
             raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
 
+    def trimmed(self, name: str, content: bytes) -> bytes:
+        """Return a value in CDR without the bytes that a library left behind it; errors as `decode`."""
+        kind = self._known(name)
+        known = self._store.get_msgdef(kind)
+        try:
+            read = known.deserialize_cdr_le if content[1] else known.deserialize_cdr_be
+            return content[: _ENCAPSULATION + read(content[_ENCAPSULATION:], 0, known.cls, self._store)[1]]
+        except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
+            raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
+
     def complete(self, name: str, value: Value) -> Value:
         """Return the value with defaults for missing fields; errors as those of `encode`."""
         kind = self._known(name)
@@ -160,6 +178,9 @@ class Types:
     def _known(self, name: str) -> str:
         found = self._message(name)
         full = _full(found)
+        if full not in self._looked:
+            self._looked.add(full)
+            self._take_installed(found, full)
         if full not in self._store.fielddefs:
             if found.rpartition("/")[2].startswith("wstring"):
                 told = "strings of 16-bit characters (`wstring`) are not supported"
@@ -168,6 +189,20 @@ class Types:
                 raise RobotError("KG804", f"the message type `{name[:80]}` is not known")
             self._learn([definitions.read(found, self._library[found])], told=False)
         return full
+
+    def _take_installed(self, name: str, full: str) -> None:
+        """Learn a type from the installed ROS 2, unless a peer has defined it; raises if nothing else defines it."""
+        own = None if name in self._told else self._installed.get(name)
+        if own is None:
+            return
+        try:
+            self._learn([own], told=False)
+        except (RobotError, ValueError) as error:  # a nested type is unknown, or it is too large
+            if full in self._store.fielddefs or name in self._library:
+                return
+            self._looked.discard(full)
+            why = error.message if isinstance(error, RobotError) else str(error)
+            raise RobotError("KG804", f"the installed definition of `{name}` cannot be used: {why}") from None
 
     def _learn(self, found: Iterable[Definition], *, told: bool) -> None:
         new = {one.name: one for one in found}
@@ -191,7 +226,8 @@ class Types:
             return False
         known = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]
         same = known == [(field.name, field.kind) for field in one.fields]
-        if not same and (one.name not in self._library or one.name in self._told):
+        given = one.name in self._library or _full(one.name) not in self._standard
+        if not same and (one.name in self._told or not given):
             raise RobotError("KG806", f"`{one.name}` is defined with fields that differ from the known definition")
         return same and self._definition(one.name).constants == one.constants
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capability, Parameter
     from kg.robot.clock import Clock
+    from kg.robot.connection import Level
     from kg.robot.programs.tree import Statement
     from kg.robot.programs.values import Quantity
 
@@ -80,9 +81,18 @@ class Events:
     finally one of `done`, `stopped`, `failed`, `cancelled` (`seconds`, `statements`).
     """
 
-    def __init__(self, tell: Callable[[dict[str, Any]], None] | None, clock: Clock) -> None:
-        """Create an emitter; `tell` is called in the event loop of the program and must return at once."""
+    def __init__(
+        self,
+        tell: Callable[[dict[str, Any]], None] | None,
+        clock: Clock,
+        log: Callable[[Level, str], None] = lambda _level, _message: None,
+    ) -> None:
+        """Create an emitter.
+
+        `tell` is called in the event loop of the program and must return at once. `log` receives messages and errors.
+        """
         self._tell = tell
+        self._log = log
         self._clock = clock
         self._begun = clock.now()
         self._told: dict[tuple[str, str], tuple[float, Any]] = {}
@@ -95,6 +105,10 @@ class Events:
 
     def tell(self, event: str, path: str = "", statement: Statement | None = None, **more: Any) -> None:
         """Emit an event of a statement, or of the program."""
+        if event == "log":
+            self._log("info", more["message"])
+        elif event == "error":
+            self._log("error", f"[{more['code']}] {more['message']}")
         if self._tell is None:
             return
         identifier = None if statement is None else statement.id

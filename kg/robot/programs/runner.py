@@ -47,7 +47,7 @@ class Runner:
         self._program = program
         self._clock = driver.connection.clock
         self._pace = Pace(self._clock)
-        self.events = Events(on_event, self._clock)
+        self.events = Events(on_event, self._clock, driver.log)
         evaluation = Evaluation(driver, Known(driver.capabilities), self.events)
         self._statements = Statements(driver, evaluation, self._pace, self.events)
         self._task: asyncio.Task[None] | None = None

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
+from rclpy.duration import Duration
+from rclpy.qos import ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
 from kg.errors import RobotError
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
 
     from kg.robot.ros2.middleware import Deliver
 
+Trimmed: TypeAlias = "Callable[[bytes], bytes]"
+"""Removes what `serialize_message` leaves behind a message: its buffer is as long as Fast DDS estimates."""
 _MOMENT: Final = 0.02  # seconds between checks for ends of other nodes, which rclpy does not report
 
 
@@ -67,8 +71,16 @@ class RclpyWriter(End):
     """A publisher of raw messages."""
 
     def __init__(self, node: Any, topic: str, kind: Any, qos: Any) -> None:
+        self._node = node
         self._publisher = node.create_publisher(kind, topic, qos)
         super().__init__(self._publisher.get_subscription_count, lambda: node.destroy_publisher(self._publisher))
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether all subscribers are reliable and have confirmed all messages."""
+        readers = self._node.get_subscriptions_info_by_topic(self._publisher.topic_name)
+        reliable = all(one.qos_profile.reliability is ReliabilityPolicy.RELIABLE for one in readers)
+        return reliable and not self._closed and bool(self._publisher.wait_for_all_acked(Duration()))
 
     def write(self, content: bytes) -> None:
         """Send a message; RobotError KG803 if that fails."""
@@ -81,9 +93,10 @@ class RclpyWriter(End):
 class RclpyCaller(End):
     """A client of a service."""
 
-    def __init__(self, node: Any, service: str, kind: Any) -> None:
+    def __init__(self, node: Any, service: str, kind: Any, trimmed: Trimmed) -> None:
         self._loop = asyncio.get_running_loop()
         self._kind = kind
+        self._trimmed = trimmed
         self._client = node.create_client(kind, service)
         super().__init__(lambda: int(self._client.service_is_ready()), lambda: node.destroy_client(self._client))
 
@@ -99,7 +112,7 @@ class RclpyCaller(End):
         future = self._client.call_async(deserialize_message(content, self._kind.Request))
         future.add_done_callback(lambda done: _passed(self._loop, answer, serialize_message(done.result())))
         try:
-            return await answered
+            return self._trimmed(await answered)
         finally:
             self._client.remove_pending_request(future)
 
@@ -111,10 +124,13 @@ class RclpyServer(End):
     response is sent when it is ready.
     """
 
-    def __init__(self, node: Any, service: str, kind: Any, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
+    def __init__(
+        self, node: Any, service: str, kind: Any, answer: Callable[[bytes], Awaitable[bytes]], trimmed: Trimmed
+    ) -> None:
         loop = asyncio.get_running_loop()
         self._kind = kind
         self._answer = answer
+        self._trimmed = trimmed
         self._tasks = Tasks()
         self._service = node.create_service(kind, service, self._ask)
         self._send = self._service.send_response
@@ -130,9 +146,12 @@ class RclpyServer(End):
             self._tasks.spawn(self._respond(asked, header), "answering a service")
 
     async def _respond(self, asked: bytes, header: Any) -> None:
-        found = await outcome(self._answer(asked))
+        found = await outcome(self._answered(asked))
         if isinstance(found, bytes) and not self._closed:
             self._send(deserialize_message(found, self._kind.Response), header)
+
+    async def _answered(self, asked: bytes) -> bytes:
+        return await self._answer(self._trimmed(asked))
 
     def close(self) -> None:
         """Stop serving; pending requests get no response."""

@@ -8,13 +8,14 @@ from __future__ import annotations
 import asyncio
 import math
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from threading import Thread
 from typing import TYPE_CHECKING, Any, Final
 
 import rclpy
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, ShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
@@ -119,11 +120,13 @@ class RclpyMiddleware:
 
     def caller(self, service: str, kind: str) -> RclpyCaller:
         """Open a client of a service."""
-        return RclpyCaller(self._node, service, _service_class(kind))
+        trimmed = partial(self.types.trimmed, f"{kind}_Response")
+        return RclpyCaller(self._node, service, _service_class(kind), trimmed)
 
     def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> RclpyServer:
         """Serve a service; ROS 2 cannot report failures, so a failed request has no response."""
-        return RclpyServer(self._node, service, _service_class(kind), answer)
+        trimmed = partial(self.types.trimmed, f"{kind}_Request")
+        return RclpyServer(self._node, service, _service_class(kind), answer, trimmed)
 
     def hashes(self, name: str) -> list[tuple[str, str]]:
         """Return nothing: a type that is not installed cannot be used, even with a description."""
@@ -241,6 +244,7 @@ def _to_ros(qos: Qos) -> QoSProfile:
         depth=max(qos.depth or 1, 1),
         reliability=getattr(ReliabilityPolicy, (qos.reliability or "reliable").upper()),
         durability=getattr(DurabilityPolicy, (qos.durability or "volatile").upper()),
+        lifespan=Duration(seconds=qos.lifespan or 0),  # zero is the middleware's default
     )
 
 

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 from kg.errors import RobotError
-from kg.robot.clock import Clock, SimulatedClock, WallClock, within
+from kg.robot.clock import Clock, SimulatedClock, WallClock, stamp, within
 from kg.robot.messages import Types
 from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
 from kg.robot.ros1.graph import Analyzer, system_state, topic_types
@@ -21,11 +21,14 @@ from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import ended
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
+    from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping
 
-    from kg.robot.connection import Accepted, ComputationGraph, Serving, Value
+    from kg.robot.connection import Accepted, ComputationGraph, Level, Serving, Value
+    from kg.robot.ros1.topics import Offer
 
 Result = TypeVar("Result")
+_LEVELS: Final[Mapping[Level, int]] = {"info": 2, "warning": 4, "error": 8}
+"""Constants of rosgraph_msgs/Log."""
 
 _PORT: Final = 11311
 _TICKING: Final = 2.0  # seconds to wait for a time on the topic `/clock`
@@ -49,7 +52,7 @@ async def connect(address: str, name: str, types: Types | None) -> Ros1Connectio
     connection = Ros1Connection(node, address)
     try:
         await node.start()
-        await connection.advertise("/rosout", "rosgraph_msgs/Log")
+        await connection.open_log()
         if simulated:
             await connection.follow_clock()
     except (RobotError, OSError, asyncio.CancelledError):
@@ -98,6 +101,7 @@ class Ros1Connection:
         self.name = node.name
         self.clock: Clock = node.clock
         self.types = node.types
+        self._log: Offer | None = None
         self._analyzer = Analyzer(node)
         self._clients: dict[tuple[str, str], ActionClient] = {}
         self._opening = asyncio.Lock()
@@ -138,6 +142,21 @@ class Ros1Connection:
         offer = await self.node.offer(absolute(topic), kind)
         offer.latch = offer.latch or latch
         return Ros1Publication(self.node, offer)
+
+    async def open_log(self) -> None:
+        """Publish the log, as every node does."""
+        self._log = await self.node.offer("/rosout", "rosgraph_msgs/Log")
+
+    def log(self, level: Level, message: str) -> None:
+        """Write a line to the log of the robot, the topic `/rosout`."""
+        line = {
+            "header": {"stamp": stamp(self.clock.now())},
+            "level": _LEVELS[level],
+            "name": self.name,
+            "msg": message,
+        }
+        if self._log is not None:
+            self._log.put(line)
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response."""

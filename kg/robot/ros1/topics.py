@@ -7,6 +7,10 @@ topic has one connection to each publisher, reopened while the publisher is list
 from __future__ import annotations
 
 import asyncio
+import fcntl
+import struct
+import sys
+import termios
 from collections import deque
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
@@ -26,6 +30,7 @@ if TYPE_CHECKING:
     from kg.robot.ros1.node import Node
 
 _QUEUE: Final = 100
+_INT: Final = struct.Struct("i")
 
 
 class _Link:
@@ -46,6 +51,17 @@ class _Link:
         self.dropped += len(self._waiting) == _QUEUE
         self._waiting.append(content)
         self._news.set()
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the machine of the subscriber has confirmed all messages; only Linux reports that."""
+        if self._waiting or self._writer.transport.get_write_buffer_size() or sys.platform != "linux":
+            return False
+        try:
+            left = fcntl.ioctl(self._writer.get_extra_info("socket").fileno(), termios.TIOCOUTQ, bytes(_INT.size))
+        except OSError:  # it was closed
+            return False
+        return left == bytes(_INT.size)
 
     async def run(self) -> None:
         """Send queued messages until the subscriber disconnects; it sends nothing."""
@@ -143,6 +159,11 @@ class Ros1Publication:
     def peers(self) -> int:
         """Number of connected subscribers."""
         return len(self._offer.links)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether the machines of all subscribers have confirmed all messages (TCP)."""
+        return all(link.confirmed for link in self._offer.links)
 
     @property
     def dropped(self) -> int:

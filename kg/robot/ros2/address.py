@@ -12,6 +12,10 @@ SETTLE: Final = 5.0
 """Seconds until a discovered graph counts as complete. The lease of a participant is 10 s, and running participants
 announce themselves to a new one at once.
 """
+QUIET: Final = 1.5
+"""Seconds without a change after which a graph with nodes counts as complete before that. A node announces its ends
+within a fraction of a second; the tools of ROS 2 wait for half a second altogether.
+"""
 
 _OPTIONS: Final = {
     "clock": "wall or simulated",
@@ -29,9 +33,9 @@ class Address:
     """A parsed address.
 
     `place` is the part after the scheme. `simulated` uses the time of `/clock`; `settle` is the number of seconds until
-    the graph counts as complete. `humble` marks a system of Humble or earlier, with identifiers of 24 bytes; without
-    it, kg uses that length while another participant does. `ask_types` requests unknown types from peers over DDS,
-    which crashes Cyclone DDS before 11.
+    the graph counts as complete; without it, `quiet` seconds without a change are enough. `humble` marks a system of
+    Humble or earlier, with identifiers of 24 bytes; without it, kg uses that length while another participant does.
+    `ask_types` requests unknown types from peers over DDS, which crashes Cyclone DDS before 11.
     """
 
     text: str
@@ -39,6 +43,7 @@ class Address:
     domain: int = 0
     simulated: bool = False
     settle: float = SETTLE
+    quiet: float | None = None
     humble: bool = False
     ask_types: bool = False
 
@@ -70,12 +75,13 @@ class Address:
                 "KG801", f"`{text}`: ROS domain {domain:g} does not exist", hint=f"They are 0 to {_MAXIMUM}."
             )
         settle = _number(text, options.get("settle") or str(SETTLE))
+        quiet = None if options.get("settle") else QUIET
         simulated, humble, ask_types = (
             options.get("clock") == "simulated",
             "distribution" in options,
             "types" in options,
         )
-        return cls(text, place, int(domain), simulated, settle, humble, ask_types)
+        return cls(text, place, int(domain), simulated, settle, quiet, humble, ask_types)
 
 
 def _number(address: str, text: str) -> float:

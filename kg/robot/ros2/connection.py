@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from functools import partial
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import TYPE_CHECKING, Final, Protocol, Self
 from uuid import uuid4
 
 from kg.errors import RobotError
@@ -14,16 +14,21 @@ from kg.robot.connection import Accepted, ComputationGraph, Goal, GraphProblem, 
 from kg.robot.lifecycle import States
 from kg.robot.ros2.actions import ActionServer, Ros2Canceller, canceller, send_goal
 from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
-from kg.robot.ros2.graph import Watch
+from kg.robot.ros2.graph import Watch, is_hidden
 from kg.robot.ros2.middleware import LATCHED, OFFERED, Middleware
+from kg.robot.ros2.standard import NodeInterfaces
 from kg.robot.ros2.types import describe
 from kg.robot.tasks import outcome, spawn
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
+    from kg.robot.connection import Level
     from kg.robot.messages import Types
     from kg.robot.ros2.address import Address
+
+
+_STAYS: Final = 1.0  # seconds, once the graph is complete, after which our node offers what every node does
 
 
 class _Open(Protocol):
@@ -51,11 +56,15 @@ class Ros2Connection:
         self._suiting = spawn(self._suit(), "following what publishers offer")
         self._ticking: asyncio.Task[None] | None = None
         self._states = States(self, watch.changed)
+        self._interfaces = NodeInterfaces(self)
+        self._open.add(self._interfaces)
+        self._staying = spawn(self._stay(), "serving parameters")
+        watch.on_problem = lambda one: self.log("warning", f"[{one.code}] {one.subject}: {one.message}")
 
     @classmethod
     async def open(cls, wire: Middleware, address: Address, name: str) -> Self:
         """Return the connection of a node that has just joined; it watches the graph and the robot's clock."""
-        watch = Watch(wire.neighbourhood, address.settle)
+        watch = Watch(wire.neighbourhood, address.settle, address.quiet)
         wire.begin(watch)
         connection = cls(wire, watch, address, name)
         await connection.follow_clock()
@@ -73,14 +82,25 @@ class Ros2Connection:
             self._ticking = spawn(self.clock.follow(ticks), "following /clock")
             await self.clock.begun(self._settle)
 
-    async def _suit(self) -> None:
-        async def suited(one: Ros2Subscription, graph: ComputationGraph) -> None:
-            if one in self._open:
-                one.suit(graph)
+    async def _stay(self) -> None:
+        """Offer the interfaces of every node, unless ours leaves at once, as that of a short command."""
+        await self.watch.settled()
+        await asyncio.sleep(_STAYS)
+        await self._interfaces.serve()
 
-        async for graph in self.watch.changes():
+    def log(self, level: Level, message: str) -> None:
+        """Write a line to the log of the robot, the topic `/rosout`."""
+        if not self.watch.closed:
+            self._interfaces.log(level, message)
+
+    async def _suit(self) -> None:
+        async def suited(one: Ros2Subscription) -> None:
+            if one in self._open:
+                one.suit()
+
+        async for _ in self.watch.changes():
             for one in [one for one in self._open if isinstance(one, Ros2Subscription)]:
-                error = await outcome(suited(one, graph))
+                error = await outcome(suited(one))
                 if isinstance(error, Exception):
                     self.watch.report(GraphProblem("KG803", one.topic, f"it cannot be read any more: {error}"))
 
@@ -104,8 +124,9 @@ class Ros2Connection:
             self.watch.changed()
 
     def ends(self, role: Role, name: str) -> list[LiveEnd]:
-        """Return the currently known ends of others with a role and name."""
-        return [one for one in self.watch.now().ends if one.role is role and one.name == name]
+        """Return the currently known ends of others with a role and name, also those of the topics of an action."""
+        ends = self.wire.neighbourhood().ends if is_hidden(name) else self.watch.now().ends
+        return [one for one in ends if one.role is role and one.name == name]
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros2Subscription:
         """Subscribe to a topic; without `kind` its type is looked up.
@@ -121,7 +142,7 @@ class Ros2Connection:
             raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, found))}, not {kind}")
         await self.known(kind, kind, topic)
         subscription = Ros2Subscription(self, topic, kind, queue)
-        subscription.suit(self.watch.now())
+        subscription.suit()
         self._open.add(subscription)
         return subscription
 
@@ -145,7 +166,7 @@ class Ros2Connection:
         if self.types.knows(message):
             return
         package = kind.partition("/")[0]
-        hint = f"Read its definition with `kg build` of the package `{package}`."
+        hint = f"Source a ROS 2 workspace that has the package `{package}`; kg reads its definition from there."
         because = f": {why}" if why else ""
         raise RobotError("KG804", f"the message type `{message}` is not known{because}", hint=hint)
 
@@ -245,7 +266,7 @@ class Ros2Connection:
             return
         self.watch.close()
         self._states.close()
-        for task in (self._suiting, self._ticking):
+        for task in (self._suiting, self._staying, self._ticking):
             if task is not None:
                 task.cancel()
         for one in list(self._open):

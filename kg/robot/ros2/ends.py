@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.errors import RobotError
 from kg.facts import Qos, Role
-from kg.robot.connection import ComputationGraph, GraphProblem, Value
+from kg.robot.connection import GraphProblem, Value
 from kg.robot.inbox import Inbox, Messages, Raw
 from kg.robot.ros2.middleware import OFFERED, Caller, Handle, Writer
 from kg.robot.tasks import outcome
@@ -104,9 +104,9 @@ class Ros2Subscription(Messages):
         self._qos: Qos | None = None
         self._handle: Handle | None = None
 
-    def suit(self, graph: ComputationGraph) -> None:
+    def suit(self) -> None:
         """Request a QoS that all known publishers offer; the reader is reopened if it changes."""
-        offers = [one.qos for one in graph.ends if one.name == self.topic and one.role is Role.PUBLISHES and one.qos]
+        offers = [one.qos for one in self._owner.ends(Role.PUBLISHES, self.topic) if one.qos]
         reliable = all(one.reliability != "best_effort" for one in offers)
         kept = bool(offers) and all(one.durability == "transient_local" for one in offers)
         wanted = replace(
@@ -158,6 +158,11 @@ class Ros2Publication:
     def peers(self) -> int:
         """Number of connected subscribers."""
         return 0 if self._closed else self._writer.peers
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether every subscriber has confirmed all messages, as far as the middleware can tell."""
+        return not self._closed and self._writer.confirmed
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the topic is closed."""

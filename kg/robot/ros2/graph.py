@@ -36,6 +36,11 @@ def computation_graph(told: Neighbourhood, *, complete: bool) -> ComputationGrap
     return ComputationGraph(2, tuple(_nodes(told.nodes)), tuple(ordered), tuple(sorted(problems)), complete)
 
 
+def is_hidden(topic: str) -> bool:
+    """Return whether a topic belongs to an action, and is therefore not in the graph."""
+    return _HIDDEN.fullmatch(topic) is not None
+
+
 def _folded(end: LiveEnd) -> LiveEnd | None:
     found = _HIDDEN.fullmatch(end.name)
     if found is None:
@@ -122,15 +127,18 @@ class Watch:
         look: returns the current nodes and ends.
         settle: seconds until the graph is complete. Discovery depends on the network, so this is wall-clock time even
         if the robot is simulated.
+        quiet: seconds without a change after which a graph with nodes is complete before that; None for never.
 
-    `amend` may add what the middleware does not report.
+    `amend` may add what the middleware does not report; `on_problem` receives new problems.
     """
 
-    def __init__(self, look: Callable[[], Neighbourhood], settle: float) -> None:
+    def __init__(self, look: Callable[[], Neighbourhood], settle: float, quiet: float | None = None) -> None:
         self._look = look
         self.amend: Callable[[ComputationGraph], ComputationGraph] = lambda seen: seen
+        self.on_problem: Callable[[GraphProblem], None] = lambda _: None
         self._loop = asyncio.get_running_loop()
-        self._settled = self._loop.time() + settle
+        self._settled = self._latest = self._loop.time() + settle
+        self._quiet = quiet
         self._changes = Changes()
         self._problems: dict[GraphProblem, None] = {}
         self._seen = False
@@ -159,6 +167,7 @@ class Watch:
         """Add a problem; duplicates are dropped, and so are those after the first hundred."""
         if problem not in self._problems and len(self._problems) < _MOST_PROBLEMS:
             self._problems[problem] = None
+            self.on_problem(problem)
             self.changed()
 
     def changed(self) -> None:
@@ -170,6 +179,10 @@ class Watch:
     def _tell(self) -> None:
         self._gathering = None
         self._count()
+        if self._quiet is not None and self._seen and not self.complete:
+            self._settled = min(self._latest, self._loop.time() + self._quiet)
+            self._settling.cancel()
+            self._settling = self._loop.call_at(self._settled, self.changed)
         self._changes.tell()
 
     def _count(self) -> None:

@@ -50,6 +50,10 @@ class Handle(Protocol):
 class Writer(Handle, Protocol):
     """A publisher of a topic."""
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether every connected reader has confirmed all messages; False if the middleware cannot tell."""
+
     def write(self, content: bytes) -> None:
         """Send a message in CDR with its encapsulation; RobotError KG803 if that fails."""
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from websockets.asyncio.client import ClientConnection
 
+    from kg.robot.connection import Level
     from kg.robot.messages import Types
     from kg.robot.ws.foxglove import Foxglove
     from kg.robot.ws.rosbridge import Rosbridge
@@ -180,6 +181,10 @@ class BridgeConnection:
 
     send_goal = canceller = serve = serve_action = _impossible
 
+    def log(self, level: Level, message: str) -> None:
+        """Do nothing: bridges have no log."""
+        del level, message
+
     async def wait_lost(self) -> str:
         """Return the reason when the connection is lost; never before."""
         return await asyncio.shield(self._lost)
@@ -217,6 +222,11 @@ class _Publication:
     def peers(self) -> int:
         """Number of subscribers."""
         return self._connection.hears(self.topic)
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether messages arrived: bridges do not tell."""
+        return False
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG803, KG805."""

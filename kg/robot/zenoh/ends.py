@@ -125,6 +125,11 @@ class ZenohWriter(End):
         self._sender = _Sender(key)
         self._declared.append(publisher)
 
+    @property
+    def confirmed(self) -> bool:
+        """Whether messages arrived: Zenoh cannot tell."""
+        return False
+
     def write(self, content: bytes) -> None:
         """Send a message; RobotError KG803 if the session is closed."""
         try:

@@ -50,6 +50,8 @@ def _reason(way: Way, modality: str) -> str:
 
 
 _FRAME: Final = 0.25  # seconds between two pictures from above
+_LOOK: Final = 1.0  # seconds between checks for unused topics
+_UNUSED: Final = 5.0  # seconds after which a topic counts as unused: driving by hand has shorter pauses
 _LAST: Final = 3.0  # seconds allowed for stopping the robot before the server exits anyway
 
 
@@ -70,6 +72,7 @@ class Session:
             spawn(self._link.keep(), "staying connected to the robot"),
             spawn(self._hands.watch(), "watching who drives by hand"),
             spawn(self._show(), "showing the robot from above"),
+            spawn(self._release(), "releasing unused topics"),
         ]
         return self
 
@@ -154,11 +157,11 @@ class Session:
         listener.reads = frozenset(find(self._link.capabilities, name, "read").name for name in names)
         self._readings.follow(self._link.needed())
 
-    async def stop(self) -> None:
-        """Stop all movements, whoever started them."""
+    async def stop(self, *, released: bool = True) -> None:
+        """Stop all movements, whoever started them; `released` as in `Driver.stop`."""
         await self._still()
         if self._link.driver is not None:
-            await self._link.driver.stop()
+            await self._link.driver.stop(released=released)
 
     async def suspend(self) -> None:
         """Stop all movements with KG828, within a few seconds, before the process is suspended."""
@@ -192,7 +195,7 @@ class Session:
         self.listeners.close()
         with suppress(TimeoutError):  # the rest of stopping continues while the connection is closed
             async with asyncio.timeout(_LAST):
-                await self.stop()
+                await self.stop(released=False)
                 await self._readings.aclose()
 
     async def _show(self) -> None:
@@ -203,6 +206,13 @@ class Session:
                 continue
             with suppress(KgError):
                 self.listeners.show(await self._link.picture.newest())
+
+    async def _release(self) -> None:
+        """Stop publishing topics that are not used, so other clients can drive the robot exclusively."""
+        while True:
+            await asyncio.sleep(_LOOK)
+            if self._link.driver is not None and not self._running.active:
+                await self._link.driver.release(_UNUSED)
 
     def _idle(self) -> None:
         """Raise RobotError KG847 while something moves."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import pytest
 from patience import patient
@@ -41,6 +42,32 @@ def test_a_peer_that_comes_while_peers_are_counted() -> None:
         assert writer.peers == 2
 
     asyncio.run(scene())
+
+
+@pytest.mark.parametrize("reliability", ["reliable", "best_effort"])
+def test_only_reliable_readers_confirm(reliability: Literal["reliable", "best_effort"]) -> None:
+    """With a best-effort reader, nobody knows whether messages arrived."""
+
+    async def scene() -> bool:
+        with domain() as number:
+            one: Ros2Connection = await connect(f"dds://{number}?settle=0")  # type: ignore[assignment]  # by DDS
+            two: Ros2Connection = await connect(f"dds://{number}?settle=0")  # type: ignore[assignment]  # by DDS
+            received = asyncio.Event()
+            qos = replace(OFFERED, reliability=reliability)
+            two.wire.reader("/said", "std_msgs/String", qos, lambda *_: received.set())
+            writer = one.wire.writer("/said", "std_msgs/String", OFFERED)
+            async with asyncio.timeout(patient(10)):
+                await writer.ready()
+                writer.write(one.types.encode("std_msgs/String", {"data": "stop"}))
+                await received.wait()
+                while reliability == "reliable" and not writer.confirmed:  # noqa: ASYNC110 - nothing tells it
+                    await asyncio.sleep(0.01)
+            confirmed = writer.confirmed
+            await one.aclose()
+            await two.aclose()
+            return confirmed
+
+    assert asyncio.run(scene()) == (reliability == "reliable")
 
 
 def test_who_waits_for_a_peer_learns_that_the_connection_is_closed() -> None:

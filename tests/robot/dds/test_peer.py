@@ -181,7 +181,7 @@ def test_a_type_that_is_not_known_is_asked_for() -> None:
                 await connection.subscribe("/nobody", "nowhere_msgs/Thing")
             assert unknown.value.code == "KG804"
             assert unknown.value.hint is not None
-            assert "kg build" in unknown.value.hint
+            assert "workspace that has the package `nowhere_msgs`" in unknown.value.hint
 
     asyncio.run(scene())
 

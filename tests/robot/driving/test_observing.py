@@ -17,6 +17,7 @@ from kg.robot.clock import SimulatedClock
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode
 from kg.robot.driving import Driver
 from kg.robot.driving.observing import other_controllers
+from kg.robot.memory import MemoryConnection
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -126,6 +127,23 @@ def test_another_controller_is_reported_at_the_start_and_when_it_appears() -> No
             assert {(one.code, one.subject) for one in problems} == {("KG829", "/joystick")}
 
     asyncio.run(scene())
+
+
+def test_another_controller_is_in_the_log_of_the_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The warning about it is also written to the robot's log."""
+    lines: list[tuple[str, str]] = []
+    monkeypatch.setattr(MemoryConnection, "log", lambda _, level, message: lines.append((level, message)))
+
+    async def scene() -> None:
+        async with _contested(exclusive=False) as (robot, driver, problems):
+            await robot.bus.join("/joystick").advertise("/cmd_vel", KIND)
+            moving = asyncio.ensure_future(driver.do("driving", {"forward": 0.5}, way="/cmd_vel"))
+            await until(lambda: bool(problems))
+            await driver.stop()
+            await moving
+
+    asyncio.run(scene())
+    assert lines == [("warning", "[KG829] /joystick: it publishes to `/cmd_vel`, too")]
 
 
 @pytest.mark.parametrize("first", [True, False])

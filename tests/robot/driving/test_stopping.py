@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from robot.driving.rover import CAPABILITIES, ONE_PART, rover, until
 
+from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import SimulatedClock
 from kg.robot.driving import Driver, Watchdog
@@ -32,6 +34,8 @@ steps = st.one_of(
     moves,
     st.tuples(st.just("cancel"), st.integers(0, 5)),
     st.tuples(st.just("stop")),
+    st.tuples(st.just("release")),
+    st.tuples(st.just("stop all")),
     st.tuples(st.just("pass"), st.sampled_from([0.0, 0.01, 0.05, 0.2])),
     st.tuples(st.just("reset")),
     st.tuples(st.just("count")),
@@ -63,6 +67,10 @@ class _Play:
             self.tasks[int(str(values[0])) % len(self.tasks)].cancel()
         elif kind == "stop":
             await driver.stop()
+        elif kind == "release":
+            await driver.release(0)
+        elif kind == "stop all":
+            await driver.stop(released=True)
         elif kind == "pass":
             self.clock.tell(self.clock.now() + float(str(values[0])))
         elif kind == "reset":
@@ -193,5 +201,113 @@ def test_impatience_does_not_cut_stopping_short() -> None:
                 await asyncio.sleep(0)
             assert robot.told["/cmd_vel"][-1]["linear"]["x"] == 0.0
             assert (Role.PUBLISHES, "/cmd_vel") not in {(one.role, one.name) for one in robot.bus.graph().ends}
+
+    asyncio.run(scene())
+
+
+KIND = "geometry_msgs/Twist"
+
+
+def _publishes(robot: Rover) -> bool:
+    return ("/face", Role.PUBLISHES, "/cmd_vel") in {(one.node, one.role, one.name) for one in robot.bus.graph().ends}
+
+
+def test_a_topic_that_stopped_is_released() -> None:
+    """A topic is published until every subscriber has the zero command; the next command publishes it again."""
+
+    async def scene() -> None:
+        async with rover() as robot:
+            moving = asyncio.ensure_future(robot.driver.do("driving", {"forward": 0.5}))
+            await until(robot.speeds)
+            await robot.driver.release(0)
+            assert _publishes(robot)
+            await robot.driver.stop()
+            await moving
+            await robot.driver.release(3600)
+            assert _publishes(robot)
+            await robot.driver.release(0)
+            assert not _publishes(robot)
+            await robot.driver.do("driving", {"forward": 0.3}, seconds=0.05)
+            await until(lambda: robot.speeds()[-2:] == [0.3, 0.0])
+
+    asyncio.run(scene())
+
+
+def test_a_topic_that_nobody_listened_to_is_released() -> None:
+    """A command that found no subscriber leaves nothing for later ones, so its topic is released."""
+
+    async def scene() -> None:
+        async with rover(listen=0.01) as robot:
+            with pytest.raises(RobotError, match="no node listens"):
+                await robot.driver.do("driving", {"forward": 0.5}, way="/stamped", seconds=1)
+            assert "/stamped" in robot.bus.topics
+            await robot.driver.release(0)
+            assert not [one for one in robot.bus.graph().ends if one.name == "/stamped"]
+
+    asyncio.run(scene())
+
+
+@pytest.mark.parametrize("confirmed", [True, False])
+def test_a_topic_is_kept_for_a_subscriber_that_may_have_missed_zero(
+    monkeypatch: pytest.MonkeyPatch,
+    confirmed: bool,  # noqa: FBT001 - a case
+) -> None:
+    """If a subscriber left or does not confirm, the topic keeps its zero command for a robot that comes back."""
+    monkeypatch.setattr("kg.robot.memory.MemoryPublication.confirmed", confirmed)
+
+    async def scene() -> None:
+        async with rover() as robot:
+            base = await robot.listen("/cmd_vel", KIND)
+            moving = asyncio.ensure_future(robot.driver.do("driving", {"forward": 0.5}))
+            await until(robot.speeds)
+            if confirmed:
+                await base.aclose()
+            await robot.driver.stop()
+            await moving
+            await robot.driver.release(0)
+            assert _publishes(robot)
+            back = await robot.node.subscribe("/cmd_vel", KIND)
+            async for one in back:
+                assert one.value["linear"]["x"] == 0
+                break
+
+    asyncio.run(scene())
+
+
+@pytest.mark.parametrize(("released", "zeros"), [(True, 2), (False, 1)])
+def test_a_person_stops_topics_that_were_released(released: bool, zeros: int) -> None:  # noqa: FBT001 - a case
+    """A stop for all sends zero to them again; others leave them to the client that drives by now."""
+
+    async def scene() -> None:
+        async with rover() as robot:
+            await robot.driver.do("driving", {"forward": 0.5}, seconds=0.05)
+            await robot.driver.release(0)
+            await robot.driver.stop(released=released)
+            await _settle()
+            assert robot.speeds().count(0.0) == zeros
+            assert _publishes(robot) == released
+
+    asyncio.run(scene())
+
+
+def test_a_stop_for_all_leaves_a_later_command_alone() -> None:
+    """A command that begins while the stop waits for subscribers keeps its topic, and ends with zero itself."""
+
+    async def scene() -> None:
+        async with rover() as robot:
+            base = await robot.listen("/stamped", TOPICS["/stamped"])
+            await robot.driver.do("driving", {"forward": 0.5}, way="/stamped", seconds=0.05)
+            await robot.driver.release(0)
+            await base.aclose()
+            stopping = asyncio.ensure_future(robot.driver.stop(released=True))
+            await _settle()
+            work = robot.driver.do("driving", {"forward": 0.3}, way="/stamped", seconds=0.3)
+            moving = asyncio.ensure_future(work)
+            await _settle()
+            await robot.listen("/stamped", TOPICS["/stamped"])
+            await stopping
+            assert (await moving).ended == "done"
+            await _settle()
+            assert robot.speeds("/stamped")[-2:] == [0.3, 0.0]
 
     asyncio.run(scene())

@@ -27,6 +27,7 @@ TOPIC, KIND = "/cmd_vel", "geometry_msgs/TwistStamped"
 
 MOVED = f"{json.dumps(['topic', TOPIC, KIND, ZERO])}\n"
 LEFT = f'["forget", "{TOPIC}"]\n'
+WITHDRAWN = f'["withdraw", "{TOPIC}"]\n'
 BEAT = '["beat"]\n'
 NEVER = 3600.0
 
@@ -39,6 +40,9 @@ NEVER = 3600.0
         (MOVED + '["end"]\n', 0),
         (MOVED + LEFT, 0),
         (MOVED + LEFT + MOVED, 5),
+        (MOVED + WITHDRAWN, 5),
+        (MOVED + LEFT + WITHDRAWN, 0),
+        (MOVED + LEFT + WITHDRAWN + MOVED, 5),
         (f'["topic", "/arm", "own_msgs/Nobody", {{}}]\n{MOVED}', 5),
         (f'["topic", "/arm", "geometry_msgs/Twist", {{}}]\n{MOVED}', 5),
         (f'{MOVED}["topic", "/arm", "geome', 5),
@@ -106,6 +110,28 @@ async def _process(address: str, silence: float) -> Process:
     return await asyncio.create_subprocess_exec(*command, stdin=PIPE, stdout=PIPE, stderr=PIPE)
 
 
+def test_a_topic_that_stopped_is_withdrawn() -> None:
+    """After the controller has released a topic, its watchdog does not publish it either."""
+
+    async def scene() -> None:
+        async with Master() as master, asyncio.timeout(patient(20)):
+            base = await connect(master.address, name="/base")
+            process = await _process(master.address, NEVER)
+            assert process.stdin is not None
+            process.stdin.write(MOVED.encode())
+            graphs = base.changes()
+            while not any(end.name == TOPIC for end in (await anext(graphs)).ends):
+                pass
+            process.stdin.write((LEFT + WITHDRAWN).encode())
+            while any(end.name == TOPIC for end in (await anext(graphs)).ends):
+                pass
+            _, said = await process.communicate(b'["end"]\n')
+            assert not said
+            await base.aclose()
+
+    asyncio.run(scene())
+
+
 def test_silence_sends_zero_and_is_reported_once() -> None:
     """An open pipe without heartbeats stops movements; a topic is watched again when it moves again."""
 
@@ -124,6 +150,26 @@ def test_silence_sends_zero_and_is_reported_once() -> None:
             out, said = await process.communicate(b"")
             assert out == b""
             assert said.count(b"warning[KG828]") == 2
+            await base.aclose()
+
+    asyncio.run(scene())
+
+
+def test_the_log_of_the_robot_says_why_it_was_stopped() -> None:
+    """What the watchdog did is on `/rosout`, for people who do not see the controller's terminal."""
+
+    async def scene() -> None:
+        async with Master() as master, asyncio.timeout(patient(20)):
+            base = await connect(master.address, name="/base")
+            await base.subscribe(TOPIC, KIND, queue=100)
+            lines = aiter(await base.subscribe("/rosout", "rosgraph_msgs/Log"))
+            process = await _process(master.address, 0.2)
+            assert process.stdin is not None
+            process.stdin.write(MOVED.encode())
+            line = (await anext(lines)).value
+            assert (line["level"], line["name"]) == (8, f"/kg_watchdog_{process.pid}")
+            assert "zero velocity was sent to `/cmd_vel`" in line["msg"]
+            await process.communicate(b"")
             await base.aclose()
 
     asyncio.run(scene())

@@ -9,11 +9,11 @@ from uuid import uuid4
 
 import pytest
 from patience import patient
-from robot.programs.trolley import Trolley, trolley
+from robot.programs.trolley import CAPABILITIES, Trolley, trolley
 
 from kg.robot.capability import Capabilities, Capability, Parameter, Way
 from kg.robot.driving import Driver
-from kg.robot.memory import Bus
+from kg.robot.memory import Bus, MemoryConnection
 from kg.robot.programs.parse import parse
 from kg.robot.programs.runner import Runner
 
@@ -71,6 +71,24 @@ def test_why_the_robot_is_lost_is_told() -> None:
     ended = asyncio.run(scene())
     assert ended.problem is not None
     assert (ended.problem.code, ended.problem.message) == ("KG803", "the robot is lost: the cable broke")
+
+
+@pytest.mark.parametrize("dry_run", [True, False])
+def test_the_log_of_the_robot_has_messages_and_errors(
+    monkeypatch: pytest.MonkeyPatch,
+    dry_run: bool,  # noqa: FBT001 - a case
+) -> None:
+    """What a program logs, and why it fails, is in the log of the robot; a dry run writes nothing there."""
+    lines: list[tuple[str, str]] = []
+    monkeypatch.setattr(MemoryConnection, "log", lambda _, level, message: lines.append((level, message)))
+
+    async def scene() -> None:
+        async with trolley() as (_, own), Driver(own.connection, CAPABILITIES, dry_run=dry_run) as driver:
+            await Runner(driver, parse('log "before"\ngo to a pose  x: 9 m')).run()
+
+    asyncio.run(scene())
+    assert [level for level, _ in lines] == ([] if dry_run else ["info", "error"])
+    assert dry_run or (lines[0][1], lines[1][1][:7]) == ("before", "[KG809]")
 
 
 def test_a_pause_stops_what_moves() -> None:

@@ -3,21 +3,26 @@
     python peer.py
 
 It publishes `/odom` (best effort) and `/words` (transient local), prints the velocities it receives, serves `/enable`
-and executes `/count`. It runs until its standard input is closed.
+and executes `/count`. For each line of its standard input, the name of a node, it prints the names of the parameters
+of that node, whether it could set `use_sim_time`, and the next line of the log of kg. It ends with its input.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from queue import Queue
 from threading import Thread
 from typing import Any
 
 import rclpy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import Log
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.executors import MultiThreadedExecutor
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import String
 from std_srvs.srv import SetBool
@@ -51,6 +56,13 @@ def count(handle: Any) -> Any:
     return Fibonacci.Result(sequence=sequence)
 
 
+def waited(future: Any) -> Any:
+    """Return the result of a future, which another thread completes."""
+    while not future.done():
+        time.sleep(0.01)
+    return future.result()
+
+
 def main() -> None:
     """Run the robot."""
     rclpy.init()
@@ -71,8 +83,23 @@ def main() -> None:
     executor = MultiThreadedExecutor()
     executor.add_node(node)
     Thread(target=executor.spin, daemon=True).start()
+    node.declare_parameter("names", ["left", "right"])
+    lines: Queue[str] = Queue()
+    rosout = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+    def log(line: Any) -> None:
+        if line.name == "kg":
+            lines.put(line.msg)
+
+    node.create_subscription(Log, "/rosout", log, rosout)
     say("ready")
-    sys.stdin.read()
+    for line in sys.stdin:
+        client = AsyncParameterClient(node, line.strip())
+        client.wait_for_services()
+        say(" ".join(waited(client.list_parameters()).result.names))
+        (done,) = waited(client.set_parameters([Parameter("use_sim_time", value=True)])).results
+        say(str(done.successful))
+        say(lines.get())
     executor.shutdown()
     rclpy.shutdown()
 

@@ -21,6 +21,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connecting import connect
 from kg.robot.messages import Types
+from kg.robot.parameters import read
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -170,6 +171,50 @@ def test_goals_of_the_robot_end_as_it_says(domain: str) -> None:
             with pytest.raises(RobotError) as ended:
                 await goal.result()
             assert ended.value.code == "KG809"
+
+    beside_robot(domain, scene)
+
+
+def test_parameters_of_the_robot_are_read(domain: str) -> None:
+    """Texts and lists are read, although `serialize_message` leaves bytes behind responses."""
+
+    async def scene(_: Any, node: Connection) -> None:
+        found, problems = await read(node, "/one/robot")
+        values = {one.name: one.value for one in found}
+        assert not problems
+        assert (values["names"], values["use_sim_time"]) == (["left", "right"], False)
+
+    beside_robot(domain, scene)
+
+
+def test_the_robot_reads_our_parameters_and_log(domain: str) -> None:
+    """A client of rclpy lists the parameters of our node, cannot set the one for its clock, and receives its log."""
+
+    async def scene(process: Any, node: Connection) -> None:
+        node.log("info", "it begins")
+        process.stdin.write("/kg\n")
+        process.stdin.flush()
+        told = [await asyncio.to_thread(process.stdout.readline) for _ in range(3)]
+        assert told == ["use_sim_time\n", "False\n", "it begins\n"]
+
+    beside_robot(domain, scene)
+
+
+def test_status_and_feedback_of_an_action_are_topics(domain: str) -> None:
+    """Both are read without a type while a goal is executed."""
+
+    async def scene(_: Any, node: Connection) -> None:
+        goal = await node.send_goal("/count", COUNT, FOREVER, seconds=patient(5))
+        await anext(aiter(goal.feedback()))
+        status, feedback = [
+            (await anext(aiter(await node.subscribe(f"/count/_action/{name}")))).value
+            for name in ("status", "feedback")
+        ]
+        assert [one["status"] for one in status["status_list"]] == [2]
+        assert len(feedback["feedback"]["sequence"]) == 1
+        await goal.cancel()
+        with pytest.raises(RobotError):
+            await goal.result()
 
     beside_robot(domain, scene)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -21,7 +22,7 @@ from kg.robot.ros1.xmlrpc import ask
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.robot.connection import Accepted, Connection, Value
+    from kg.robot.connection import Accepted, Connection, Publication, Value
 
 
 class TestOnOwnMaster(Behaviour):
@@ -180,6 +181,40 @@ def test_goals_that_are_given_at_a_time_are_two() -> None:
     asyncio.run(scene())
 
 
+async def _slow(one: Any, publication: Publication) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """Return the connection of a subscriber that has not read anything of `/topic` yet."""
+    _, host, port = await ask(one.node.uri, "requestTopic", "/slow", "/topic", [["TCPROS"]])
+    reader, writer = await asyncio.open_connection(host, port)
+    writer.write(pack({"callerid": "/slow", "topic": "/topic", "type": "std_msgs/String", "md5sum": "*"}))
+    async with asyncio.timeout(patient(10)):
+        while not publication.peers:  # noqa: ASYNC110 - nothing tells when a peer comes
+            await asyncio.sleep(0.01)
+    return reader, writer
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux reports what the other machine has confirmed")
+def test_messages_in_buffers_of_the_system_are_not_confirmed() -> None:
+    """A message that the system still has to send is not confirmed; it is once the subscriber has received it."""
+
+    async def scene() -> None:
+        async with Master() as master:
+            one: Any = await connect(master.address, name="/one")
+            publication = await one.advertise("/topic", "std_msgs/String")
+            reader, writer = await _slow(one, publication)
+            (link,) = one.node.offers["/topic"].links
+            async with asyncio.timeout(patient(30)):
+                while publication.confirmed or await asyncio.sleep(0.5, publication.confirmed):
+                    await publication.publish({"data": "x" * (1 << 14)})
+                assert not link._waiting
+                assert not link._writer.transport.get_write_buffer_size()
+                while not publication.confirmed:
+                    await reader.read(1 << 16)
+            writer.close()
+            await one.aclose()
+
+    asyncio.run(scene())
+
+
 def test_what_waits_for_a_slow_subscriber_is_sent_before_the_topic_ends() -> None:
     """The last message of a topic reaches even a slow subscriber with a long send queue."""
 
@@ -187,13 +222,7 @@ def test_what_waits_for_a_slow_subscriber_is_sent_before_the_topic_ends() -> Non
         async with Master() as master:
             one: Any = await connect(master.address, name="/one")
             publication = await one.advertise("/topic", "std_msgs/String")
-            _, host, port = await ask(one.node.uri, "requestTopic", "/slow", "/topic", [["TCPROS"]])
-            reader, writer = await asyncio.open_connection(host, port)
-            greeting = {"callerid": "/slow", "topic": "/topic", "type": "std_msgs/String", "md5sum": "*"}
-            writer.write(pack(greeting))
-            async with asyncio.timeout(patient(10)):
-                while not publication.peers:  # noqa: ASYNC110 - nothing tells when a peer comes
-                    await asyncio.sleep(0.01)
+            reader, writer = await _slow(one, publication)
             (link,) = one.node.offers["/topic"].links
             while not link._waiting:
                 await publication.publish({"data": "x" * (1 << 20)})
@@ -205,6 +234,27 @@ def test_what_waits_for_a_slow_subscriber_is_sent_before_the_topic_ends() -> Non
             return told
 
     assert asyncio.run(scene()).endswith(b"stand still")
+
+
+def test_our_log_is_on_rosout() -> None:
+    """Lines of the log have level, name and time of the node."""
+
+    async def scene() -> Value:
+        async with Master() as master:
+            one, two = await connect(master.address, name="/one"), await connect(master.address, name="/two")
+            lines = aiter(await two.subscribe("/rosout", "rosgraph_msgs/Log"))
+            asking = asyncio.ensure_future(anext(lines))
+            async with asyncio.timeout(patient(10)):
+                while not asking.done():
+                    one.log("warning", "it slips")
+                    await asyncio.sleep(0.05)
+            await one.aclose()
+            await two.aclose()
+            return asking.result().value
+
+    line = asyncio.run(scene())
+    assert (line["level"], line["name"], line["msg"]) == (4, "/one", "it slips")
+    assert line["header"]["stamp"]["sec"]
 
 
 def test_a_topic_is_offered_after_an_offer_was_given_up() -> None:
@@ -236,7 +286,7 @@ def test_connecting_can_be_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
         begun.set()
         await asyncio.sleep(3600)
 
-    monkeypatch.setattr(Ros1Connection, "advertise", never)
+    monkeypatch.setattr(Ros1Connection, "open_log", never)
 
     async def scene() -> None:
         async with Master() as master:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
+from contextlib import suppress
 from dataclasses import replace
 
 import pytest
+from patience import patient
 
 from kg.facts import Qos, Role
 from kg.robot.connection import LiveEnd, LiveNode
-from kg.robot.ros2.graph import computation_graph, misfit
+from kg.robot.ros2.address import QUIET, Address
+from kg.robot.ros2.graph import Watch, computation_graph, misfit
 from kg.robot.ros2.middleware import LATCHED, OFFERED, Neighbourhood
 
 _FULL = Qos("reliable", "transient_local", "keep_last", 1, 0.1, None, "manual_by_topic", 0.1)
@@ -72,3 +76,50 @@ def test_actions_are_folded() -> None:
         ("/client", Role.ACTION_CLIENTS, "/ns/spin", "m/Spin"),
         ("/server", Role.ACTION_SERVERS, "/ns/spin", "m/Spin"),
     ]
+
+
+def test_a_quiet_graph_is_complete() -> None:
+    """A graph with nodes is complete some time after its last change, and one without nodes only at the end."""
+
+    async def scene(*, empty: bool) -> tuple[bool, float]:
+        loop = asyncio.get_running_loop()
+        nodes: list[LiveNode] = []
+        watch = Watch(lambda: Neighbourhood(tuple(nodes)), settle=3600, quiet=0.3)
+        begun = loop.time()
+        for number in range(4):
+            await asyncio.sleep(0.2)
+            assert not watch.complete
+            nodes += [] if empty else [LiveNode(f"/node_{number}")]
+            watch.changed()
+        changed = loop.time()
+        with suppress(TimeoutError):
+            await asyncio.wait_for(watch.settled(), 1 if empty else patient(20))
+        watch.close()
+        assert changed - begun >= 0.8
+        return watch.complete, loop.time() - changed
+
+    assert asyncio.run(scene(empty=True))[0] is False
+    complete, seconds = asyncio.run(scene(empty=False))
+    assert complete
+    assert 0.3 <= seconds < patient(10)
+
+
+def test_a_graph_that_never_rests_is_complete_in_the_end() -> None:
+    """Changes do not put off the end beyond the time to settle."""
+
+    async def scene() -> float:
+        loop = asyncio.get_running_loop()
+        watch = Watch(lambda: Neighbourhood((LiveNode("/node"),)), settle=0.5, quiet=0.3)
+        begun = loop.time()
+        while not watch.complete:
+            watch.changed()
+            await asyncio.sleep(0.05)
+        watch.close()
+        return loop.time() - begun
+
+    assert 0.5 <= asyncio.run(scene()) < patient(10)
+
+
+def test_an_address_with_a_time_to_settle_has_no_shorter_one() -> None:
+    """Who chooses the time gets it."""
+    assert (Address.read("dds://0").quiet, Address.read("dds://0?settle=2").quiet) == (QUIET, None)

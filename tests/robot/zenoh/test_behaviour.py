@@ -25,4 +25,6 @@ class TestZenoh(Behaviour):
         """Yield a peer that all nodes connect to."""
         with hub() as (place, _):
             address = f"zenoh://{place}?settle=1"
-            yield System(2, lambda name: connect(address, name=name, types=types_for_tests(2)), seconds=5)
+            yield System(
+                2, lambda name: connect(address, name=name, types=types_for_tests(2)), seconds=5, confirms=False
+            )

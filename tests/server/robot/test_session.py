@@ -275,6 +275,33 @@ def test_the_robot_stops_although_leaving_it_is_cut_short(monkeypatch: pytest.Mo
     assert asyncio.run(end())
 
 
+def test_an_idle_page_publishes_no_velocities(monkeypatch: pytest.MonkeyPatch) -> None:
+    """After a program, another client can drive exclusively; a program that waits keeps its topics. Stop sends zero."""
+    monkeypatch.setattr(ending, "_LOOK", 0.02)
+    monkeypatch.setattr(ending, "_UNUSED", 0.05)
+
+    def publishes(rover: Rover) -> bool:
+        return any((one.node, one.name) == ("/kg_page", "/cmd_vel") for one in rover.bus.graph().ends)
+
+    async def idle() -> tuple[bool, bool]:
+        async with met() as (session, rover):
+            await session.run(parse("move at a velocity  forward: 0.5 m/s for 0.1 s\nwait for 60 s"))
+            await until(lambda: still(rover))
+            await asyncio.sleep(0.5)
+            kept = publishes(rover)
+            await session.stop()
+            await until(lambda: not publishes(rover))
+            before = len(rover.commands)
+            await session.stop()
+            await until(lambda: len(rover.commands) > before)
+            await until(lambda: not publishes(rover))
+            await drive(session, rover, 0.1)
+            await until(lambda: still(rover))
+            return kept, rover.commands[before] == (0.0, 0.0)
+
+    assert asyncio.run(idle()) == (True, True)
+
+
 def test_one_thing_moves_the_robot_at_a_time() -> None:
     """While a program runs, manual movements and other programs are KG847."""
 
@@ -454,7 +481,7 @@ def test_a_robot_that_does_not_stop_in_time_keeps_no_server(monkeypatch: pytest.
     monkeypatch.setattr(ending, "_LAST", 0.05)
     stop = Driver.stop
 
-    async def slowly(driver: Driver) -> None:
+    async def slowly(driver: Driver, **_: bool) -> None:
         await asyncio.sleep(0.3)
         await stop(driver)
 
