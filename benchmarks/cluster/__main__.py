@@ -3,7 +3,9 @@
     python benchmarks/cluster equality [--rounds 20] [--copies 10] [--fetch]
     python benchmarks/cluster overhead CHECKOUT [--copies 1 2] [--repeat 3]
     python benchmarks/cluster memory CHECKOUT... [--copies 10 77 300]
+    python benchmarks/cluster rules STORE [--parts 1 2 4]
 
+`rules` compares one process with processes that run the local rules of parts of a store (`dividing.py`).
 Repositories are copies of the checkouts, by default of the example workspace, with other names of packages.
 Times are of processors, summed over all processes; memory is the proportional size of a process, at its peak.
 """
@@ -26,6 +28,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
+
+from dividing import compare
 
 from kg.corpus.fetching import Options, fetch
 from kg.corpus.fetching_list import wanted_among
@@ -53,13 +57,17 @@ _KILL_WITHIN: Final = 0.7
 def main() -> None:
     """Read the command line and print a table in Markdown."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("what", choices=["equality", "overhead", "memory"])
+    parser.add_argument("what", choices=["equality", "overhead", "memory", "rules"])
     parser.add_argument("checkouts", nargs="*", type=Path, default=[_EXAMPLES / "rover", _EXAMPLES / "drone"])
     parser.add_argument("--copies", type=int, nargs="+")
+    parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4])
     parser.add_argument("--rounds", type=int, default=20)
     parser.add_argument("--fetch", action="store_true", help="workers fetch the repositories, in each round anew")
     parser.add_argument("--repeat", type=int, default=3, help="builds of each kind, of which the cheapest counts")
     options = parser.parse_args()
+    if options.what == "rules":
+        compare(options.checkouts[0], options.parts)
+        return
     with tempfile.TemporaryDirectory(prefix="kg-cluster-") as folder:
         if options.what == "equality":
             _equality(

@@ -40,7 +40,7 @@ Corpus = Annotated[
     typer.Option(
         "--corpus",
         metavar="LOCK",
-        help="Also build all repositories of this lock file (`kg corpus fetch`); workers of a cluster fetch missing ones",
+        help="Also build repositories of this lock file (`kg corpus fetch`); workers of a cluster fetch missing ones",
     ),
 ]
 DryRun = Annotated[
