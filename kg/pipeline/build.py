@@ -177,6 +177,7 @@ class _Build:
         if self._rules is None or self._state.version != now or self._transaction.base is None:
             self._inference.update_ontologies(self._transaction, anew=self._state.version != now)
         systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
+        self._transaction.release()
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
         self._inference.remember(generation)
@@ -332,7 +333,9 @@ class _Build:
                 results[name, package.path] = found
                 writing.add(source, found)
         self._report.writing(writing.triples)
-        return writing.finish(changed, results, self._started)
+        written = writing.finish(changed, results, self._started)
+        self._transaction.release()
+        return written
 
     def _pool(
         self, workspace: RecordingWorkspace, plan: Plan, calls: tuple[str, ...]
