@@ -1,9 +1,11 @@
 """Builds on a cluster of this machine: equality with workers killed, overhead, memory.
 
-    python benchmarks/cluster equality [--rounds 20] [--copies 10]
+    python benchmarks/cluster equality [--rounds 20] [--copies 10] [--fetch]
     python benchmarks/cluster overhead CHECKOUT [--copies 1 2] [--repeat 3]
     python benchmarks/cluster memory CHECKOUT... [--copies 10 77 300]
+    python benchmarks/cluster rules STORE [--parts 1 2 4]
 
+`rules` compares one process with processes that run the local rules of parts of a store (`dividing.py`).
 Repositories are copies of the checkouts, by default of the example workspace, with other names of packages.
 Times are of processors, summed over all processes; memory is the proportional size of a process, at its peak.
 """
@@ -27,6 +29,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from dividing import compare
+
+from kg.corpus.fetching import Options, fetch
+from kg.corpus.fetching_list import wanted_among
+from kg.corpus.files import Pin
 from kg.pipeline.build import build
 from kg.pipeline.report import Silent
 from kg.settings import load
@@ -35,6 +42,8 @@ from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+
+    from kg.corpus.fetching_lock import Entry
 
 _EXAMPLES: Final = Path(__file__).resolve().parents[2] / "examples" / "workspace"
 _PAUSE_SECONDS: Final = 0.05
@@ -48,15 +57,22 @@ _KILL_WITHIN: Final = 0.7
 def main() -> None:
     """Read the command line and print a table in Markdown."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("what", choices=["equality", "overhead", "memory"])
+    parser.add_argument("what", choices=["equality", "overhead", "memory", "rules"])
     parser.add_argument("checkouts", nargs="*", type=Path, default=[_EXAMPLES / "rover", _EXAMPLES / "drone"])
     parser.add_argument("--copies", type=int, nargs="+")
+    parser.add_argument("--parts", type=int, nargs="+", default=[1, 2, 4])
     parser.add_argument("--rounds", type=int, default=20)
+    parser.add_argument("--fetch", action="store_true", help="workers fetch the repositories, in each round anew")
     parser.add_argument("--repeat", type=int, default=3, help="builds of each kind, of which the cheapest counts")
     options = parser.parse_args()
+    if options.what == "rules":
+        compare(options.checkouts[0], options.parts)
+        return
     with tempfile.TemporaryDirectory(prefix="kg-cluster-") as folder:
         if options.what == "equality":
-            _equality(Path(folder), options.checkouts, (options.copies or [10])[0], options.rounds)
+            _equality(
+                Path(folder), options.checkouts, (options.copies or [10])[0], options.rounds, by_workers=options.fetch
+            )
         elif options.what == "overhead":
             _overhead(Path(folder), options.checkouts, options.copies or [1, 2], options.repeat)
         else:
@@ -108,6 +124,10 @@ class _Killer(Silent):
 
     def placed(self, worker: str, source: str) -> None:  # noqa: ARG002 - any of them
         """Begin to wait."""
+        self.fetching("")
+
+    def fetching(self, message: str) -> None:  # noqa: ARG002 - any of them
+        """Begin to wait."""
         if self._timer is None:
             self._timer = threading.Timer(self._generator.uniform(0, _KILL_WITHIN), self._kill)
             self._timer.start()
@@ -126,26 +146,57 @@ class _Killer(Silent):
             self._timer.join()
 
 
-def _equality(folder: Path, checkouts: list[Path], number: int, rounds: int) -> None:
+class _NoReport:
+    """Receives the progress of fetching."""
+
+    def begin(self, repositories: int) -> None:
+        """Ignore it."""
+
+    def ended(self, entry: Entry) -> None:
+        """Ignore it."""
+
+
+def _fetched(folder: Path, named: list[str]) -> dict[str, Pin]:
+    """Commit the content of folders, fetch these repositories, and return the pins of the checkouts."""
+    identity = ("-c", "user.name=A", "-c", "user.email=a@example.org")
+    for one in named:
+        for arguments in (("init", "--quiet"), ("add", "--all"), (*identity, "commit", "--quiet", "--message=A")):
+            subprocess.run(("git", "-C", one, *arguments), check=True)
+    lock = folder / "corpus" / "corpus.lock.toml"
+    found = fetch(wanted_among(Path(one).as_uri() for one in named), lock.parent, lock, Options(), _NoReport())
+    return {str(found.lock.folder(one)): Pin(one.name, one.url, one.commit) for one in found.entries}
+
+
+def _equality(folder: Path, checkouts: list[Path], number: int, rounds: int, *, by_workers: bool) -> None:
     from distributed import LocalCluster  # noqa: PLC0415 - for this measurement alone
 
     generator = random.Random(1)  # noqa: S311 - no secret
     named = _repositories(folder / "src", checkouts, number)
+    pins = _fetched(folder, named) if by_workers else {}
+    named = [*pins] or named
     alone = EmbeddedStore.create(folder / "alone")
     build(named, alone, load({}, environment={}))
     wanted, equal, killed = _digest(alone), 0, 0
+    if pins:
+        (folder / "corpus" / "local").rename(folder / "checkouts")
+    os.environ["XDG_CACHE_HOME"] = str(folder / "cache")
     with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", silence_logs=50) as cluster:
         for round_number in range(rounds):
             store, artifacts = folder / f"store{round_number}", folder / f"artifacts{round_number}"
             given = {"cluster": cluster.scheduler_address, "artifacts": str(artifacts)}
             report = _Killer(generator)
             generator.shuffle(named)
-            build(named, EmbeddedStore.create(store), load(given, environment={}), report)
+            unfetched = build(
+                named, EmbeddedStore.create(store), load(given, environment={}), report, pins=pins
+            ).unfetched
             report.end()
+            for one in unfetched:
+                print(f"round {round_number}: {one.name} {one.state}: {one.reason}")
             killed += report.killed
             equal += _digest(EmbeddedStore.create(store)) == wanted
             shutil.rmtree(store)
             shutil.rmtree(artifacts)
+            shutil.rmtree(folder / "cache", ignore_errors=True)
     print(f"equal in {equal} of {rounds} rounds, {killed} processes killed; {number} repositories")
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.diagnostics import note
 from kg.cli.diagnostics import report as show
+from kg.cli.fetching_view import entry_object
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -164,6 +165,7 @@ def report_object(report: BuildReport) -> dict[str, Any]:
         "systems": asdict(report.systems) if report.systems else None,
         "inferred": _inferred_object(report.inferred),
         "sources": [_source_object(source) for source in report.sources],
+        "unfetched": [entry_object(entry) for entry in report.unfetched],
     }
 
 

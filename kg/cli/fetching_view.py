@@ -14,6 +14,8 @@ from kg.corpus.fetching_lock import FETCHED, Entry, Lock, Standing
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kg.corpus.fetching import Fetched
 
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
@@ -63,10 +65,9 @@ def for_this_stream() -> AbstractContextManager[Bar | Lines]:
 def summary(done: Fetched) -> None:
     """Report repositories that were not fetched with reasons, changed commits, and totals."""
     for entry in sorted(done.entries, key=lambda one: one.name):
-        code = code_of(entry)
-        if code:
-            problem(code, f"{entry.state}: {entry.reason}", entry.name)
-        elif entry.moved:
+        if failed(entry):
+            continue
+        if entry.moved:
             note(f"{printable(entry.name)} moved to {printable(entry.moved)}")
         elif entry.reason:
             note(f"{printable(entry.name)}: {printable(entry.reason)}")
@@ -75,6 +76,23 @@ def summary(done: Fetched) -> None:
     others = "".join(f", {number:,} {state}" for state, number in sorted(states.items()) if state != FETCHED)
     fetched = count(states[FETCHED], "repository", "repositories")
     say(f"{fetched} fetched ({size / 1e6:,.1f} MB){others}; {printable(str(done.lock.path))} pins them")
+
+
+def failed(entry: Entry) -> bool:
+    """Return whether a repository was not fetched, and report the reason."""
+    code = code_of(entry)
+    if code:
+        problem(code, f"{entry.state}: {entry.reason}", entry.name)
+    return code is not None
+
+
+def left_out(entries: Sequence[Entry]) -> bool:
+    """Report the repositories that workers of a cluster could not fetch; return whether there are any."""
+    for entry in sorted(entries, key=lambda one: one.name):
+        failed(entry)
+    if entries:
+        note(f"{count(len(entries), 'repository', 'repositories')} left out; build again to try again")
+    return bool(entries)
 
 
 def not_as_pinned(lock: Lock, found: Standing) -> None:

@@ -67,10 +67,10 @@ class Told(Protocol):
 
 def pinned(lock: Path) -> tuple[Wanted, ...]:
     """Return the repositories in a lock file. Raises SourceError (KG101, KG132) if it is unreadable."""
-    return tuple(_from_lock(entry) for entry in read_lock(lock).entries)
+    return tuple(wanted_of(entry) for entry in read_lock(lock).entries)
 
 
-def _from_lock(entry: Entry) -> Wanted:
+def wanted_of(entry: Entry) -> Wanted:
     """Return the request of an entry. Lock files may come from others, so they are validated like lists."""
     found = wanted_among([entry.url])[0]
     if found.name == entry.name:

@@ -28,6 +28,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.corpus.files import Pin
 from kg.corpus.git import describe
 from kg.errors import Place, SourceError
 from kg.settings import toml_place
@@ -83,12 +84,14 @@ class Lock:
 class Standing:
     """The state of a corpus folder: `present`, `missing` and `drifted` repositories.
 
-    Those that drifted are also present, and have a description of their difference.
+    Those that drifted are also present, and have a description of their difference. Those `elsewhere` are fetched by
+    workers of a cluster.
     """
 
     present: tuple[Entry, ...]
     missing: tuple[Entry, ...]
     drifted: tuple[tuple[Entry, str], ...]
+    elsewhere: tuple[Entry, ...] = ()
 
 
 def read_lock(path: Path) -> Lock:
@@ -173,13 +176,20 @@ def _value(value: str | int) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def standing(lock: Lock) -> Standing:
-    """Compare a lock with its folder; entries that were never fetched are missing."""
-    present, missing, drifted = [], [], []
+def standing(lock: Lock, *, elsewhere: bool = False) -> Standing:
+    """Compare a lock with its folder; entries that were never fetched are missing.
+
+    With `elsewhere`, workers of a cluster fetch the others that are not in the folder.
+    """
+    present: list[Entry] = []
+    missing: list[Entry] = []
+    away: list[Entry] = []
+    drifted: list[tuple[Entry, str]] = []
     for entry in lock.entries:
         folder = lock.folder(entry)
-        if not entry.commit or not entry.folder or not (folder / ".git").exists():
-            missing.append(entry)
+        pinned = entry.commit and entry.folder
+        if not pinned or not (folder / ".git").exists():
+            (away if pinned and elsewhere else missing).append(entry)
             continue
         present.append(entry)
         found = describe(folder)
@@ -187,16 +197,18 @@ def standing(lock: Lock) -> Standing:
             drifted.append((entry, f"is at {(found.commit or 'no commit')[:12]}, not at {entry.commit[:12]}"))
         elif found.dirty:
             drifted.append((entry, "files were changed"))
-    return Standing(tuple(present), tuple(missing), tuple(drifted))
+    return Standing(tuple(present), tuple(missing), tuple(drifted), tuple(away))
 
 
-def checkouts(lock: Lock, found: Standing) -> tuple[Path, ...]:
-    """Return the folders of the present checkouts.
+def checkouts(lock: Lock, found: Standing) -> dict[str, Pin | None]:
+    """Return the folders of the present checkouts, and of those elsewhere with their pins, in the order of the file.
 
     Raises:
         SourceError: KG136 there is none.
     """
-    if not found.present:
+    if not found.present and not found.elsewhere:
         message = f"none of the {len(found.missing)} repositories of the lock file is checked out"
         raise SourceError("KG136", message, place=Place(str(lock.path)), hint=f"`kg corpus fetch --lock {lock.path}`")
-    return tuple(lock.folder(entry) for entry in found.present)
+    pins: dict[str, Pin | None] = {one.name: None for one in found.present}
+    pins |= {one.name: Pin(one.name, one.url, one.commit) for one in found.elsewhere}
+    return {str(lock.folder(entry)): pins[entry.name] for entry in lock.entries if entry.name in pins}

@@ -88,10 +88,20 @@ class PackageFolder:
 
 
 @dataclass(frozen=True, slots=True)
+class Pin:
+    """A repository of a lock file at its commit: its name and address there."""
+
+    name: str
+    url: str
+    commit: str
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """A repository or folder of the build; `loose` are files outside of packages.
 
-    `links` maps folders that are links to their targets in the same source.
+    `links` maps folders that are links to their targets in the same source. The files of a source with a `pin` are not
+    in the folder `root`: workers of a cluster fetch them.
     """
 
     repository: Repository
@@ -100,6 +110,7 @@ class Source:
     loose: tuple[FileEntry, ...] = ()
     problems: tuple[Problem, ...] = ()
     links: tuple[tuple[str, str], ...] = ()
+    pin: Pin | None = None
 
 
 def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | None:

@@ -39,9 +39,9 @@ def load(workspace: Workspace, file: FilePath, limit_bytes: int) -> bytes | Prob
     if source is None:
         path = f"/{file.path}" if workspace.is_file(file) else None
     elif workspace.entry(file) is not None:
-        path = f"{source.root}/{file.path}"
+        path = f"{workspace.root(source)}/{file.path}"
     else:  # the scan only checks listed files for leaving the root
-        path = real_inside(source.root, source.root / file.path)
+        path = real_inside(workspace.root(source), workspace.root(source) / file.path)
     if path is None:
         return Problem("KG110", "the file is not inside of its source", file.path)
     try:

@@ -146,6 +146,10 @@ class Workspace:
         """Return the source of a repository name."""
         return self._by_name.get(repository)
 
+    def root(self, source: Source) -> Path:
+        """Return the folder with the files of a source."""
+        return source.root
+
     def package(self, name: str, near: str = "") -> Place | None:
         """Return the package of a name: of several that of the repository `near`, else the first."""
         return self._own_packages.get((near, name)) or self._packages.get(name)
@@ -184,7 +188,7 @@ class Workspace:
         """Return whether a file exists inside the root of its source, even if it is not listed."""
         source = self._by_name.get(file.repository)
         if source is not None:
-            return file in self._owners or _is_file_inside(source.root, source.root / file.path)
+            return file in self._owners or _is_file_inside(self.root(source), self.root(source) / file.path)
         path = Path("/", file.path)
         return file.repository == INSTALLED and any(_is_file_inside(root, path) for root in self.installed)
 

@@ -106,8 +106,12 @@ class Artifacts:
         )
         return self._write(_JOBS, zlib.compress(_encode(described), 1))
 
-    def job(self, name: str) -> tuple[str, str, Job]:
+    def job(
+        self, name: str, kind: Callable[[Iterable[Source], Iterable[Path]], RecordingWorkspace] = RecordingWorkspace
+    ) -> tuple[str, str, Job]:
         """Return the version of results and the digest of the code of a build, and its job, prepared for look-ups.
+
+        `kind` creates its workspace.
 
         Raises:
             SourceError: KG128 if it is missing or damaged.
@@ -118,7 +122,7 @@ class Artifacts:
             hint = "Use a folder that all workers can read under the same path, and the same kg everywhere."
             message = f"the description of the build, {name}, is missing or of another version of kg"
             raise SourceError("KG128", message, place=Place(self.address), hint=hint)
-        workspace = RecordingWorkspace(described.sources, described.installed)
+        workspace = kind(described.sources, described.installed)
         workspace.prepare()
         job = Job(workspace, described.base, described.max_file_bytes, described.model, None, described.calls)
         return described.version, described.code, job

@@ -17,6 +17,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from kg.corpus.sources import is_address
@@ -31,17 +32,20 @@ from kg.pipeline.plan import Key, Plan, code_version, entries_by_name, listing, 
 from kg.pipeline.reasoning import digest
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Inferred, Report, Silent, SourceReport, SystemsReport, totals
-from kg.pipeline.sources import folders, gather, installed_folders
+from kg.pipeline.sources import LostSourceError, folders, gather, installed_folders
 from kg.pipeline.state import PackageState, SourceState, State, Systems, load, save
 from kg.store.allocator import share_pools
 from kg.store.changes import since
 from kg.store.failure import translated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
+    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.files import Pin
     from kg.corpus.workspace import PackageFolder, Source
     from kg.pipeline.cluster import ClusterPool
+    from kg.pipeline.corpus import Corpus
     from kg.pipeline.pool import Pool, Task
     from kg.pipeline.work import Outcome
     from kg.pipeline.writing import Written
@@ -62,6 +66,7 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     command: str = "kg build",
     *,
     rules: bool = True,
+    pins: Mapping[str, Pin] = MappingProxyType({}),
 ) -> BuildReport:
     """Read the sources `named` (folders, git addresses, lists of them) into `store` and return a report.
 
@@ -69,10 +74,14 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     progress; `command` is the running command in errors of other writers. The enabled rules run in the same
     transaction; unusable ones are left out and listed in the report. Without `rules` inferences are unchanged.
 
+    Of the names, those in `pins` are folders that need not exist: workers of the cluster in the settings fetch these
+    repositories. One that cannot be fetched is left out as a whole; its graph of an earlier build remains.
+
     Raises:
         RuleError: KG208 for a rule pack that cannot be loaded, KG231 for an unreadable folder of rules.
         SourceError: KG101, KG102, KG103 if a source cannot be read at all, KG110, KG123, KG124 for an error in a
-            description of framework calls.
+            description of framework calls; as `kg.pipeline.cluster.ClusterPool` with a cluster, KG133 if none of `pins`
+            was fetched.
         UsageError: KG002 if a path of the settings does not exist, KG141, KG142 if the spaCy pipeline of the settings
             is unusable.
         StoreError: KG302 while another process writes, KG304 if the disk is full; the store is unchanged.
@@ -82,11 +91,29 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     share_pools()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
-    with _rare_collections(), store.write(command) as transaction:
-        found = _Build(store, transaction, settings, progress, rules=rules).run(tuple(named))
+    with _rare_collections(), _cluster(settings, progress, pins) as corpus:
+        while True:
+            try:
+                with store.write(command) as transaction:
+                    running = _Build(store, transaction, settings, progress, rules=rules, corpus=corpus)
+                    found = running.run(tuple(named))
+                break
+            except LostSourceError as error:  # nothing was written; what was read is found again
+                if corpus is None:
+                    raise
+                corpus.leave_out(error.folder, str(error))
     finished = replace(found, seconds=time.perf_counter() - began)
     progress.finished(finished)
     return finished
+
+
+def _cluster(settings: Settings, report: Report, pins: Mapping[str, Pin]) -> AbstractContextManager[Corpus | None]:
+    """Return the cluster of the settings with the repositories that its workers fetch; None without a cluster."""
+    if not settings.cluster:
+        return nullcontext()
+    from kg.pipeline.corpus import connected  # noqa: PLC0415 - few builds have a cluster
+
+    return connected(settings.cluster, report, pins)
 
 
 @contextmanager
@@ -103,7 +130,7 @@ def _rare_collections() -> Iterator[None]:
 class _Build:
     """State of a running build."""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 - called in one place
         self,
         store: EmbeddedStore,
         transaction: EmbeddedTransaction,
@@ -111,7 +138,9 @@ class _Build:
         report: Report,
         *,
         rules: bool,
+        corpus: Corpus | None,
     ) -> None:
+        self._corpus = corpus
         self._store = store
         self._transaction = transaction
         self._settings = settings
@@ -127,8 +156,13 @@ class _Build:
         """Run the build; the caller holds the lock of the store."""
         if not named and not self._state.roots:
             raise SourceError("KG101", "no source is named, and no earlier build named one", hint="Name a folder.")
+        unfetched: tuple[Entry, ...] = ()
+        if self._corpus is not None:
+            self._corpus.fetch()
+            unfetched = tuple(self._corpus.failed.values())
+            named = tuple(one for one in named if one not in self._corpus.failed)
         roots = named or self._state.roots
-        sources = gather(roots, self._store.layout.checkouts, self._report, again=not named)
+        sources = gather(roots, self._store.layout.checkouts, self._report, again=not named, elsewhere=self._elsewhere)
         workspace = RecordingWorkspace(sources, installed_folders(self._settings))
         now = version(self._settings, self._cache)
         calls = checked_calls(self._settings)  # after the version: a file that changes in between is read again
@@ -143,6 +177,7 @@ class _Build:
         if self._rules is None or self._state.version != now or self._transaction.base is None:
             self._inference.update_ontologies(self._transaction, anew=self._state.version != now)
         systems, wired = self._wire(sources, results, gone, now, changed=bool(changed or gone))
+        self._transaction.release()
         inferred = self._infer(changed=bool(changed or gone))
         generation = self._transaction.commit()
         self._inference.remember(generation)
@@ -157,7 +192,12 @@ class _Build:
                 save(self._cache, state)
                 cache.keep_only(self._cache, _results(state))
         reports = tuple(self._source_report(source, plan, results) for source in sources)
-        return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred, wired)
+        return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred, wired, unfetched)
+
+    @property
+    def _elsewhere(self) -> Mapping[str, Source]:
+        """Sources whose files only workers have, by folder."""
+        return self._corpus.sources if self._corpus is not None else {}
 
     def _wire(
         self,
@@ -211,7 +251,8 @@ class _Build:
     def _removed_sources(self, sources: Sequence[Source], roots: Sequence[str]) -> tuple[str, ...]:
         """Return the sources of earlier builds in the folders of this one that no longer exist."""
         present = {source.repository.name for source in sources}
-        inside = folders(roots)
+        elsewhere = self._elsewhere
+        inside = (*elsewhere, *folders(one for one in roots if one not in elsewhere))
         return tuple(
             name
             for name, earlier in self._state.sources.items()
@@ -292,7 +333,9 @@ class _Build:
                 results[name, package.path] = found
                 writing.add(source, found)
         self._report.writing(writing.triples)
-        return writing.finish(changed, results, self._started)
+        written = writing.finish(changed, results, self._started)
+        self._transaction.release()
+        return written
 
     def _pool(
         self, workspace: RecordingWorkspace, plan: Plan, calls: tuple[str, ...]
@@ -313,8 +356,8 @@ class _Build:
             Task(source.repository.name, package.name, package.path, self._earlier(source, package, plan))
             for source, package in largest
         ]
-        if self._settings.cluster:
-            return self._cluster_pool(workspace, plan, tasks, calls)
+        if self._corpus is not None:
+            return self._cluster_pool(self._corpus, workspace, plan, tasks, calls)
         if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
             # Once for all workers, which are forked. A single worker loads it with the first text that needs tagging;
             # if all packages were read before, most texts are already tagged.
@@ -325,7 +368,12 @@ class _Build:
         return Pool(job, tasks, self._jobs)
 
     def _cluster_pool(
-        self, workspace: RecordingWorkspace, plan: Plan, tasks: list[Task], calls: tuple[str, ...]
+        self,
+        corpus: Corpus,
+        workspace: RecordingWorkspace,
+        plan: Plan,
+        tasks: list[Task],
+        calls: tuple[str, ...],
     ) -> ClusterPool:
         """Return the workers of the cluster in the settings; raises as `kg.pipeline.cluster.ClusterPool`."""
         from kg.pipeline.artifacts import Artifacts  # noqa: PLC0415 - few builds have a cluster
@@ -340,9 +388,9 @@ class _Build:
         name = artifacts.keep_job(plan.version, code_version(settings.nlp_model, self._cache), job)
         sizes = {(source.repository.name, package.path): _code_bytes(package) for source, package in plan.read}
         work = batches((task, sizes[task.source, task.path]) for task in tasks)
-        return ClusterPool(
-            settings.cluster, work, Request(artifacts.address, name, PACKAGE_SECONDS), artifacts, self._report
-        )
+        homes = {one.repository.name: corpus.homes[str(one.root)] for one in workspace.sources if one.pin}
+        request = Request(artifacts.address, name, PACKAGE_SECONDS)
+        return ClusterPool(corpus.cluster, work, request, artifacts, homes)
 
     def _earlier(self, source: Source, package: PackageFolder, plan: Plan) -> str:
         """Return the name of the last result of a package, if it has the same version."""
@@ -383,8 +431,8 @@ class _Build:
             name = source.repository.name
             packages = {package.path: results[name, package.path] for package in source.packages}
             head, quads = written[name] if name in written else (found[name].head, found[name].quads)
-            found[name] = SourceState(source.repository, source.problems, packages, head, quads)
-        roots = dict.fromkeys((*self._state.roots, *map(_root, named)))
+            found[name] = SourceState(source.repository, source.problems, packages, head, quads, source.pin is not None)
+        roots = dict.fromkeys((*self._state.roots, *(_root(one) for one in named if one not in self._elsewhere)))
         current = generation or self._store.layout.current() or 0
         return State(plan.version, plan.shape, current, tuple(roots), found, self._rules or "")
 

@@ -14,16 +14,26 @@ import sys
 import threading
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
+from kg.corpus.fetching_cache import LIMITS, checkout
+from kg.corpus.fetching_lock import FETCHED, Entry
 from kg.errors import KgError, SourceError
 from kg.language.annotating import prepare
 from kg.pipeline.artifacts import Artifacts
 from kg.pipeline.plan import code_version
 from kg.pipeline.pool import Task, attempt, end_of
+from kg.pipeline.recording import RecordingWorkspace
+from kg.store.layout import user_cache
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from pathlib import Path
+
+    from kg.corpus.files import Source
 
 _START_SECONDS: Final = 120.0
 """Time limit for loading code, the tagger and the description of a build."""
@@ -44,7 +54,8 @@ class Reading:
     """Outcome of one package on a worker.
 
     `artifact` is the name of its result, empty if it failed; then `problem` is the reason. `again` is whether another
-    attempt may succeed. With `code`, an error of `kg`, the worker cannot read any package.
+    attempt may succeed. With `code`, an error of `kg`, the worker cannot read any package. `unfetched` is the folder of
+    a source that `worker`, by its address, could not fetch.
     """
 
     task: Task
@@ -52,6 +63,8 @@ class Reading:
     problem: str = ""
     again: bool = False
     code: str = ""
+    unfetched: str = ""
+    worker: str = ""
 
 
 class Extractor:
@@ -103,10 +116,13 @@ class Extractor:
             pipe.send(request)
             self._request = request
         pipe.send(task)
-        if not pipe.poll(seconds):
-            raise TimeoutError
-        found: Reading = pipe.recv()
-        return found
+        while True:
+            if not pipe.poll(seconds):
+                raise TimeoutError
+            found: Reading | None = pipe.recv()
+            if found is not None:
+                return found
+            seconds = request.seconds + LIMITS.seconds  # a source is being fetched; then its package is read
 
     def _start(self) -> Connection:
         """Start the process; if it cannot read packages, its first response is the error."""
@@ -118,6 +134,11 @@ class Extractor:
         there.close()
         self._pipe = here
         return here
+
+
+def corpus_cache() -> Path:
+    """Return the folder of this machine for repositories that its workers fetch."""
+    return user_cache() / "corpus"
 
 
 def main() -> None:
@@ -133,7 +154,7 @@ def main() -> None:
                 request, reader = message, None
                 continue
             try:
-                reader = reader or _Reader(request)
+                reader = reader or _Reader(request, lambda: pipe.send(None))
                 found = reader.read(message)
             except KgError as error:
                 where = f" ({error.place})" if error.place else ""
@@ -147,18 +168,48 @@ def _end_with_worker() -> None:
     os._exit(1)
 
 
+class _UnfetchedError(BaseException):
+    """The source of a folder could not be fetched. The guards of extraction, which catch any Exception, let it pass."""
+
+    def __init__(self, folder: Path, entry: Entry) -> None:
+        super().__init__(f"{entry.state}: {entry.reason}")
+        self.folder = folder
+
+
+class _FetchingWorkspace(RecordingWorkspace):
+    """A workspace that fetches a pinned source into the cache of this machine when a file of it is first read."""
+
+    def __init__(self, sources: Iterable[Source], installed: Iterable[Path], waiting: Callable[[], None]) -> None:
+        super().__init__(sources, installed)
+        self._waiting = waiting
+        self._roots: dict[Path, Path] = {}
+
+    def root(self, source: Source) -> Path:
+        """Return the folder with the files of a source."""
+        if source.pin is None:
+            return source.root
+        if source.root not in self._roots:
+            self._waiting()
+            entry, folder = checkout(source.pin, source.root.name, corpus_cache())
+            if entry.state != FETCHED:
+                raise _UnfetchedError(source.root, entry)
+            self._roots[source.root] = folder
+        return self._roots[source.root]
+
+
 class _Reader:
     """Reads packages of one build into the store of results, except those already there."""
 
-    def __init__(self, request: Request) -> None:
-        """Load the job.
+    def __init__(self, request: Request, waiting: Callable[[], None]) -> None:
+        """Load the job. `waiting` is called before a source is fetched.
 
         Raises:
             SourceError: KG127 for another version of `kg`, KG128 without the job.
             UsageError: KG141, KG142.
         """
         self._artifacts = Artifacts(request.artifacts)
-        self._version, code, self._job = self._artifacts.job(request.job)
+        workspace = partial(_FetchingWorkspace, waiting=waiting)
+        self._version, code, self._job = self._artifacts.job(request.job, workspace)
         prepare(self._job.model)
         if _code(self._job.model) != code:
             raise _elsewhere("has another version of kg, of Python or of the libraries that read sources")
@@ -168,9 +219,13 @@ class _Reader:
         package = next((one for one in source.packages if one.path == task.path), None) if source else None
         if source is None or package is None:
             raise LookupError(f"{task.source}:{task.path}")
-        if not source.root.is_dir():
+        if source.pin is None and not source.root.is_dir():
             raise _elsewhere(f"cannot read the folder {source.root}, which another machine of the build reads")
-        found = self._artifacts.result(self._version, self._job, source, package, lambda: attempt(self._job, task))
+        read = partial(attempt, self._job, task)
+        try:
+            found = self._artifacts.result(self._version, self._job, source, package, read)
+        except _UnfetchedError as error:
+            return Reading(task, problem=str(error), again=True, unfetched=str(error.folder))
         if not found.name:
             return Reading(task, problem=found.outcome.result.problems[0].message)
         return Reading(task, found.name)

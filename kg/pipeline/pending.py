@@ -23,11 +23,14 @@ if TYPE_CHECKING:
 def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | None]:
     """Return the packages that a build would read again, for each source of earlier builds.
 
-    The value is None for a source that no longer exists. For git addresses, the last fetched state counts.
+    The value is None for a source that no longer exists. For git addresses, the last fetched state counts. Sources on
+    other machines are left out.
     """
     state = load(layout.cache)
     named = [root for root in _roots(state, layout) if Path(root).exists()]
-    found: dict[str, tuple[str, ...] | None] = dict.fromkeys(state.sources)
+    found: dict[str, tuple[str, ...] | None] = {
+        name: None for name, source in state.sources.items() if not source.elsewhere
+    }
     try:
         sources = gather(named, layout.checkouts, Silent())
     except SourceError:

@@ -184,7 +184,13 @@ def _mark(workspace: Workspace, key: str, limit_bytes: int) -> str:
 
 
 def _size_and_time(workspace: Workspace, key: str) -> str:
-    """Return size and time of a file that no scan lists: one with another suffix, or an installed one."""
+    """Return size and time of a file that no scan lists: one with another suffix, or an installed one.
+
+    For a file that only workers have, return the commit.
+    """
+    source = workspace.source(key.partition(":")[0])
+    if source is not None and source.pin is not None:
+        return source.pin.commit
     path = _path(workspace, key)
     try:
         status = path.stat() if path else None

@@ -109,7 +109,10 @@ class RecordingWorkspace(Workspace):
     def is_file(self, file: FilePath) -> bool:
         """Return whether the file exists."""
         found = super().is_file(file)
-        record = self.outside if super().entry(file) is None else self.lookups
+        source = super().source(file.repository)
+        # In a pinned source, unlisted files change only with the commit, and then so do the listed ones.
+        fixed = super().entry(file) is not None or (source is not None and source.pin is not None)
+        record = self.lookups if fixed else self.outside
         record["is_file", *file] = _text(found)
         return found
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from kg.corpus.fetching_lock import Entry
     from kg.errors import KgError
     from kg.facts import Problem, Repository
     from kg.pipeline.state import Systems
@@ -90,7 +91,7 @@ class BuildReport:
     """Result of a build; `generation` is the snapshot it created, None if nothing changed. Times are in seconds.
 
     `gone` contains the sources no longer in the folders built; they were removed from the store.
-    `inferred` is None if no rules ran.
+    `inferred` is None if no rules ran. `unfetched` contains the repositories that no worker of a cluster could fetch.
     """
 
     sources: tuple[SourceReport, ...]
@@ -100,6 +101,7 @@ class BuildReport:
     gone: tuple[str, ...] = ()
     inferred: Inferred | None = None
     systems: SystemsReport | None = None
+    unfetched: tuple[Entry, ...] = ()
 
     @property
     def read(self) -> int:

@@ -7,6 +7,7 @@ import os
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from kg.corpus.sources import ListedSource, fetch_source, is_address, parse_source, read_list
@@ -14,13 +15,21 @@ from kg.corpus.workspace import Source, scan_tree
 from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.pipeline.report import Report
     from kg.settings import Settings
 
 _ROS_VARIABLES = (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share"))
 """Search paths of ROS 1 and ROS 2, and the folder in each that contains a folder per package."""
+
+
+class LostSourceError(Exception):
+    """No worker of a cluster could fetch the source of a folder, of which a package needs files."""
+
+    def __init__(self, folder: str, reason: str) -> None:
+        super().__init__(reason)
+        self.folder = folder
 
 
 def installed_folders(settings: Settings) -> tuple[Path, ...]:
@@ -36,20 +45,32 @@ def installed_folders(settings: Settings) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(folder for folder in named if folder.is_dir()))
 
 
-def gather(named: Iterable[str], checkouts: Path, report: Report, *, again: bool = False) -> tuple[Source, ...]:
+def gather(
+    named: Iterable[str],
+    checkouts: Path,
+    report: Report,
+    *,
+    again: bool = False,
+    elsewhere: Mapping[str, Source] = MappingProxyType({}),
+) -> tuple[Source, ...]:
     """Return the sources for `named`, each once; a workspace with several checkouts gives one for each.
 
     Git addresses (`URL`, `URL@ref`) are cloned into the folder `checkouts`. With `again` the names come from earlier
-    builds: if one cannot be fetched, the existing clone is used.
+    builds: if one cannot be fetched, the existing clone is used. `elsewhere` contains the sources of folders that other
+    machines have scanned.
 
     Raises:
         SourceError: KG101 for a missing folder, KG102 if none has a package, KG103 if git fails.
     """
     found: dict[str, Source] = {}
     texts = tuple(named)
-    for listed in (one for text in texts for one in _listed(text)):
-        for source in scan_tree(_folder(listed, checkouts, report, again=again)):
-            _add(found, source)
+    for text in texts:
+        if text in elsewhere:
+            _add(found, elsewhere[text])
+            continue
+        for listed in _listed(text):
+            for source in scan_tree(_folder(listed, checkouts, report, again=again)):
+                _add(found, source)
     if not any(source.packages for source in found.values()):
         places = ", ".join(str(source.root) for source in found.values())
         raise SourceError("KG102", f"found no ROS package in {places or ', '.join(texts) or 'the named folders'}")

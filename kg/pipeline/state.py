@@ -108,7 +108,8 @@ class Systems:
 class SourceState:
     """State of a source when it was last read.
 
-    `head` contains the triples about itself, `quads` is the size of its graph.
+    `head` contains the triples about itself, `quads` is the size of its graph. The files of one that is `elsewhere` are
+    on other machines.
     """
 
     repository: Repository
@@ -116,6 +117,7 @@ class SourceState:
     packages: dict[str, PackageState]
     head: str
     quads: int
+    elsewhere: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +188,8 @@ def _source(content: dict[str, Any]) -> SourceState:
     packages = {path: _package(package) for path, package in content["packages"].items()}
     problems = tuple(Problem(**problem) for problem in content["problems"])
     repository = Repository(**content["repository"])
-    return SourceState(repository, problems, packages, content["head"], content["quads"])
+    elsewhere = content.get("elsewhere", False)
+    return SourceState(repository, problems, packages, content["head"], content["quads"], elsewhere)
 
 
 def _named(content: dict[str, Any]) -> NodeName:

@@ -26,6 +26,7 @@ from pyoxigraph import (
 
 from kg.errors import GraphError, Place
 from kg.store import bulk
+from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
 from kg.store.files import format_of, reading
@@ -335,6 +336,19 @@ class EmbeddedTransaction:
             self._begin(frozenset())
             self.changes.forget()
             self._engine.update(text, prefixes=dict(prefixes or {}))
+
+    def release(self) -> None:
+        """Free the memory that the engine holds for what was loaded, by opening the new generation again.
+
+        Nothing is done after small loads. No iterator over the content may be in use.
+        """
+        if self._db is None or self._loaded < _MERGED_BYTES:
+            return
+        with translated(str(self._layout.root)):
+            self._db.flush()
+            self._db = None
+            give_back()
+            self._db = Store(str(self._layout.generation(self._number)))
 
     def commit(self) -> int | None:
         """Make the new generation the current one and return its number; None if nothing changed."""

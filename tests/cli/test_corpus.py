@@ -107,6 +107,29 @@ def test_fetch_and_build(kg: Program) -> None:
     assert "kg corpus fetch --lock" in done.err
 
 
+def test_build_by_workers_that_fetch(kg: Program) -> None:
+    """With a cluster, no checkout is needed; what no worker could fetch is reported, and the exit code shows that."""
+    pytest.importorskip("distributed", reason="the extra `cluster` is not installed")
+    sources = [repository(kg.folder / "srv" / name, {"main": {"package.xml": MANIFEST}}) for name in ("one", "two")]
+    (kg.folder / "robots.txt").write_text("\n".join(source.as_uri() for source in sources))
+    kg("corpus", "fetch", "robots.txt", "--into", "robots")
+    (kg.folder / "robots" / "local").rename(kg.folder / "checkouts")
+    sources[1].rename(kg.folder / "srv" / "renamed")
+    cluster = ("--cluster", "local:1", "--artifacts", "artifacts", "--no-rules")
+    lock = str(kg.folder / "robots" / "corpus.lock.toml")
+    done = kg("build", "--corpus", lock, *cluster, "--json", XDG_CACHE_HOME=str(kg.folder / "cache"))
+    assert done.code == 1
+    found = json.loads(done.out)
+    assert [source["name"] for source in found["sources"]] == ["local/one"]
+    assert [(entry["name"], entry["state"], entry["code"]) for entry in found["unfetched"]] == [
+        ("local/two", "gone", "KG133")
+    ]
+    assert "fetches local/one" in done.err
+    assert "local/two: KG133 gone: " in done.err
+    assert "1 repository left out" in done.err
+    assert "KG136" not in done.err
+
+
 def test_build_of_nothing(kg: Program) -> None:
     """A lock file whose repositories are all missing is an error with instructions to fetch them."""
     (kg.folder / "lock").write_text('version = 1\n[[repository]]\nname = "h/a"\nurl = "https://h/a"\n')

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+import pytest
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -75,3 +77,17 @@ def test_a_store_is_copied_and_put_back(kg: Program, tmp_path: Path) -> None:
     assert kg("restore", "tuesday").code == 4
     new = kg("--store", "new", "restore", "monday")
     assert (new.code, "snapshot 1" in new.err) == (0, True)
+
+
+def test_a_graph_is_a_table_of_quads(kg: Program, tmp_path: Path) -> None:
+    """The ending of a file or the name of the format writes Parquet, of the whole store or of one graph."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    (tmp_path / "robot.ttl").write_text(DATA)
+    kg("import", "robot.ttl")
+    done = kg("export", "-o", "all.parquet")
+    assert (done.code, "of Parquet to all.parquet" in done.err) == (0, True)
+    rows = parquet.read_table(tmp_path / "all.parquet").to_pylist()
+    lines = sorted(" ".join(row.values()) + " ." for row in rows)
+    assert lines == sorted(kg("export").out.splitlines())
+    kg("export", "--format", "parquet", "--graph", "imported-robot.ttl", "--output", "one")
+    assert parquet.read_table(tmp_path / "one").num_rows == 4

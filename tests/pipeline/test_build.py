@@ -9,7 +9,7 @@ import subprocess
 from typing import TYPE_CHECKING
 
 import pytest
-from pyoxigraph import NamedNode
+from pyoxigraph import NamedNode, Store
 
 from kg.errors import SourceError, StoreError
 from kg.pipeline.build import build
@@ -348,3 +348,20 @@ def test_progress_is_told(bench: Bench) -> None:
     assert notes.told[:2] == ["source local/src 3 0", "planned 3 0 2"]
     assert sorted(notes.told[2:5]) == ["done one", "done shared", "done two"]
     assert notes.told[5:] == ["writing", "inferring", "finished 1"]
+
+
+def test_memory_is_released_during_a_build(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If much is loaded, the engine is opened again after writing and after wiring, and the graph is the same."""
+    opened: list[str] = []
+
+    def noted(folder: str) -> Store:
+        opened.append(folder)
+        return Store(folder)
+
+    other = bench.sibling("other")
+    other.build()
+    monkeypatch.setattr("kg.store.transaction.Store", noted)
+    monkeypatch.setattr("kg.store.transaction._MERGED_BYTES", 1)
+    bench.build()
+    assert len(opened) == 3
+    assert bench.content() == other.content()

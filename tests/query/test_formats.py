@@ -13,13 +13,14 @@ import pytest
 import rdflib
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, QueryResultsFormat, RdfFormat, Triple
+from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Quad, QueryResultsFormat, RdfFormat, Triple, parse
 from rdflib.query import Result as RdflibResult
 
 from kg.errors import QueryError
 from kg.query.core import run
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, plain, write, write_rows
 from kg.query.result import Boolean, Graph, Solutions
+from kg.query.writing.parquet import write_quads
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -261,6 +262,31 @@ def test_parquet_has_columns_of_types() -> None:
     assert list(first.values()) == [iri.value, 1, 1.0, True, "é", str(1 << 70), None]
     assert list(second.values()) == [None, 2, 0.5, None, "7", "1", None]
     assert parquet.read_table(io.BytesIO(write(Solutions((), (), 0.0, "1", None), "parquet"))).num_rows == 0
+
+
+def test_parquet_of_quads_is_complete() -> None:
+    """Each row has the terms of a quad in the syntax of N-Triples; the default graph is null."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    text = (
+        '<https://e.org/a> <https://e.org/p> "x\\n\\"é"@fr <https://e.org/g> .\n'
+        '<https://e.org/a> <https://e.org/p> <<( _:b <https://e.org/p> "1"^^<https://e.org/t> )>> _:g .\n'
+        "_:b <https://e.org/p> _:b .\n"
+    )
+    output = io.BytesIO()
+    assert write_quads(parse(text, RdfFormat.N_QUADS), output) == 3
+    rows = parquet.read_table(output).to_pylist()
+    assert [*rows[0]] == ["subject", "predicate", "object", "graph"]
+    assert "".join(" ".join(filter(None, row.values())) + " .\n" for row in rows) == text
+    assert write_quads((), output) == 0
+
+
+def test_parquet_of_quads_needs_little_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Quads are written in batches, as they arrive."""
+    parquet = pytest.importorskip("pyarrow.parquet")
+    monkeypatch.setattr("kg.query.writing.parquet._BATCH", 2)
+    node, output = NamedNode("https://e.org/a"), io.BytesIO()
+    assert write_quads((Quad(node, node, Literal(number)) for number in range(5)), output) == 5
+    assert parquet.ParquetFile(output).num_row_groups == 3
 
 
 def test_parquet_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:

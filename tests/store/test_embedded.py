@@ -9,7 +9,7 @@ import sys
 from typing import TYPE_CHECKING
 
 import pytest
-from pyoxigraph import NamedNode, RdfFormat
+from pyoxigraph import NamedNode, RdfFormat, Store
 
 from kg.errors import GraphError, SourceError, StoreError
 from kg.store import files
@@ -49,6 +49,32 @@ def counts(store: EmbeddedStore) -> dict[str, int]:
 def test_replace_graphs_loads_all_chunks(store: EmbeddedStore) -> None:
     """All chunks of a graph are loaded, for each graph separately."""
     assert counts(store) == {"a": 3, "b": 2}
+
+
+@pytest.mark.parametrize(("most", "opened"), [(1, 3), (1 << 20, 1)], ids=["large", "small"])
+def test_released_memory_is_not_content(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int, opened: int
+) -> None:
+    """After large loads the generation is opened again, with all that was written; after small ones it is not."""
+    folders: list[str] = []
+
+    def noted(folder: str) -> Store:
+        folders.append(folder)
+        return Store(folder)
+
+    monkeypatch.setattr("kg.store.transaction.Store", noted)
+    monkeypatch.setattr("kg.store.transaction._MERGED_BYTES", most)
+    store = EmbeddedStore.create(tmp_path / ".kg")
+    with store.write("test") as transaction:
+        transaction.release()
+        transaction.load(A, [triples(5)])
+        transaction.append(B, triples(1))
+        transaction.release()
+        transaction.load(A, [triples(5, "y")])
+        transaction.release()
+        transaction.append(B, triples(1, "y"))
+    assert counts(store) == {"a": 10, "b": 2}
+    assert len(folders) == opened
 
 
 @pytest.mark.parametrize("size", [1, 500])

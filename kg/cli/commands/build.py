@@ -17,6 +17,7 @@ from kg.settings import Settings
 from kg.store.opening import layout_of, mirrored, writable
 
 if TYPE_CHECKING:
+    from kg.corpus.files import Pin
     from kg.graph.source_states import SourceState
     from kg.store.remote import RemoteStore
 
@@ -36,7 +37,11 @@ Watch = Annotated[
 ]
 Corpus = Annotated[
     str | None,
-    typer.Option("--corpus", metavar="LOCK", help="Also build all repositories of this lock file (`kg corpus fetch`)."),
+    typer.Option(
+        "--corpus",
+        metavar="LOCK",
+        help="Also build repositories of this lock file (`kg corpus fetch`); workers of a cluster fetch missing ones",
+    ),
 ]
 DryRun = Annotated[
     bool, typer.Option("--dry-run", help="Show how much would be read and about how long it takes; read nothing.")
@@ -80,6 +85,7 @@ def build(  # noqa: PLR0913 - the options of a command
         kg build --corpus robots/corpus.lock.toml
         kg build
         kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg SOURCE...
+        kg build --cluster tcp://scheduler:8786 --artifacts /shared/kg --corpus corpus.lock.toml
         kg build --store http://localhost:7878/query --update-url http://localhost:7878/update SOURCE...
     """
     if settings.memory:
@@ -87,27 +93,32 @@ def build(  # noqa: PLR0913 - the options of a command
     server = _server(settings, update_url)
     if server is not None:
         settings = mirrored(settings)
-    checkouts, whole = _checkouts(corpus) if corpus else ([], True)
+    elsewhere = bool(settings.cluster) and not dry_run
+    checkouts, whole = _checkouts(corpus, elsewhere=elsewhere) if corpus else ({}, True)
     named = [*(sources or ()), *checkouts]
+    pins = {folder: pin for folder, pin in checkouts.items() if pin}
     if dry_run:
         _estimate(named, settings, json=json)
         return
-    sound = _build(named, settings, server, problems=problems, infer=not no_rules, json=json) and whole
+    sound = _build(named, settings, server, pins, problems=problems, infer=not no_rules, json=json) and whole
     if watch:
         _watch(settings, server, problems=problems, infer=not no_rules, json=json)
     elif not sound:
         raise typer.Exit(Exit.FOUND)
 
 
-def _checkouts(corpus: str) -> tuple[list[str], bool]:
-    """Return the folders of a corpus, and whether all match its lock file; list those that do not."""
+def _checkouts(corpus: str, *, elsewhere: bool) -> "tuple[dict[str, Pin | None], bool]":
+    """Return the folders of a corpus, and whether all match its lock file; list those that do not.
+
+    With `elsewhere`, missing repositories that have a commit are included, with their pins.
+    """
     from kg.cli.fetching_view import not_as_pinned  # noqa: PLC0415 - start-up time
     from kg.corpus.fetching_lock import checkouts, read_lock, standing  # noqa: PLC0415 - start-up time
 
     lock = read_lock(Path(corpus))
-    found = standing(lock)
+    found = standing(lock, elsewhere=elsewhere)
     not_as_pinned(lock, found)
-    return [str(folder) for folder in checkouts(lock, found)], not found.missing and not found.drifted
+    return checkouts(lock, found), not found.missing and not found.drifted
 
 
 def _server(settings: Settings, update_url: str | None) -> "RemoteStore | None":
@@ -126,15 +137,23 @@ def _server(settings: Settings, update_url: str | None) -> "RemoteStore | None":
 
 
 def _build(  # noqa: PLR0913 - the options of the command
-    named: list[str], settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool
+    named: list[str],
+    settings: Settings,
+    server: "RemoteStore | None",
+    pins: "dict[str, Pin]",
+    *,
+    problems: bool,
+    infer: bool,
+    json: bool,
 ) -> bool:
-    """Build, report the results, and return whether all rules could be used."""
+    """Build, report the results, and return whether all rules could be used and all repositories fetched."""
+    from kg.cli import fetching_view  # noqa: PLC0415 - start-up time
     from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
     from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
     from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
 
     with writable(settings, create=bool(named)) as target, for_this_stream() as progress:
-        report = run(named, target, settings, progress, " ".join(["kg build", *named]), rules=infer)
+        report = run(named, target, settings, progress, " ".join(["kg build", *named]), rules=infer, pins=pins)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
     if server is not None:
@@ -145,7 +164,8 @@ def _build(  # noqa: PLR0913 - the options of the command
         say(f"wrote {count(sent.graphs, 'graph')} with {count(sent.triples, 'triple')}{removed} to {server.address}")
     if json:
         json_lines([report_object(report)])
-    return not left_out(report.inferred)
+    rules_left_out, repositories_left_out = left_out(report.inferred), fetching_view.left_out(report.unfetched)
+    return not (rules_left_out or repositories_left_out)
 
 
 def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
@@ -176,7 +196,7 @@ def _watch(settings: Settings, server: "RemoteStore | None", *, problems: bool, 
         while True:
             sleep(_WATCH_SECONDS)
             if any(pending(layout, settings).values()):
-                _build([], settings, server, problems=problems, infer=infer, json=json)
+                _build([], settings, server, {}, problems=problems, infer=infer, json=json)
     except KeyboardInterrupt:
         say()
 

@@ -1,5 +1,6 @@
 """`kg export` and `kg import`: RDF out of the store and into it. `kg forget`: a source out of it."""
 
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
 
@@ -7,7 +8,7 @@ import typer
 
 from kg.cli.diagnostics import note, say
 from kg.cli.options import NoRules, with_settings
-from kg.cli.output import write_bytes
+from kg.cli.output import terminal, write_bytes
 from kg.errors import Exit, Place, QueryError, UsageError
 from kg.render.text import count
 from kg.settings import Settings
@@ -21,9 +22,19 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 FORMATS: Final = ("nq", "trig", "nt", "ttl", "n3", "rdf", "jsonld")
+_PARQUET: Final = "parquet"
 FormatName = Annotated[
     str | None,
     typer.Option("--format", "-f", metavar="FORMAT", help=f"{', '.join(FORMATS)}; by default from the file name."),
+]
+ExportFormat = Annotated[
+    str | None,
+    typer.Option(
+        "--format",
+        "-f",
+        metavar="FORMAT",
+        help=f"{', '.join(FORMATS)}, {_PARQUET} (an extra); by default from the file name.",
+    ),
 ]
 Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Source = Annotated[
@@ -42,26 +53,30 @@ def export(
     *,
     settings: Settings,
     output: Output = None,
-    format_name: FormatName = None,
+    format_name: ExportFormat = None,
     source: Source = None,
     graph: GraphName = None,
 ) -> None:
-    """Write the graph as RDF.
+    """Write the graph as RDF, or as a table of quads.
 
     By default, writes the whole graph as N-Quads. A file that ends in .gz is compressed. Formats without named graphs
-    (nt, ttl, n3, rdf) get the union of all graphs. For example:
+    (nt, ttl, n3, rdf) get the union of all graphs. Parquet has the columns subject, predicate, object and graph. For
+    example:
 
         kg export > everything.nq
         kg export --source github.com/acme/rover -o rover.ttl
+        kg export -o everything.parquet
     """
     from kg.graph.vocabulary import PREFIXES  # noqa: PLC0415 - start-up time
 
     target = Path(output) if output else None
-    rdf_format = _format(format_name, target) or _format("nq", None)
-    if rdf_format is None:
-        raise UsageError("KG003", "no format")
+    as_table = _ending(format_name, target) == _PARQUET
+    rdf_format = None if as_table else _format(format_name, target) or _format("nq", None)
+    if as_table and target is None and terminal():
+        raise QueryError("KG504", "a terminal cannot show Parquet", hint="Write it to a file: -o graph.parquet")
     with reading(settings) as snapshot:
-        data = snapshot.dump(rdf_format, graph=_graph(snapshot, settings.base, source, graph), prefixes=PREFIXES)
+        chosen = _graph(snapshot, settings.base, source, graph)
+        data = snapshot.dump(rdf_format, graph=chosen, prefixes=PREFIXES) if rdf_format else _table(snapshot, chosen)
     if target is None:
         write_bytes(data)
         return
@@ -69,7 +84,20 @@ def export(
         target.write_bytes(_packed(data) if target.suffix == ".gz" else data)
     except OSError as error:
         raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(target))) from error
-    say(f"wrote {count(len(data), 'byte')} of {rdf_format.name} to {target}")
+    say(f"wrote {count(len(data), 'byte')} of {rdf_format.name if rdf_format else 'Parquet'} to {target}")
+
+
+def _table(snapshot: "EmbeddedSnapshot", graph: "NamedNode | None") -> bytes:
+    """Return the quads of a graph, or of all, as Parquet."""
+    from pyoxigraph import RdfFormat, parse  # noqa: PLC0415 - start-up time
+
+    from kg.query.writing import parquet  # noqa: PLC0415 - the same
+
+    chosen = RdfFormat.N_QUADS
+    quads = snapshot.quads() if graph is None else parse(snapshot.dump(chosen, graph=graph), chosen)
+    output = BytesIO()
+    parquet.write_quads(quads, output)
+    return output.getvalue()
 
 
 @with_settings("base", "store")
@@ -157,14 +185,19 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     """Return the format of that name or of a file's ending; None when neither is given."""
     from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
 
-    ending = name or (output.name.removesuffix(".gz").rpartition(".")[2] if output and output.suffix else "")
+    ending = _ending(name, output)
     if not ending:
         return None
-    found = RdfFormat.from_extension(ending.lower()) or _by_other_names(ending.lower())
+    found = RdfFormat.from_extension(ending) or _by_other_names(ending)
     if found is None:
         near = did_you_mean(ending, FORMATS)
         raise QueryError("KG504", f"unknown format `{ending}`", hint=near or f"The formats are {', '.join(FORMATS)}.")
     return found
+
+
+def _ending(name: str | None, output: Path | None) -> str:
+    ending = output.name.removesuffix(".gz").rpartition(".")[2] if output and output.suffix else ""
+    return (name or ending).lower()
 
 
 def _by_other_names(name: str) -> "RdfFormat | None":
