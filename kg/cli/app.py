@@ -58,7 +58,7 @@ COMMANDS: Final = (
     Later("Ask", "topics", "lists:topics", "List the topics with their types and numbers of nodes."),
     Later("Ask", "services", "lists:services", "List the services with their types and numbers of nodes."),
     Later("Ask", "actions", "lists:actions", "List the actions with their types and numbers of nodes."),
-    Later("Maintain", "export", "exchange:export", "Write the graph as RDF."),
+    Later("Maintain", "export", "exchange:export", "Write the graph as RDF, or as a table of quads."),
     Later("Maintain", "import", "exchange:import_files", "Add RDF files to the store."),
     Later("Maintain", "update", "update:update", "Change the store with SPARQL Update."),
     Later("Maintain", "forget", "exchange:forget", "Remove sources from the store."),

@@ -192,7 +192,7 @@ class Cluster:
             self._client = Client(self._own or self.address, timeout=_CONNECT_SECONDS, set_as_default=False)
             self._client.subscribe_topic(_TOPIC, self._news.put)
             self._require()
-        except (OSError, TimeoutError, ValueError) as error:
+        except (OSError, RuntimeError, TimeoutError, ValueError) as error:
             raise self._lost(str(error) or type(error).__name__) from error
 
     def _show(self, worker: str, source: str, *, fetching: bool) -> None:

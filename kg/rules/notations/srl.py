@@ -19,7 +19,7 @@ from kg.rules.decompose.paths import Link, normal
 from kg.rules.decompose.uses import uses
 from kg.rules.decompose.work import Names
 from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Pattern, Rule, Term, TripleTerm, Variable
-from kg.similar import asked, misspelt
+from kg.similar import asked, similar
 from kg.syntax import tree
 from kg.syntax.lexer import normalise
 from kg.syntax.parser import parse_srl
@@ -247,7 +247,7 @@ class _Checker:
 
     def unbound(self, name: str, span: Span, message: str, bound: set[str]) -> RuleError:
         """Return the error that a variable is not bound."""
-        near = misspelt(name, {other for other in bound if not other.startswith(".")})
+        near = similar(name, {other for other in bound if not other.startswith(".")})
         hint = asked(near) or f"Bind `?{name}` by a triple or SET before it is read."
         return self._error(name, span, message, hint, [Fix(f"?{each}") for each in near])
 
