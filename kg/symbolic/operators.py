@@ -31,6 +31,7 @@ from kg.symbolic.values import (
     join,
     number,
     over,
+    without_default,
 )
 
 if TYPE_CHECKING:
@@ -175,7 +176,7 @@ def _repeated(of: Text | Sequence, times: int) -> Value:
         return _COMPUTED
     if isinstance(of, Sequence):
         return replace(of, items=of.items * times)
-    return replace(of, parts=(of.known * times,)) if of.known is not None else _COMPUTED
+    return replace(of, parts=(of.known * times,), own=False) if of.known is not None else _COMPUTED
 
 
 def _sum(row: tuple[Value, ...]) -> Value:
@@ -250,10 +251,10 @@ def _is_choice(value: Value, sign: str) -> bool:
 
 
 def _is_whole(value: Value, parameter: str) -> bool:
-    """Check whether a value is that of a parameter, not a text with the value in it."""
-    if isinstance(value, Text):
-        return value.parameter == parameter and len(value.parts) == 1
-    return isinstance(value, Number) and value.parameter == parameter
+    """Check whether a value is that of a parameter, not one made of it."""
+    if isinstance(value, Unknown):
+        return value == without_default(parameter)
+    return isinstance(value, (Text, Number)) and value.own and value.parameter == parameter
 
 
 def _ordered(sign: str, difference: float) -> bool:

@@ -24,6 +24,7 @@ from kg.symbolic.values import (
     concatenate,
     join,
     number,
+    without_default,
     worse,
 )
 
@@ -146,7 +147,7 @@ def _value(default: Value | None, known: Value | None, before: Value | None, nam
         return with_parameter(before, name)
     if name is None:
         return Unknown("it is a parameter with an unknown name")
-    return Unknown(f"it is the parameter {name}, which has no default here", name)
+    return without_default(name)
 
 
 def with_parameter(value: Value, name: str | None) -> Value:
@@ -154,8 +155,11 @@ def with_parameter(value: Value, name: str | None) -> Value:
     if isinstance(value, Either):
         return join(*(with_parameter(item, name) for item in value.items))
     if isinstance(value, Text):
-        return replace(value, parameter=name, resolution=worse(value.resolution, Resolution.PARAMETER_DEFAULT))
-    if isinstance(value, (Number, Truth, Enumerator, Sequence, Mapping)):
+        resolution = worse(value.resolution, Resolution.PARAMETER_DEFAULT)
+        return replace(value, parameter=name, resolution=resolution, own=True)
+    if isinstance(value, Number):
+        return replace(value, parameter=name, own=True)
+    if isinstance(value, (Truth, Enumerator, Sequence, Mapping)):
         return replace(value, parameter=name)
     if isinstance(value, Guard):
         return Unknown("it depends on a parameter", name)

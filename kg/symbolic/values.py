@@ -36,12 +36,16 @@ _ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution
 
 @dataclass(unsafe_hash=True, slots=True)
 class Text:
-    """A string of known parts and holes; `parameter` names the parameter whose default this is."""
+    """A string of known parts and holes; `parameter` names the parameter whose default this is.
+
+    `own` is whether it is the value of the parameter itself, and not made of it.
+    """
 
     parts: tuple[str | Hole, ...]
     resolution: Resolution = Resolution.LITERAL
     parameter: str | None = None
     reason: str | None = None
+    own: bool = field(default=False, compare=False)
 
     @classmethod
     def of(cls, text: str, resolution: Resolution = Resolution.LITERAL, parameter: str | None = None) -> Text:
@@ -78,11 +82,12 @@ class Text:
 
 @dataclass(unsafe_hash=True, slots=True)
 class Number:
-    """A number, as the source writes it."""
+    """A number, as the source writes it; `parameter` and `own` as those of a text."""
 
     value: float
     written: str
     parameter: str | None = None
+    own: bool = field(default=False, compare=False)
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -485,6 +490,11 @@ def worse(one: Resolution, other: Resolution) -> Resolution:
     return one if _ORDER[one] >= _ORDER[other] else other
 
 
+def without_default(parameter: str) -> Unknown:
+    """Return the value of a parameter whose default is not known."""
+    return Unknown(f"it is the parameter {parameter}, which has no default here", parameter)
+
+
 def number(value: float, parameter: str | None = None) -> Number:
     """Return a number that was computed."""
     return Number(value, str(int(value)) if value == int(value) else repr(value), parameter)
@@ -499,7 +509,6 @@ def concatenate(*values: Value) -> Value:
     resolution, parameter, reason = Resolution.LITERAL, None, None
     for value in values:
         piece = as_text(value)
-        apart = parameter != piece.parameter  # the text is no longer the parameter's own
         resolution = worse(resolution, piece.resolution)
         parameter = parameter or piece.parameter
         reason = reason or piece.reason
@@ -509,7 +518,7 @@ def concatenate(*values: Value) -> Value:
                 hole = part if same else Hole()
                 if hole.label or not parts or parts[-1] != hole:
                     parts.append(hole)
-            elif part and parts and isinstance(parts[-1], str) and not apart:
+            elif part and parts and isinstance(parts[-1], str):
                 parts[-1] += part
             elif part:
                 parts.append(part)

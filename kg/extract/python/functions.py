@@ -43,7 +43,7 @@ def elements(of: Value) -> list[Value]:
         keys = [key for key, _ in of.items]
         return keys if keys or of.parameter is None else [key_of(of.parameter)]
     if isinstance(of, Text) and of.known is not None and of.parameter is None:
-        return [replace(of, parts=(letter,)) for letter in of.known[:_MOST_ITEMS]]
+        return [replace(of, parts=(letter,), own=False) for letter in of.known[:_MOST_ITEMS]]
     return containers.elements(of)
 
 

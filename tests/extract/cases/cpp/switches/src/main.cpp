@@ -44,6 +44,12 @@ public:
       scan_ = nh_.advertise<std_msgs::String>("of_more", 1);
     if (1 < level)
       scan_ = nh_.advertise<std_msgs::String>("of_levels", 1);
+    std::string kind;
+    pnh.getParam("kind", kind);
+    if (kind == "fast")
+      scan_ = nh_.advertise<std_msgs::String>("of_fast", 1);
+    if (level % 2 == 1)
+      scan_ = nh_.advertise<std_msgs::String>("of_rest", 1);
     if ("my_" + mode == "my_scan")
       scan_ = nh_.advertise<std_msgs::String>("of_part", 1);
     if (quiet_ || debug)
