@@ -190,8 +190,11 @@ class Machine:
         return join(*frame.returned) if frame.returned else Unknown("it returns nothing")
 
     def is_decided(self, ends: list[str | None]) -> bool:
-        """Check whether what follows a branch runs under the conditions of the one side that did not leave."""
-        return len(ends) > 1
+        """Check whether what follows a branch runs under the conditions of the one side that did not leave.
+
+        A side that raises checks values: what fails creates nothing, so that is no condition worth recording.
+        """
+        return any(end not in (None, "raise") for end in ends)
 
     # Running
 

@@ -133,10 +133,6 @@ class LaunchMachine(Machine):
         held = self.truth(self.value(condition, frame))
         return held if isinstance(held, Truth) else Guard((f"{MARK}{words(condition, frame.unit)}",))
 
-    def is_decided(self, ends: list[str | None]) -> bool:
-        """Return whether code after a branch has its conditions: a launch that fails is not a configuration."""
-        return any(end not in (None, "raise") for end in ends)
-
     def tried(self, body: Callable[[], _Result]) -> _Result:
         """Return the result of a function, and undo its writes."""
         guards, self.guards = self.guards, []

@@ -8,6 +8,9 @@ public:
   {
     const auto kind = declare_parameter<std::string>("kind");
     declare_parameter("count", rclcpp::PARAMETER_INTEGER);
+    if (declare_parameter("rate", 1.0) < 0.0) {
+      throw std::runtime_error("rate must not be negative");
+    }
     if (kind == "robot") {
       pub_ = create_publisher<std_msgs::msg::String>("robot", 1);
     } else {
