@@ -6,6 +6,7 @@ The second argument is the base folder of relative paths. The text of `FormError
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from pathlib import Path
@@ -214,6 +215,6 @@ def _number(value: object, least: float, form: str = "") -> float:
         found = float(str(value).replace("_", ""))
     except ValueError:
         raise FormError(form) from None
-    if isinstance(value, bool) or not least <= found < float("inf"):
+    if isinstance(value, bool) or not math.isfinite(found) or found < least:
         raise FormError(form)
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -49,6 +50,9 @@ def _too_deep(path: str, statement: Statement) -> bool:
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of programs."""
     made = msgspec.json.decode(msgspec.json.encode(msgspec.json.schema(Program)))
+    for kind in made["$defs"].values():
+        if "description" in kind:
+            kind["description"] = cleandoc(kind["description"])  # msgspec before 0.23 leaves it indented
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": _ID, "title": "A program for a robot"}
     return {**head, **made}
 
