@@ -29,7 +29,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from dividing import compare
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from cluster.dividing import compare
 
 from kg.corpus.fetching import Options, fetch
 from kg.corpus.fetching_list import wanted_among
