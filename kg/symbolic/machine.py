@@ -32,6 +32,7 @@ from kg.symbolic.state import UNSET, Alias, Frame, Holder, Journal, Site, Slot, 
 from kg.symbolic.values import (
     Bound,
     Closure,
+    Either,
     Guard,
     Kind,
     Mapping,
@@ -67,6 +68,8 @@ MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 MOST_IDLE: Final = 5_000
 """How many steps a loop takes in turns that declare nothing; after that it ends."""
+MOST_WAITING: Final = 3
+"""After how many turns a loop ends whose turn changes nothing: it waits for other code."""
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
@@ -377,7 +380,8 @@ class Machine:
         if condition is None or (loop.runs_at_least_once and not self.counts_endless):
             return self._unknown_times(loop, frame, ())
         before, begun = self.framework.progress(), self.steps
-        for _ in range(self.most_turns):
+        for turn in range(self.most_turns):
+            held, writes = dict(frame.variables) if turn == MOST_WAITING else {}, self._outer_writes
             counting, self.counting = self.counting, True
             holds = self.holds(condition, frame)
             self.counting = counting
@@ -390,7 +394,8 @@ class Machine:
                 return None
             if ended in ("return", "raise"):
                 return ended
-            if self._is_idle(before, begun):
+            waits = turn == MOST_WAITING and writes == self._outer_writes and self._is_settled(held, frame)
+            if self._is_idle(before, begun) or (waits and self.framework.progress() == before):
                 return None
             if loop.step is not None:
                 self.value(loop.step, frame)
@@ -401,6 +406,12 @@ class Machine:
     def _is_idle(self, before: tuple[int, ...], begun: int) -> bool:
         """Check whether a loop has taken many steps since `begun`, without an effect since the progress `before`."""
         return self.steps - begun > MOST_IDLE and self.framework.progress() == before
+
+    def _is_settled(self, held: Variables, frame: Frame) -> bool:
+        """Check whether the variables of a frame have the values `held`, or others that say as little."""
+        if self.counts_endless or held.keys() != frame.variables.keys():
+            return False
+        return all(_alike(one, frame.variables[name]) for name, one in held.items())
 
     def cut(self, loop: form.Loop, frame: Frame) -> None:  # noqa: ARG002 - for other machines
         """Record that a loop has more turns than are run."""
@@ -697,3 +708,10 @@ class Machine:
             del self.guards[guards:]
         if left:
             self._rejoin(left, ("return",))
+
+
+def _alike(one: Slot, other: Slot) -> bool:
+    """Check whether two values of a variable are the same, whatever decides between alternatives; numbers count."""
+    if isinstance(one, Either) and isinstance(other, Either):
+        return len(one.items) == len(other.items) and all(map(_alike, one.items, other.items))
+    return one is other or one == other or (isinstance(one, Unknown) and isinstance(other, Unknown))
