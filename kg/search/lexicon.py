@@ -19,7 +19,8 @@ class Lexicon:
     """The tables of `ontology/search.toml`.
 
     `stop_words` are insignificant; `compounds` maps closed compounds to their words, `families` words to the one that
-    represents them; `synonyms` contains groups of phrases, `types` the last parts of message types by phrase,
+    represents them; `synonyms` contains groups of phrases, `everyday` the
+    terms of the field by phrases of others, `types` the last parts of message types by phrase,
     `directions` the phrases before them, `asides` the phrases that begin and end asides, and `weights` those of the
     ranking (`fields`, `rank`, `wishes`, `down`).
     """
@@ -28,6 +29,7 @@ class Lexicon:
     compounds: Mapping[str, tuple[str, ...]]
     families: Mapping[str, str]
     synonyms: tuple[tuple[str, ...], ...]
+    everyday: Mapping[str, tuple[str, ...]]
     types: Mapping[str, tuple[str, ...]]
     directions: Mapping[str, tuple[str, ...]]
     asides: Mapping[str, tuple[str, ...]]
@@ -43,6 +45,7 @@ def lexicon() -> Lexicon:
         {word: tuple(parts.split()) for word, parts in content["compounds"].items()},
         {other: word for word, others in content["families"].items() for other in others},
         tuple(tuple(group) for group in content["synonyms"].values()),
+        {said: tuple(meant) for said, meant in content["everyday"].items()},
         {phrase: tuple(types) for phrase, types in content["types"].items()},
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
         {turn: tuple(phrases) for turn, phrases in content["asides"].items()},

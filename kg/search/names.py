@@ -109,6 +109,8 @@ def _synonyms(concepts: Sequence[Concept]) -> Mapping[tuple[str, ...], tuple[tup
         others = [_content(one) for one in group if not one.startswith("=") and "not" not in one.split()]
         for one in filter(None, stems):
             found.setdefault(one, {}).update(dict.fromkeys(filter(None, others)))
+    for said, meant in lexicon().everyday.items():
+        found.setdefault(phrase(said), {}).update(dict.fromkeys(map(_content, meant)))
     return {one: tuple(others) for one, others in found.items()}
 
 

@@ -236,7 +236,10 @@ def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> 
 
 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
-    """Yield a wording for every significant word, once each, with the synonyms of the phrase that contains it."""
+    """Yield a wording for every significant word, once each, with the synonyms of the phrase that contains it.
+
+    A phrase of insignificant words alone that has synonyms is one wording: `where it is`.
+    """
     seen: set[str] = set()
     said = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
@@ -246,6 +249,9 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
         if at >= end:
             end = spans.get(at, at + 1)
             others = names.synonyms.get(tuple(one.stem for one in tokens[at:end]), ())
+            if others and all(is_stop(one.word) and not one.name for one in tokens[at:end]):
+                phrased = " ".join(one.word for one in tokens[at:end])
+                yield Wording(phrased, tuple(Alternative(one, 1.0) for one in others), token.aside)
         if token.stem not in seen and (not is_stop(token.word) or token.name):
             seen.add(token.stem)
             yield _wording(token, [one for one in others if not said.issuperset(one)], names)

@@ -84,6 +84,22 @@ def test_synonyms_stand_beside_what_was_typed() -> None:
     assert all(one.weight < 1 for one in wording.alternatives[1:])
 
 
+def test_everyday_words_stand_for_terms_and_not_the_reverse() -> None:
+    """Whoever says `crash into` wants collisions; whoever says `collision` said it all."""
+    said = {one.text: {other.terms for other in one.alternatives} for one in parse("crash into a wall", NAMES).wordings}
+    assert {("collid",), ("obstacl",)} <= said["crash"]
+    terms = {other.terms for one in parse("collision", NAMES).wordings for other in one.alternatives}
+    assert ("crash",) not in terms
+
+
+def test_a_phrase_of_small_words_can_stand_for_a_term() -> None:
+    """`where it is` has no word to search for, but a meaning."""
+    (wording,) = parse("where it is", NAMES).wordings
+    assert wording.text == "where it is"
+    assert ("pose",) in {one.terms for one in wording.alternatives}
+    assert parse("what it is", NAMES).wordings == ()
+
+
 def test_words_that_no_node_knows_are_named() -> None:
     """They are listed as typed, with the spellings searched instead, if any."""
     need = parse("RPLIDAR driver for a camra", NAMES)
