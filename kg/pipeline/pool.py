@@ -3,7 +3,7 @@
 Workers are forked if the system supports it, so they share the indexes of the workspace. Of several workers, each
 receives its next package before it has finished the current one, so it never waits while the store is written. A single
 one alternates with the writing, so a build with one job occupies one processor. A worker exits when its pipe closes, so
-none outlives the build.
+none outlives the build; one that has grown makes way for another.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import time
 from collections import deque
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from kg.pipeline.work import Job, Outcome, failed, work
@@ -38,6 +39,12 @@ _FIRST_OWN_FILE: Final = 3
 """Lower file descriptors are the standard streams."""
 _MOST_FILES: Final = 1 << 16
 """Upper bound for closing files: without a limit, macOS reports a number too large for a loop."""
+_MOST_MEMORY: Final = 160 << 20
+"""Bytes of its own with which a worker ends after a package, and another takes its place.
+
+Freed memory is scattered, so little of it goes back to the system, and headers are kept for the next package. A new
+worker shares the memory of its parent.
+"""
 _GC_THRESHOLD: Final = 500_000
 """Number of new objects that triggers a garbage collection; most objects live until their package is done."""
 
@@ -155,7 +162,7 @@ class Pool:
 
     def _receive(self, worker: _Worker) -> Iterator[Outcome]:
         try:
-            outcome: Outcome = worker.pipe.recv()
+            outcome, ends = worker.pipe.recv()
         except (EOFError, OSError):
             worker.process.join()
             message = f"the process that read the package ended with {end_of(worker.process.exitcode or 0)}"
@@ -163,18 +170,24 @@ class Pool:
             return
         worker.given.popleft()
         worker.since = time.monotonic()
+        if ends:
+            self._remove(worker)
         yield outcome
 
     def _reap(self, worker: _Worker, message: str) -> Iterator[Outcome]:
-        """Remove a worker and queue its tasks again, except the running one, which is yielded as failed."""
+        """Remove a worker and yield the task that ran as failed."""
+        culprit = worker.given.popleft() if worker.given else None
+        self._remove(worker)
+        if culprit:
+            yield failed(*culprit[:3], message)
+
+    def _remove(self, worker: _Worker) -> None:
+        """End a worker, and queue its tasks again."""
         worker.process.kill()
         worker.process.join()
         worker.pipe.close()
         self._workers.remove(worker)
-        culprit = worker.given.popleft() if worker.given else None
         self._queue.extendleft(reversed(worker.given))
-        if culprit:
-            yield failed(*culprit[:3], message)
 
 
 @contextlib.contextmanager
@@ -210,8 +223,21 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
     with contextlib.suppress(EOFError, OSError):
         while True:
             task: Task = pipe.recv()
-            pipe.send(attempt(job, task))
+            outcome = attempt(job, task)
+            ends = own_memory() > _MOST_MEMORY
+            pipe.send((outcome, ends))
+            if ends:
+                break
     os._exit(0)
+
+
+def own_memory() -> int:
+    """Return the bytes that only this process has, without those that it shares with its parent; 0 if unknown."""
+    try:
+        lines = Path("/proc/self/smaps_rollup").read_text().splitlines()
+    except OSError:
+        return 0
+    return sum(int(line.split()[1]) << 10 for line in lines if line.startswith("Private_"))
 
 
 def attempt(job: Job, task: Task) -> Outcome:

@@ -50,6 +50,28 @@ def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: in
     assert not any(outcomes[path].reusable for path in messages)
 
 
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_a_worker_with_too_much_memory_is_replaced(monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    """It ends after its package, and another reads the next one; no package is lost or read twice."""
+    monkeypatch.setattr(pool, "work", _identified)
+    assert len(_processes(jobs)) <= jobs
+    monkeypatch.setattr(pool, "_MOST_MEMORY", -1)
+    assert len(_processes(jobs)) == len(TASKS)
+
+
+def _processes(jobs: int) -> set[bytes]:
+    """Return the identities of the processes that read the packages."""
+    with Pool(Job(RecordingWorkspace([]), "https://example.org/", 1), TASKS, jobs) as workers:
+        outcomes = list(workers.outcomes())
+    assert sorted(outcome.result.path for outcome in outcomes) == [task.path for task in TASKS]
+    return {outcome.packed for outcome in outcomes}
+
+
+def _identified(_job: Job, source: str, path: str, _earlier: str) -> Outcome:
+    """Return the identity of the process that reads the package."""
+    return Outcome(PackageResult(source, path, path, {}, {}), {}, {}, str(os.getpid()).encode())
+
+
 def test_the_end_of_the_with_statement_ends_the_workers(monkeypatch: pytest.MonkeyPatch) -> None:
     """If the reader of the outcomes stops, all workers exit, even busy ones."""
     monkeypatch.setattr(pool, "work", _work)
