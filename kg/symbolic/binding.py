@@ -7,7 +7,21 @@ from typing import TYPE_CHECKING, Final, cast
 
 from kg.symbolic import form
 from kg.symbolic.containers import part_at, rest_of
-from kg.symbolic.values import Either, Mapping, Number, Pack, Sequence, Text, Truth, Unknown, Value, number
+from kg.symbolic.values import (
+    Either,
+    Mapping,
+    Number,
+    Object,
+    Pack,
+    Sequence,
+    Text,
+    Truth,
+    Unknown,
+    Value,
+    alternatives,
+    join,
+    number,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -97,3 +111,15 @@ def put(machine: Machine, expression: Expression, value: Value, frame: Frame) ->
         expression = expression.operand
     if isinstance(expression, (form.Name, form.Member, form.Index)):
         machine.assign(expression, value, frame)
+
+
+def assign_member(machine: Machine, target: form.Member, value: Value, frame: Frame) -> None:
+    """Set a member of an object or class, or of the alternatives that an expression stands for."""
+    owners = alternatives(machine.value(target.of, frame))
+    for of in owners:
+        fields = of.fields if isinstance(of, Object) else machine.language.static_fields(of)
+        if fields is not None:
+            before = fields.get(target.name, value)
+            machine.write(fields, target.name, value if len(owners) == 1 else join(before, value))
+        if fields is None or (isinstance(of, Object) and of.kind.cls is None):
+            machine.language.escape([value])  # code outside of the sources calls what its objects hold

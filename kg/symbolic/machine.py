@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
-from kg.symbolic.binding import bind, hand_back, put, unpack, write_back
+from kg.symbolic.binding import assign_member, bind, hand_back, put, unpack, write_back
 from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
     chosen,
@@ -28,11 +28,10 @@ from kg.symbolic.operators import (
     truth,
 )
 from kg.symbolic.spelling import member_label
-from kg.symbolic.state import UNSET, Alias, Frame, Holder, Journal, Site, Slot, Variables, Written
+from kg.symbolic.state import UNSET, Alias, Frame, Holder, Journal, Site, Slot, Variables, Written, are_alike
 from kg.symbolic.values import (
     Bound,
     Closure,
-    Either,
     Guard,
     Kind,
     Mapping,
@@ -68,8 +67,6 @@ MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 MOST_IDLE: Final = 5_000
 """How many steps a loop takes in turns that declare nothing; after that it ends."""
-MOST_WAITING: Final = 3
-"""After how many turns a loop ends whose turn changes nothing: it waits for other code."""
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
@@ -109,6 +106,7 @@ class Machine:
         """The variables of the function that runs."""
         self._outer_writes = 0
         """How many writes to other variables and to fields have a value that can be part of a name."""
+        self._counted = 0  # how many have a number
         self._left: list[tuple[str, Written, tuple[str, ...]]] = []
         """The writes of sides of branches that left the turn or function that runs: how, what, and on what terms."""
         self._statements: dict[type, Callable[[Any, Frame], str | None]] = {
@@ -143,8 +141,9 @@ class Machine:
 
     def write(self, holder: Holder, name: str, value: Slot) -> None:
         """Set a variable or a field."""
-        if holder is not self._local and not isinstance(value, _PLAIN) and holder.get(name) is not value:
-            self._outer_writes += 1
+        if holder is not self._local and holder.get(name) is not value:
+            self._outer_writes += not isinstance(value, _PLAIN)
+            self._counted += isinstance(value, Number)
         self._journal.write(holder, name, value)
 
     def ahead(self, run: Callable[[], object]) -> bool:
@@ -380,8 +379,8 @@ class Machine:
         if condition is None or (loop.runs_at_least_once and not self.counts_endless):
             return self._unknown_times(loop, frame, ())
         before, begun = self.framework.progress(), self.steps
-        for turn in range(self.most_turns):
-            held, writes = dict(frame.variables) if turn == MOST_WAITING else {}, self._outer_writes
+        for _ in range(self.most_turns):
+            held, writes = dict(frame.variables), self._outer_writes + self._counted
             counting, self.counting = self.counting, True
             holds = self.holds(condition, frame)
             self.counting = counting
@@ -394,11 +393,12 @@ class Machine:
                 return None
             if ended in ("return", "raise"):
                 return ended
-            waits = turn == MOST_WAITING and writes == self._outer_writes and self._is_settled(held, frame)
-            if self._is_idle(before, begun) or (waits and self.framework.progress() == before):
+            if self._is_idle(before, begun):
                 return None
             if loop.step is not None:
                 self.value(loop.step, frame)
+            elif writes == self._outer_writes + self._counted and are_alike(held, frame.variables):
+                return None  # the next turns are the same: the loop waits for other code
         if self.framework.progress() != before:  # else the turns that are left create nothing either
             self.cut(loop, frame)
         return None
@@ -406,12 +406,6 @@ class Machine:
     def _is_idle(self, before: tuple[int, ...], begun: int) -> bool:
         """Check whether a loop has taken many steps since `begun`, without an effect since the progress `before`."""
         return self.steps - begun > MOST_IDLE and self.framework.progress() == before
-
-    def _is_settled(self, held: Variables, frame: Frame) -> bool:
-        """Check whether the variables of a frame have the values `held`, or others that say as little."""
-        if self.counts_endless or held.keys() != frame.variables.keys():
-            return False
-        return all(_alike(one, frame.variables[name]) for name, one in held.items())
 
     def cut(self, loop: form.Loop, frame: Frame) -> None:  # noqa: ARG002 - for other machines
         """Record that a loop has more turns than are run."""
@@ -629,14 +623,7 @@ class Machine:
             else:
                 self.write(holder, target.names[0], value)
         elif isinstance(target, form.Member):
-            owners = alternatives(self.value(target.of, frame))
-            for of in owners:
-                fields = of.fields if isinstance(of, Object) else self.language.static_fields(of)
-                if fields is not None:
-                    before = fields.get(target.name, value)
-                    self.write(fields, target.name, value if len(owners) == 1 else join(before, value))
-                if fields is None or (isinstance(of, Object) and of.kind.cls is None):
-                    self.language.escape([value])  # code outside of the sources calls what its objects hold
+            assign_member(self, target, value, frame)
         elif isinstance(target, form.Index):
             containers = alternatives(self.value(target.of, frame))
             key = self.value(target.key, frame)
@@ -708,10 +695,3 @@ class Machine:
             del self.guards[guards:]
         if left:
             self._rejoin(left, ("return",))
-
-
-def _alike(one: Slot, other: Slot) -> bool:
-    """Check whether two values of a variable are the same, whatever decides between alternatives; numbers count."""
-    if isinstance(one, Either) and isinstance(other, Either):
-        return len(one.items) == len(other.items) and all(map(_alike, one.items, other.items))
-    return one is other or one == other or (isinstance(one, Unknown) and isinstance(other, Unknown))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast, final
 
 from kg.symbolic.form import Call, Expression, Opaque, Type, Unit
 from kg.symbolic.operators import under
-from kg.symbolic.values import ABSENT, Kind, Pack, Text, Unknown, Value
+from kg.symbolic.values import ABSENT, Either, Kind, Pack, Text, Unknown, Value
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
@@ -42,6 +42,17 @@ _SPECIAL: Final = (Alias, Pack)
 """What is not joined with other values."""
 Slot: TypeAlias = Value | Alias
 Variables: TypeAlias = dict[str, Slot]
+
+
+def are_alike(one: Variables, other: Variables) -> bool:
+    """Check whether two states of the variables of a frame say the same, whatever decides between alternatives."""
+    return one.keys() == other.keys() and all(_is_alike(value, other[name]) for name, value in one.items())
+
+
+def _is_alike(one: Slot, other: Slot) -> bool:
+    if isinstance(one, Either) and isinstance(other, Either):
+        return len(one.items) == len(other.items) and all(map(_is_alike, one.items, other.items))
+    return one is other or one == other or (isinstance(one, Unknown) and isinstance(other, Unknown))
 
 
 @dataclass(unsafe_hash=True, slots=True)

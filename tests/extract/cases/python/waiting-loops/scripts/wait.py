@@ -30,3 +30,17 @@ while left:
     names.append('topic_' + left.pop(0))
 for name in names:
     rospy.Subscriber(name, String, print)
+
+
+class Counter:
+    """Counts in a field, and publishes late."""
+
+    def __init__(self):
+        self.count = 0
+        while self.count < 9:
+            if self.count == 7:
+                rospy.Publisher('seventh', String, queue_size=1)
+            self.count += 1
+
+
+Counter()
