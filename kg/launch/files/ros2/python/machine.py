@@ -472,7 +472,9 @@ def _either(pairs: list[tuple[Value, Way]]) -> Value:
     for item, way in pairs:
         if not any(own is item and other == way for own, other in kept):
             kept.append((item, way))
-    first, way = kept[0] if kept else (Unknown("its parts exclude each other"), frozenset())
+    if not kept:
+        return Unknown("its parts exclude each other")
+    first, way = kept[0]
     if (len(kept) == 1 and not way) or (len(kept) > 1 and all(_same(first, item) for item, _ in kept)):
         return first
     if len(kept) > _MOST_OPTIONS:
