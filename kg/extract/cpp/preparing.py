@@ -23,9 +23,12 @@ _QT: Final = re.compile(
     rb"\bQ_(?:OBJECT|GADGET|SLOTS)\b|\bQ_SIGNALS\s*:|\b(?:public|protected|private)\s+slots(?=\s*:)"
 )
 _ALONE: Final = re.compile(
-    rb"^[ \t]*([A-Z][A-Z0-9]*_[A-Z0-9_]+)[ \t]*(?=(?://[^\n]*)?\r?\n\s*[A-Za-z_~}#/])", re.MULTILINE
+    rb"^[ \t]*[A-Z][A-Z0-9]*_[A-Z0-9_]+(?:[ \t]*(?=(?://[^\n]*)?\r?\n\s*[A-Za-z_~}#/])"
+    rb"|(?P<declares>\s+)(?=(?:\w+::)*(\w+)::~?\2\s*\(|(?!const\b|volatile\b)[A-Za-z_][\w:]*(?:<[^;(){}]*>)?[\s*&]+[\w:~]+\s*\())",
+    re.MULTILINE,
 )
-"""A macro on a line of its own, such as `EIGEN_MAKE_ALIGNED_OPERATOR_NEW`, or a part of an expression."""
+"""A macro on a line of its own, such as `EIGEN_MAKE_ALIGNED_OPERATOR_NEW`, or a part of an expression; or one that
+stands before a declaration of a function with its type, such as `ROS_DEPRECATED`, or before that of a constructor."""
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
@@ -69,7 +72,9 @@ def prepared(source: bytes, ros: int, absent: frozenset[str] = frozenset()) -> b
 
 def _if_statement(match: re.Match[bytes]) -> bytes:
     """Return spaces for a macro that stands where a statement or declaration begins, else the macro."""
-    return _spaces(match) if _before(match.string, match.start()).endswith((b";", b"}", b":")) else match[0]
+    before = _before(match.string, match.start())
+    begins = before.endswith((b";", b"}", b":")) or (match["declares"] and (not before or before.endswith(b"{")))
+    return _VISIBLE.sub(b" ", match[0]) if begins else match[0]
 
 
 def _spaces(match: re.Match[bytes]) -> bytes:
