@@ -320,6 +320,8 @@ _PLATFORM: Final = {
     "CATKIN_DEVEL_PREFIX": BINARY,
     "EXECUTABLE_OUTPUT_PATH": BINARY,
 }
+_CORES: Final = {"catkin": 1, "roscpp": 1, "ament_cmake": 2, "rclcpp": 2}
+"""Packages that each version of ROS has, by which a file finds out the version."""
 _BUILD_DEPENDENCIES: Final = frozenset({"depend", "build_depend", "build_export_depend"})
 
 
@@ -369,8 +371,7 @@ def _scope(folder: PackageFolder, package: Package) -> Scope:
         "CATKIN_GLOBAL_BIN_DESTINATION": "bin",
         "ROS_VERSION": str(package.ros),
         "ENV{ROS_VERSION}": str(package.ros),
-        "catkin_FOUND": "1" if package.ros == 1 else "0",
-        "ament_cmake_FOUND": "1" if package.ros == 2 else "0",  # noqa: PLR2004  (the version of ROS)
+        **{f"{name}_FOUND": str(int(package.ros == ros)) for name, ros in _CORES.items()},
         "kg_build_dependencies": ";".join(needed),
     }
     return Scope(variables, set())
