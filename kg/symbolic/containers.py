@@ -68,8 +68,13 @@ def is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:
 
 
 def is_unset(of: Value) -> TypeGuard[Sequence | Mapping]:
-    """Check whether a value is a parameter that is empty by default: its elements are those that a launch file sets."""
-    return isinstance(of, Sequence | Mapping) and not of.items and of.parameter not in (None, "argv")
+    """Check whether a value is a parameter that is empty by default: its elements are those that a launch file sets.
+
+    ROS 2 takes the type of a list from its elements, so that one empty text stands for a list without any.
+    """
+    if not isinstance(of, Sequence | Mapping) or of.parameter in (None, "argv"):
+        return False
+    return not of.items or (len(of.items) == 1 and isinstance(of.items[0], Text) and of.items[0].known == "")
 
 
 def key_of(parameter: str | None) -> Text:
