@@ -65,11 +65,13 @@ def bind(
 
 def hand_back(
     machine: Machine, rows: Iterable[tuple[Parameter, Expression, Value]], frame: Frame, caller: Frame
-) -> None:
+) -> bool:
     """Write what a function left in its reference parameters to the arguments of its caller.
 
-    `rows` has for each parameter its argument as an expression, and the value that this had.
+    `rows` has for each parameter its argument as an expression, and the value that this had. Return whether a text is
+    among what was written.
     """
+    text = False
     for parameter, expression, before in rows:
         kind = parameter.type
         if not parameter.name or kind is None or not (kind.reference or kind.pointer) or kind.constant:
@@ -78,6 +80,8 @@ def hand_back(
         unknown = isinstance(value, Unknown) and not kind.pointer and (isinstance(before, Text) or value.parameter)
         if type(value) in _HANDED or unknown:
             put(machine, expression, cast("Value", value), caller)
+            text = text or (type(value) is Text and value is not before)
+    return text
 
 
 def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> None:

@@ -668,12 +668,13 @@ class Machine:
         with self.entered(function):
             bind(self, function, frame, arguments, given)
             result = self.result(frame, self.run(function.body, frame))
+        written = False
         if caller is not None and len(given) == len(arguments):
-            hand_back(self, zip(function.parameters, given, arguments, strict=False), frame, caller)
+            written = hand_back(self, zip(function.parameters, given, arguments, strict=False), frame, caller)
         self._local = outer
         if self.framework.progress() != before:
             self.fruitful.add(id(function))
-        else:
+        elif not written:  # a text that it finds for its caller can be a name
             self.barren[id(function)] += self.steps - steps
             idle = isinstance(result, _PLAIN) and self._outer_writes == writes
             if idle and id(function) not in self.fruitful:
