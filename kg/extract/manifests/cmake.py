@@ -264,6 +264,9 @@ class _Targets:
         for written in _until_keyword(words):
             for path in run.files.glob(f"{written.rstrip('/')}/*", run.folder, recurse=True):
                 self.model.programs.setdefault((posixpath.basename(path), path), run.location)
+        for word, name, then in zip(words, words[1:], [*words[2:], ""], strict=False):
+            if word == "PATTERN" and then != "EXCLUDE" and not set(name) & set("*?[$/"):
+                self.model.program_names.setdefault(name)
 
     def parameter_library(self, run: Run, words: list[str]) -> None:
         """generate_parameter_library(target file.yaml) and generate_parameter_module(module file.yaml)."""

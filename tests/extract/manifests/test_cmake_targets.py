@@ -83,6 +83,9 @@ install(DIRECTORY tools/ DESTINATION lib/${PROJECT_NAME} USE_SOURCE_PERMISSIONS)
 install(DIRECTORY share DESTINATION share/${PROJECT_NAME})
 install(TARGETS x DESTINATION lib)
 install(PROGRAMS scripts/gone.py run.sh DESTINATION lib)
+install(DIRECTORY src/ DESTINATION lib/${PROJECT_NAME} FILES_MATCHING PATTERN "start" PERMISSIONS OWNER_EXECUTE)
+install(DIRECTORY src/ DESTINATION lib/${PROJECT_NAME} PATTERN "*.py" PATTERN "left_out" EXCLUDE)
+install(DIRECTORY data/ DESTINATION share/${PROJECT_NAME} FILES_MATCHING PATTERN "shared")
 """
     files = dict.fromkeys(["scripts/a.py", "scripts/c.py", "scripts/d.py", "tools/e.py", "share/f.py"], shebang)
     model = cmake(tmp_path, text, ["run.sh"], **files, **{"nodes/b.py": shebang})
@@ -94,7 +97,7 @@ install(PROGRAMS scripts/gone.py run.sh DESTINATION lib)
         "e.py": ("demo/tools/e.py", "demo/CMakeLists.txt:4"),
         "b.py": ("demo/nodes/b.py", "demo/nodes/b.py:1"),
     }
-    assert model.programs == ("a.py", "b", "c", "d.py", "gone.py", "run.sh")
+    assert model.programs == ("a.py", "b", "c", "d.py", "gone.py", "run.sh", "start")
 
 
 def test_parameter_and_reconfigure_files(tmp_path: Path) -> None:
