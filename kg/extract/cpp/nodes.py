@@ -397,8 +397,7 @@ class _Nodes:
         for row in framework.loaded:
             name, kind = row[0], row[1]
             shown = kind.known if isinstance(kind, Text) else None
-            home = self._reading(shown.partition("/")[0]) if shown is not None else None
-            plugin = next((p for p in home.build.plugins if p.name == shown), None) if home is not None else None
+            home, plugin = self._plugin_of(shown) if shown is not None else (None, None)
             own = isinstance(name, Text) and name.parts == (NODE_NAME,)
             renamed = dict(_remappings(row[2])) if len(row) > 2 else {}  # noqa: PLR2004 - the third argument
             for extracted in home.plugin(plugin) if home is not None and plugin is not None else ():
@@ -408,6 +407,14 @@ class _Nodes:
                 ]
                 parameters += extracted.node.parameters if own else ()
         return interfaces, parameters
+
+    def _plugin_of(self, name: str) -> tuple[_Nodes | None, PluginClass | None]:
+        """Return the plugin of a name and the reading of its package: this one, or that in the name."""
+        for home in (self, self._reading(name.partition("/")[0])):
+            plugin = next((p for p in home.build.plugins if p.name == name), None) if home is not None else None
+            if plugin is not None:
+                return home, plugin
+        return None, None
 
     def _reading(self, package: str) -> _Nodes | None:
         """Return the reading of a package of the build by its name."""
