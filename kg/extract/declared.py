@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, Protocol
 
@@ -12,6 +11,7 @@ from kg.holes import PARENT, is_known
 from kg.names import normalise, resolve
 from kg.symbolic.form import Literal
 from kg.symbolic.names import namespace_of
+from kg.symbolic.operators import COUNT
 from kg.symbolic.values import Either, Mapping, Number, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 _ROS2: Final = 2
 _PARENT: Final = f"{{{PARENT}}}/"
 _OF_NODE: Final = "the name or namespace of the node is part of it"
-_COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(\d+)")
 
 
 class Home(Protocol):
@@ -177,9 +176,14 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         qos=one.qos if ros == _ROS2 else None,
         reason=reason,
         arguments=_least_arguments(one.guards),
-        switches=tuple(term for term in one.guards if not term.startswith(("argc", "argv[", "!argv[", "?", "!?"))),
+        switches=tuple(filter(_is_switch, one.guards)),
         via=via,
     )
+
+
+def _is_switch(term: str) -> bool:
+    """Check whether a term of a guard is about a parameter, not about the command line or what is set."""
+    return COUNT.fullmatch(term) is None and not term.startswith(("argv[", "!argv[", "?", "!?"))
 
 
 def _resolved(name: str, one: Declared, alone: str) -> str:
@@ -219,8 +223,8 @@ def _least_arguments(guards: tuple[str, ...]) -> int:
     """Return the fewest arguments of the command line, without the program, with which conditions on `argc` hold."""
     most = 0
     for term in guards:
-        found = _COUNT.fullmatch(term)
-        if found is not None:
+        found = COUNT.fullmatch(term)
+        if found is not None and found[2].isdecimal():
             count = int(found[2])
             least = {"==": count, ">=": count, ">": count + 1, "!=": count + 1 if count == 1 else 1}.get(found[1], 1)
             most = max(most, least - 1)

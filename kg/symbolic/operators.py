@@ -42,6 +42,8 @@ if TYPE_CHECKING:
 NULL: Final = Unknown("it is null")
 _COMPUTED: Final = Unknown("it is computed when the program runs")
 _NEGATED: Final = {"==": "!=", "!=": "==", "<": ">=", ">": "<=", "<=": ">", ">=": "<"}
+COUNT: Final = re.compile(r"argc(==|!=|>=|<=|>|<)(.+)")
+"""A term of a guard about the number of arguments of the command line: its sign and the number."""
 _NOT_NULL: Final = (Object, Text, Number, Truth, Sequence, Mapping, TypeValue, Closure, Bound)
 _MIRRORED: Final = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
 _WORD: Final = re.compile(r"[\w./+-]+")
@@ -356,9 +358,8 @@ def opposite_terms(condition: Value) -> tuple[str, ...]:
 
 def negated_term(term: str) -> str:
     """Return the opposite of a term of a guard: `!use_imu` of `use_imu`."""
-    if term.startswith("argc"):
-        sign = next(s for s in ("==", "!=", ">=", "<=", ">", "<") if term.startswith("argc" + s))
-        return f"argc{_NEGATED[sign]}{term[4 + len(sign) :]}"
+    if count := COUNT.fullmatch(term):
+        return f"argc{_NEGATED[count[1]]}{count[2]}"
     return term[1:] if term.startswith("!") else f"!{term}"
 
 
