@@ -7,6 +7,7 @@ The keys (`namespace` and `detail` are empty where a line does not name them; na
 
 * `ros1.node`, `ros2.node`: every node has this; `kg.extract.implicit` adds it by `NodeType.ros`, readers need not.
 * `ros2.lifecycle`: the node is a lifecycle node.
+* `ros2.parameter_client`: a client of the parameters of another node; `detail` is the name of that node.
 * `tf.listener`: `tf` or `tf2_ros` transform listener.
 * `tf.broadcaster`, `tf.static_broadcaster`: transform broadcasters.
 * `tf2.buffer_debug`: a ROS 1 `tf2_ros` buffer made with `debug` (the default of `rospy`'s).
