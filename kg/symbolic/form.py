@@ -365,6 +365,8 @@ class Field:
     value: Expression | None
     line: int
     static: bool = False
+    inline: bool = False
+    """Whether the class itself defines a static member, which need not have a value there."""
 
 
 @dataclass(slots=True, eq=False)

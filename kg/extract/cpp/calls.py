@@ -167,7 +167,13 @@ class Calls:
             if bound is not None or any(base.names == kind.names or base.name == kind.name for base in outside):
                 base = Kind(kind.names, tuple(bound.values()), kind.cls) if bound is not None else None
                 return self._of_base(this, base, last, given)
-        return self._static(kind, last, given) if kind.cls is not None else None
+        if kind.cls is None:
+            return None
+        if kind.cls.template and given.template and not kind.arguments:
+            methods = self._language.methods(kind, last)
+            if not any(method.template for method, _ in methods):  # `Singleton<T>::instance()`
+                kind, given = replace(kind, arguments=given.template), replace(given, template=())
+        return self._static(kind, last, given)
 
     def _of_base(self, this: Object, base: Kind | None, name: str, given: Arguments) -> Value:
         """Call the method of a base on an object; a base of None is not in the sources."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import Callbacks
@@ -198,12 +198,33 @@ class Cpp:
             template = ()
         for owner, bound in self.chain(outer)[0]:
             declared = owner.fields.get(names[-1])
-            if declared is not None and declared.value is not None:
+            if declared is not None and declared.value is not None and not declared.static:
                 return library.as_constant(self._declared(declared, declared.value, inside(owner, bound)))
+            held = self._shared(owner, names[-1], bound)
+            if held is not None:
+                return library.as_constant(held[names[-1]])
         found = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
         if found is not None:
             return self._global(found, names[-1])
         return Bound(names[-1], outer, template=template) if methods else None
+
+    def _shared(self, cls: Class, name: str, bound: dict[str, Value]) -> dict[str, Value] | None:
+        """Return what holds a static member that a class defines, of each instance of a template its own.
+
+        None for other members, and for those that are defined outside of the class.
+        """
+        declared = cls.fields.get(name)
+        if declared is None or not declared.static or (declared.value is None and not declared.inline):
+            return None
+        held = cast("dict[str, Value]", self.machine.globals.setdefault((id(declared), tuple(bound.items())), {}))
+        if name not in held:
+            held[name] = Unknown(f"{name} depends on itself")
+            frame = inside(cls, bound)
+            if declared.value is not None:
+                held[name] = self._declared(declared, declared.value, frame)
+            elif declared.type is not None:
+                held[name] = self.default(declared.type, frame, declared.line)
+        return held
 
     def _instance(self, kind: Kind, frame: Frame) -> Kind:
         """Return a class with the template arguments that it has in the running object, if it is a class of that."""
@@ -238,13 +259,20 @@ class Cpp:
 
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
-        this, last = this_of(frame), target.names[-1]
-        if isinstance(this, Object) and len(target.names) == 1 and self.kinds.has_field(this, last):
-            self.machine.write(this.fields, last, value)
-            return
-        variable = self.linker.find_variable(target.names, frame.unit, frame.scope)
-        if variable is not None:
-            self.machine.write(self.machine.globals.setdefault(id(variable[0]), {}), last, value)
+        this, names, last = this_of(frame), target.names, target.names[-1]
+        own = this if isinstance(this, Object) and len(names) == 1 and self.kinds.has_field(this, last) else None
+        outer = names[:-1] or frame.scope[-1:]
+        kind = own.kind if own else self.kinds.kind(form.Type(outer), frame) if outer else None
+        classes = [one for one in self.chain(kind)[0] if last in one[0].fields] if isinstance(kind, Kind) else []
+        held = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
+        if held is None and (own is None or any(cls.fields[last].static for cls, _ in classes)):
+            found = self.linker.find_variable(names, frame.unit, frame.scope)
+            kept = self.machine.globals.setdefault(id(found[0]), {}) if found is not None else None
+            held = cast("dict[str, Value] | None", kept)
+        if held is None and own is not None:
+            held = own.fields
+        if held is not None:
+            self.machine.write(held, last, value)
 
     # Members
 
@@ -273,8 +301,9 @@ class Cpp:
     def _unwritten(self, of: Object, cls: Class, name: str, frame: Frame) -> Value:
         """Return the value of a field that the code that ran did not write."""
         declared = cls.fields[name]
-        if declared.static and declared.value is not None:
-            return self._declared(declared, declared.value, frame)
+        held = self._shared(cls, name, frame.types)
+        if held is not None:
+            return held[name]
         if declared.static:
             found = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
             if found is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import tokens
@@ -15,7 +16,7 @@ from kg.symbolic import form, qos
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
-from kg.symbolic.operators import compute, negate
+from kg.symbolic.operators import compute, for_each, negate
 from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     LENGTH,
@@ -117,6 +118,7 @@ _ADDERS: Final = frozenset(
 _CHANGERS: Final = _ADDERS | {"append", "operator+=", "assign", "clear", "erase", "pop_back", "replace", "resize"}
 _HOLDERS: Final = frozenset({"optional", "variant", "any"})
 """Templates whose objects hold one object, which `emplace` constructs."""
+_CASES: Final[dict[str, Callable[[str], str]]] = {"to_lower_copy": str.lower, "to_upper_copy": str.upper}
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
 _PAIR: Final = 2
 _RANGE: Final = 3
@@ -309,11 +311,23 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
             if isinstance(values[-1], (Closure, Bound)):
                 language.calls.value(values[-1], Arguments([one], frame=given.frame))
         return Unknown("it returns what it was given")
+    if name == "call_once" and len(values) > 1:
+        called = _bind(values[1:]) if len(values) > _PAIR else values[1]
+        return language.calls.value(called, Arguments([], frame=given.frame))
+    if name in _CASES:
+        return for_each(values[0], partial(_cased, change=_CASES[name]))
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
     known = tokens.call(language, names, given)
     return known if known is not None else _command_line(language, name, given)
+
+
+def _cased(value: Value, change: Callable[[str], str]) -> Value:
+    """Return a text in capital or small letters; what is not known of it stays."""
+    if not isinstance(value, Text):
+        return as_text(value)
+    return replace(value, parts=tuple(change(part) if isinstance(part, str) else part for part in value.parts))
 
 
 def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:

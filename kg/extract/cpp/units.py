@@ -480,7 +480,7 @@ class CppUnit(Unit):
                 self.members(member, cls, ())
 
     def _field(self, node: Node, cls: Class) -> None:
-        static = any(c.type == "storage_class_specifier" and syntax.text(c) == "static" for c in node.children)
+        storage = {syntax.text(child) for child in node.children if child.type == "storage_class_specifier"}
         latest: Field | None = None
         for index, child in enumerate(node.children):
             role = node.field_name_for_child(index)
@@ -492,7 +492,9 @@ class CppUnit(Unit):
                 name = syntax.declared_name(child)
                 if name is not None:
                     kind = self.expressions.declared(node, child)
-                    latest = Field(syntax.text(name), kind, None, line_of(child), static)
+                    latest = Field(
+                        syntax.text(name), kind, None, line_of(child), "static" in storage, "inline" in storage
+                    )
                     cls.fields[latest.name] = latest
             elif role == "default_value" and latest is not None:
                 latest.value = self.expressions.expression(child)
