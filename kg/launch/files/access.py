@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
 from kg.extract.manifests.installing import Installed
-from kg.facts import LaunchProblemKind, StartedNode
+from kg.facts import FileKind, LaunchProblemKind, StartedNode
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -29,7 +29,10 @@ SCHEME: Final = "package://"
 _LOOSE: Final = "source://"
 _TEMPLATES: Final = (".in", ".em", ".xacro")
 """What the names of files end in from which CMake, EmPy or xacro makes files when a package is built."""
+_CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _SUBMODULE: Final = re.compile(rb"^\s*path\s*=\s*(\S+)", re.MULTILINE)
+_WRITES: Final = re.compile(rb"\bofstream\b|\bfopen\b|\.write\(|\bdump\(|[\"'][wa]b?\+?[\"']")
+"""What code has that writes files."""
 _MOST_NAME: Final = 200
 """Characters of the name of a file or folder, which file systems bound to 255 bytes."""
 
@@ -154,7 +157,23 @@ class Files:
                 return Found(None, unresolved, f"{text} is in the submodule {folder.decode()}, which is empty", text)
         if self._is_ignored(file):
             return Found(None, unresolved, f"{text} is not in the source: git ignores it", text)
+        writer = self._writer(text)
+        if writer is not None:
+            return Found(None, unresolved, f"{text} is not in the source: {writer} presumably writes it", text)
         return Found(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
+
+    def _writer(self, text: str) -> str | None:
+        """Return the code of a package that names an absent file of it and writes files; None if there is none."""
+        package, _, inner = text.removeprefix(SCHEME).partition("/")
+        place = self.reader.workspace.package(package, self._near) if text.startswith(SCHEME) else None
+        if place is None or "/" not in inner:
+            return None
+        named = posixpath.normpath(inner).encode()
+        for entry in self.reader.workspace.folder(place)[1].files:
+            code = self.read(FilePath(place.repository, entry.path)) if entry.kind in _CODE else None
+            if code is not None and named in code and _WRITES.search(code):
+                return entry.path
+        return None
 
     def _is_ignored(self, file: FilePath) -> bool:
         """Return whether the nearest `.gitignore` with a pattern for a file leaves it out."""
