@@ -261,18 +261,19 @@ class Cpp:
         """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
         this, names, last = this_of(frame), target.names, target.names[-1]
         own = this if isinstance(this, Object) and len(names) == 1 and self.kinds.has_field(this, last) else None
-        outer = names[:-1] or frame.scope[-1:]
-        kind = own.kind if own else self.kinds.kind(form.Type(outer), frame) if outer else None
-        classes = [one for one in self.chain(kind)[0] if last in one[0].fields] if isinstance(kind, Kind) else []
-        held = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
-        if held is None and (own is None or any(cls.fields[last].static for cls, _ in classes)):
+        classes = [one for one in self.chain(own.kind)[0] if last in one[0].fields] if own is not None else []
+        found = None
+        if own is None or any(cls.fields[last].static for cls, _ in classes):
             found = self.linker.find_variable(names, frame.unit, frame.scope)
-            kept = self.machine.globals.setdefault(id(found[0]), {}) if found is not None else None
-            held = cast("dict[str, Value] | None", kept)
-        if held is None and own is not None:
-            held = own.fields
-        if held is not None:
-            self.machine.write(held, last, value)
+        if found is not None:
+            self.machine.write(self.machine.globals.setdefault(id(found[0]), {}), last, value)
+            return
+        if own is None and (outer := names[:-1] or frame.scope[-1:]):
+            kind = self.kinds.kind(form.Type(outer), frame)
+            classes = self.chain(kind)[0] if isinstance(kind, Kind) else []
+        held = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
+        if held is not None or own is not None:
+            self.machine.write(held if held is not None else cast("Object", own).fields, last, value)
 
     # Members
 
