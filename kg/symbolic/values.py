@@ -301,7 +301,7 @@ def options(values: Iterable[Value], choice: object) -> Value:
         else:
             return first
     solid = [value for value in values if type(value) is not Unknown or value.parameter is not None]
-    if len(solid) == 1 and type(solid[0]) not in _DECISIVE:
+    if len(solid) == 1 and type(solid[0]) not in _DECISIVE and not _is_nothing(solid[0]):
         return solid[0]  # as `_any_of`, which leaves out what is not known
     found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
@@ -422,6 +422,10 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
         return LENGTH
     if {type(item) for item in found} in ({Truth, Unknown}, {Number, Unknown}):
         return next(item for item in found if isinstance(item, Unknown))
+    if any(map(_is_nothing, found)):
+        filled = [one for one in found if not _is_nothing(one) and one not in _NEVER_FILLED]
+        if filled and all(type(one) is Unknown for one in filled):
+            return filled[0]  # what it may hold decides whether loops run
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
         found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
     united = _united(found) if len(found) > _MOST_CONTAINERS else None
@@ -437,6 +441,13 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
 
 
+def _is_nothing(value: Value) -> bool:
+    """Check whether a value is a container without elements that no parameter gives."""
+    return isinstance(value, Sequence | Mapping) and value in _NOTHING
+
+
+_NOTHING: Final = (Sequence(()), Mapping(()))
+_NEVER_FILLED: Final = (Unknown("it is null"), Unknown("it has no value"))
 _DECISIVE: Final = frozenset({Truth, Number, Either})
 """Values that are not taken alone where they may also be unknown: conditions depend on them, or they are several."""
 _MOST_CONTAINERS: Final = 4
