@@ -199,10 +199,11 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
         return Object(kind, native={"text": as_text(arguments[0]) if arguments else Text.of("")})
     if name == "format" and arguments:
         return Object(kind, native={"format": arguments[0]})
-    if name in LISTS:
-        return _list(language, kind, arguments, listed=listed)
-    if name in MAPS:
-        return _map(language, kind, arguments)
+    if name in LISTS or name in MAPS:
+        copied = alternatives(arguments[0]) if len(arguments) == 1 else ()
+        if len(copied) > 1 and all(isinstance(one, Sequence | Mapping) for one in copied):
+            return join(*(language.construct(kind, [one], None, listed=listed) for one in copied))
+        return _list(language, kind, arguments, listed=listed) if name in LISTS else _map(language, kind, arguments)
     if name in NUMBERS or name in ("bool", "char", "auto", "byte", "function"):
         if arguments:
             return join(*(stored(kind, item) for item in alternatives(arguments[0])))

@@ -88,6 +88,8 @@ class _Nodes:
         self._alone: dict[Class, Extracted] = {}
         """The components that declare everything while they are constructed without arguments."""
         self._in_trees: set[tuple[str, Kind | None]] = set()
+        self._by_plugins: list[Extracted] = []
+        """The nodes of behavior trees that plugins register."""
         self.build = build
 
     def read(self) -> list[Extracted]:
@@ -100,6 +102,7 @@ class _Nodes:
                 found += self._executable(target, plugins)
         for plugin in plugins:
             found += self.plugin(plugin)
+        found += self._by_plugins
         for file in self._project.sources():
             if self._project.contains(file, _TREE_NODES.encode()):
                 found += self._tree_nodes(file)
@@ -253,6 +256,7 @@ class _Nodes:
                 found = self._extracted(framework, node, root)
                 if found and complete and found[0].node.node_name is not None:
                     self._alone[cls] = found[0]
+                self._by_plugins += self._of_trees(framework, files)
                 return found
         return []
 
