@@ -530,6 +530,8 @@ def _empty(of: Value) -> Value:
             return LENGTH
         return Truth(not of.items)
     if isinstance(of, Text):
+        if of.parameter is not None and of.parameter.endswith("[]") and of.known != "":
+            return Truth(False)  # a list of names has no empty ones
         if of.parameter is not None:
             return Guard((f"!{of.parameter}",))
         if any(isinstance(part, str) and part for part in of.parts):
