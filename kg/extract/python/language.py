@@ -291,6 +291,8 @@ class Python:
             return self.of_object(of, name)
         if isinstance(of, TypeValue):
             return self._of_type(of, name)
+        if isinstance(of, Closure) and name == "__name__":
+            return Text.of(of.function.name)
         known = library.member(of, name)
         if known is not None:
             return known
