@@ -143,7 +143,7 @@ class Files:
         return Found(None, reason=f"the file {text} is outside the build", subject=text)
 
     def absent(self, file: FilePath, text: str) -> Found:
-        """Return why a file is absent: it has no name, a build or the robot makes it, or it is in a submodule or missing."""
+        """Return why a file is absent: it has no name, a build, the robot or a submodule has it, or none of these."""
         unresolved = LaunchProblemKind.UNRESOLVED
         if text.endswith("/"):
             return Found(None, unresolved, f"{text} names a folder: the name of the file is empty", text)
