@@ -32,7 +32,7 @@ _SUFFIXES: Final = frozenset(
 _JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
 """Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
 GENERATED: Final = frozenset({"msg", "srv", "action"})
-"""The namespaces of messages in those of packages."""
+"""Namespaces and modules of the types of interfaces, in those of their package."""
 _WRAPPERS: Final = {"TypeAdapter": -1, "as": 0, "MessageEvent": 0, "ServiceEvent": 0, "WithTopicName": 0}
 """Templates around a message, with the index of the message among their arguments: `adapt_type<T>::as<Message>`."""
 _FUNCTION: Final = ("()",)

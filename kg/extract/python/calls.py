@@ -39,6 +39,8 @@ _MOST_REPEATS: Final = 2
 _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
 _CLASS: Final = "__class__"
+_TYPES: Final = ("msg_type", "srv_type")
+"""The names of the first parameter of methods of nodes that create interfaces."""
 _PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
 """Packages whose classes call no methods of those that derive from them."""
 
@@ -171,7 +173,8 @@ class Calls:
         return outside(name, given.values)
 
     def _of_unknown_node(self, name: str, given: Arguments) -> Value | None:
-        kind = given.values[0] if given.values else None
+        named = (given.named[name] for name in _TYPES if name in given.named)
+        kind = given.values[0] if given.values else next(named, None)
         return self._language.machine.framework.call_unknown_node(name, kind, given)
 
     def outside(self, called: TypeValue, given: Arguments) -> Value:
