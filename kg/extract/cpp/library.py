@@ -293,6 +293,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
         return _bind(values)
+    if name == "async":
+        return _asynchronous(language, values, given)
     if name in ("to_string", "to_wstring"):
         return join(*(_decimal(item) for item in alternatives(values[0])))
     if name in _TO_TEXT:
@@ -352,6 +354,20 @@ def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:
         put(language.machine, given.written[_OUTPUT], given.values[1], given.frame)
         return Unknown("it returns nothing")
     return None
+
+
+def _asynchronous(language: Cpp, values: list[Value], given: Arguments) -> Value | None:
+    """Return the result of a function that `std::async` runs, which its future gives."""
+    called = next((one for one in values if isinstance(one, Closure | Bound)), None)
+    if called is None:
+        return None
+    rest = values[values.index(called) + 1 :]
+    owner = called.of if isinstance(called, Bound) else None
+    if isinstance(called, Bound) and isinstance(owner, Kind):
+        methods = language.methods(owner, called.name)
+        if all(len(one.parameters) != len(rest) for one, _ in methods):  # the first argument is the object
+            return language.calls.value(_bind([called, *rest]), Arguments([], frame=given.frame))
+    return language.calls.value(called, Arguments(rest, frame=given.frame))
 
 
 def _bind(arguments: list[Value]) -> Value:
