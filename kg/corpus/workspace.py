@@ -328,15 +328,15 @@ class Workspace:
     def _is_reachable(self, file: FilePath, wanted: str, near: FilePath, home: Place | None) -> bool:
         """Return whether a package can include a header of another one.
 
-        A name without a folder must be in a public header folder. A package of another source exports its include roots
-        and folders of its own name, but not its copies of ROS and its messages.
+        A name without a folder must be in a public header folder, or next to the manifest. A package of another source
+        exports its include roots and folders of its own name, but not its copies of ROS and its messages.
         """
         owner = self._home(file)
         if owner is None or owner == home:
             return True
         folder, parent = posixpath.dirname(file.path), posixpath.dirname(posixpath.dirname(file.path))
         if "/" not in wanted and "include" not in (posixpath.basename(folder), posixpath.basename(parent)):
-            return False
+            return folder == owner.path and file.repository == near.repository
         if file.repository == near.repository:
             return True
         head = wanted.partition("/")[0]

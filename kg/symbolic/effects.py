@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import Access, Qos
 from kg.symbolic import durations, qos
 from kg.symbolic.binding import put
-from kg.symbolic.messages import message_type, type_name
+from kg.symbolic.messages import GENERATED, message_type, type_name
 from kg.symbolic.names import (
     EMPTY,
     below,
@@ -61,8 +61,6 @@ _PARAMETER_TYPES: Final = re.compile(
 _NODES: Final = ("node", "handle")
 _OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
 """Methods that only nodes of ROS 2 have."""
-_GENERATED: Final = frozenset({"msg", "srv", "action"})
-"""Namespaces and modules of the types of interfaces."""
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
 _UNKNOWN_NODE: Final = Unknown("it has no node")
 
@@ -377,7 +375,7 @@ class Framework:
         Returns:
             None unless only nodes have a method of the name, and `kind` is generated from an interface definition.
         """
-        if name not in _OF_NODES or not isinstance(kind, TypeValue) or _GENERATED.isdisjoint(kind.kind.names[:-1]):
+        if name not in _OF_NODES or not isinstance(kind, TypeValue) or GENERATED.isdisjoint(kind.kind.names[:-1]):
             return None
         return self.call_method(next(iter(self.nodes), None) or self.host_node(), name, given)
 

@@ -31,7 +31,8 @@ _SUFFIXES: Final = frozenset(
 )
 _JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
 """Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
-_GENERATED: Final = frozenset({"msg", "srv", "action"})
+GENERATED: Final = frozenset({"msg", "srv", "action"})
+"""Namespaces and modules of the types of interfaces, in those of their package."""
 _WRAPPERS: Final = {"TypeAdapter": -1, "as": 0, "MessageEvent": 0, "ServiceEvent": 0, "WithTopicName": 0}
 """Templates around a message, with the index of the message among their arguments: `adapt_type<T>::as<Message>`."""
 _FUNCTION: Final = ("()",)
@@ -47,7 +48,7 @@ def type_name(kind: Kind) -> str | None:
     names = [name for name in kind.names if name]
     if names[:2] == ["pcl", "PointCloud"]:
         return "sensor_msgs/PointCloud2"
-    while len(names) > 2 and names[-1] in _SUFFIXES and names[-2] not in _GENERATED:  # noqa: PLR2004 - package and type
+    while len(names) > 2 and names[-1] in _SUFFIXES and names[-2] not in GENERATED:  # noqa: PLR2004 - package and type
         names = names[:-1]
     found = _of_names(names) if kind.cls is None else None
     if found is None or found == _ANY_TYPE:
@@ -60,9 +61,10 @@ def type_name(kind: Kind) -> str | None:
 def _of_names(names: list[str]) -> str | None:
     kept = [name for name in names if name]
     package, last = kept[:-1], kept[-1:]
-    if len(package) > 1 and package[-1] in _GENERATED:
+    if len(package) > 1 and package[-1] in GENERATED:
         package = package[-2:-1]
-    return f"{package[0]}/{last[0]}" if len(package) == 1 and kept[0] != "std" else None
+    named = len(package) == 1 and package[0] != "std" and package[0] not in GENERATED
+    return f"{package[0]}/{last[0]}" if named else None
 
 
 def _type_of_argument(argument: Value | None) -> str | None:
@@ -100,7 +102,7 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if what == "text":
         return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
     if isinstance(argument, TypeValue):
-        return _type_of_argument(argument) if _GENERATED & set(argument.kind.names[:-1]) else None
+        return _type_of_argument(argument) if GENERATED & set(argument.kind.names[:-1]) else None
     if not isinstance(argument, Object):
         return None
     if what == "options":
@@ -122,32 +124,33 @@ def _first_parameter(language: Language, call: Invocation, index: int) -> str | 
 def _callback_type(language: Language, callback: Value, usual: int) -> str | None:
     """Return the type of the first parameter of a callback; of overloads, of that with about `usual` parameters."""
     for one in alternatives(callback):
-        function, bound, skip = _callee(language, one, usual)
-        parameters = function.parameters[skip:] if function is not None else ()
-        if function is None or not parameters or parameters[0].type is None:
+        found = _callee(language, one, usual)
+        if found is None:
             continue
-        frame = Frame(function.unit, function.scope, types=bound)
-        found = language.kind_of(parameters[0].type, frame)
-        if found is not None:
-            return type_name(language.message(found, frame))
+        function, frame, skip = found
+        kind = function.parameters[skip].type if len(function.parameters) > skip else None
+        message = language.kind_of(kind, frame) if kind is not None else None
+        if message is not None:
+            return type_name(language.message(message, frame))
     return None
 
 
-def _callee(language: Language, callback: Value, usual: int) -> tuple[Function | None, dict[str, Value], int]:
-    """Return the function that a callback runs, its template arguments, and the number of bound parameters."""
+def _callee(language: Language, callback: Value, usual: int) -> tuple[Function, Frame, int] | None:
+    """Return the function that a callback runs, a frame for its types, and the number of bound parameters."""
     if isinstance(callback, Closure):
-        return callback.function, {}, len(callback.bound)
+        around = callback.frame
+        return callback.function, Frame(around.unit, around.scope, parent=around), len(callback.bound)
     if isinstance(callback, Object):
-        operators = language.methods(callback.kind, "operator()")
-        return (operators[0][0], dict(operators[0][1]), 0) if operators else (None, {}, 0)
+        callback = Bound("operator()", callback)
     if not isinstance(callback, Bound):
-        return None, {}, 0
-    owner = callback.of.kind if isinstance(callback.of, Object) else callback.of
+        return None
+    skip, owner = callback.skip, callback.of.kind if isinstance(callback.of, Object) else callback.of
     if owner is not None:
         listed = language.declarations(owner, callback.name)
     else:
         listed = [(function, {}) for function in callback.functions]
     if not listed:
-        return None, {}, 0
-    function, bound = min(listed, key=lambda pair: abs(len(pair[0].parameters) - callback.skip - usual))
-    return function, {**bound, **dict(zip(function.template, callback.template, strict=False))}, callback.skip
+        return None
+    function, bound = min(listed, key=lambda pair: abs(len(pair[0].parameters) - skip - usual))
+    types = {**bound, **dict(zip(function.template, callback.template, strict=False))}
+    return function, Frame(function.unit, function.scope, types=types), skip

@@ -7,11 +7,25 @@ from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast, final
 
 from kg.symbolic.form import Call, Expression, Opaque, Type, Unit
-from kg.symbolic.operators import under
-from kg.symbolic.values import ABSENT, Either, Kind, Pack, Text, Unknown, Value
+from kg.symbolic.operators import NULL, under
+from kg.symbolic.values import (
+    ABSENT,
+    Either,
+    Enumerator,
+    Kind,
+    Mapping,
+    Number,
+    Pack,
+    Sequence,
+    Text,
+    Truth,
+    Unknown,
+    Value,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Iterator
+    from collections.abc import Mapping as Names
 
     from kg.symbolic.language import Language
 
@@ -25,6 +39,13 @@ class _Missing(Enum):
 _MISSING: Final = _Missing.MISSING
 UNSET: Final = Unknown("it has no value")
 _Result = TypeVar("_Result")
+
+
+def decides(value: object) -> bool:
+    """Check whether a value decides conditions and is not part of a name: a number, null, an empty container."""
+    if isinstance(value, (Sequence, Mapping)):
+        return not value.items
+    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET)
 
 
 @final
@@ -126,7 +147,7 @@ class Arguments:
     template: tuple[Value, ...] = ()
     call: Call | None = None
     frame: Frame | None = None
-    named: Mapping[str, Value] = field(default_factory=dict)
+    named: Names[str, Value] = field(default_factory=dict)
     """The values of arguments by name."""
     expressions: tuple[Expression, ...] | None = None
     """The arguments as expressions, where they are in another order than in the call."""

@@ -452,7 +452,7 @@ _DECISIVE: Final = frozenset({Truth, Number, Either})
 """Values that are not taken alone where they may also be unknown: conditions depend on them, or they are several."""
 _MOST_CONTAINERS: Final = 4
 """How many lists or maps are told apart: each branch that adds to one would double them."""
-_MOST_UNITED: Final = 12
+_MOST_UNITED: Final = 32
 """How many elements each container has at most of those whose elements are taken together."""
 
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.kinds import frame_of, this_of
-from kg.symbolic.operators import NULL
-from kg.symbolic.state import UNSET, Frame
+from kg.symbolic.state import Frame, decides
 from kg.symbolic.values import (
     PLACEHOLDER,
     Bound,
     Closure,
     Either,
-    Enumerator,
     Mapping,
     Number,
     Object,
@@ -43,13 +41,6 @@ def closure_frame(called: Closure) -> Frame:
     """Return a new frame for a lambda, within the variables around it."""
     outer = called.frame
     return Frame(outer.unit, outer.scope, outer.this, parent=outer)
-
-
-def _decides(value: Value) -> bool:
-    """Check whether a value decides conditions and is not part of a name: a number, null, an empty container."""
-    if isinstance(value, (Sequence, Mapping)):
-        return not value.items
-    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET)
 
 
 def _parts(of: Object) -> list[Object]:
@@ -144,7 +135,7 @@ class Callbacks:
         changed = reach.changes(function)
         for of in _parts(this) if isinstance(this, Object) and changed else ():
             for name in changed & of.fields.keys():
-                if _decides(of.fields[name]):
+                if decides(of.fields[name]):
                     self._language.machine.write(of.fields, name, Unknown("a callback changes it"))
         return True
 

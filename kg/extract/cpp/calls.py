@@ -293,7 +293,16 @@ class Calls:
             if declared:
                 self._leave(given, name)
                 return labelled(language.unknown(declared[0].returns, inside(cls, bound), name), name, given.values)
-        return None
+        pointed = self._pointed(of)
+        return self.method(pointed, name, given) if isinstance(pointed, Object) else None
+
+    def _pointed(self, of: Object) -> Value | None:
+        """Return what the `operator->` of an object gives; None if its class has none."""
+        found = self._language.methods(of.kind, "operator->")[-1:]
+        value = self._on(of, found, Arguments([])) if found and of.made else None
+        for one, bound in found if value is None or isinstance(value, Unknown) else ():
+            value = self._language.unknown(one.returns, frame_of(one, bound), one.name)
+        return value if value is not of else None
 
     def _on(self, of: Object, found: list[Overload], given: Arguments) -> Value:
         """Run the best overload of a method on an object."""

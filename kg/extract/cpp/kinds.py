@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final, cast
 from kg.extract.cpp import library
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTER_NAME, POINTERS, pointee
+from kg.symbolic.messages import GENERATED
 from kg.symbolic.state import Frame
 from kg.symbolic.values import Kind, Object, Pack, Truth, TypeValue, Unknown, Value
 
@@ -158,6 +159,8 @@ class Kinds:
             held = self._named(names[:-1], arguments, unit, scope, depth + 1)
             if isinstance(held, Kind):
                 return _pointer(held) if held.cls is not None else Kind((*held.names, names[-1]), held.arguments)
+        if names[0] in GENERATED and (full := self._linker.within(names, unit, scope)) is not None:
+            return Kind(full, arguments)
         if depth < _DEEPEST:
             outer = self._named(names[:-1], (), unit, scope, depth + _WEIGHT)
             if isinstance(outer, Kind) and outer.names != names[:-1] and outer.cls is None:

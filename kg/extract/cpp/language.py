@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from kg.extract.cpp.linking import Linker, Variable
     from kg.extract.cpp.units import Macro
-    from kg.symbolic.form import Class, Expression, Field, Type
+    from kg.symbolic.form import Class, Expression, Field, Function, Type
     from kg.symbolic.machine import Machine
 
 __all__ = ["Cpp", "pointee"]
@@ -49,7 +49,7 @@ __all__ = ["Cpp", "pointee"]
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
 _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})
 _PAIR: Final = ("first", "second")
-_STORED: Final = frozenset({Either, Text, Number, Sequence})
+_STORED: Final = frozenset({Either, Object, Text, Number, Sequence})
 """Values that a variable may hold in another form."""
 _NOTHING: Final = Sequence(())
 """The value of `{}`."""
@@ -350,6 +350,8 @@ class Cpp:
             value = self.copies.kept(value, kind, frame, written, frame)
         if kind is None or type(value) not in _STORED:
             return value
+        if isinstance(value, Object):
+            return self._wrapped(value, kind, frame)
         if isinstance(value, Either):
             return join(*(self.converted(item, kind, None, frame) for item in value.items))
         if isinstance(value, Text) and kind.names == ("auto",):
@@ -369,6 +371,20 @@ class Cpp:
             if found is not None:
                 return library.stored(found, value)
         return value
+
+    def _wrapped(self, value: Object, kind: Type, frame: Frame) -> Value:
+        """Return an object as a variable of a type holds it: in a new one if a constructor takes objects of any type.
+
+        Classes that hide the type of what they hold (type erasure) have such constructors.
+        """
+        held = self.kinds.held(kind, frame) if not kind.pointer else None
+        wrapper = held.cls if held is not None else None
+        if held is None or wrapper is None or wrapper is value.kind.cls or value.kind.cls is None:
+            return value
+        if not any(map(_takes_any, self.linker.methods(wrapper).get(wrapper.name, ()))):
+            return value
+        inherits = any(cls is wrapper for cls, _ in self.chain(value.kind)[0])
+        return value if inherits else self.construct(held, [value], frame)
 
     def _nothing(self, kind: Type, frame: Frame) -> Value:
         """Return the value of `{}` in a variable of a type."""
@@ -418,3 +434,9 @@ class Cpp:
             text = concatenate(first.native.get("text", Text.of("")), *values[1:])
             self.machine.write(first.native, "text", text)
         return None if isinstance(first, Number) else first
+
+
+def _takes_any(constructor: Function) -> bool:
+    """Return whether a constructor converts an object of any type: its only parameter has that of a template."""
+    kind = constructor.parameters[0].type if len(constructor.parameters) == 1 else None
+    return kind is not None and len(kind.names) == 1 and kind.names[0] in constructor.template

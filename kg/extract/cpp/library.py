@@ -201,10 +201,11 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
         return Object(kind, native={"text": as_text(arguments[0]) if arguments else Text.of("")})
     if name == "format" and arguments:
         return Object(kind, native={"format": arguments[0]})
-    if name in LISTS:
-        return _list(language, kind, arguments, listed=listed)
-    if name in MAPS:
-        return _map(language, kind, arguments)
+    if name in LISTS or name in MAPS:
+        copied = alternatives(arguments[0]) if len(arguments) == 1 else ()
+        if len(copied) > 1 and all(isinstance(one, Sequence | Mapping) for one in copied):
+            return join(*(language.construct(kind, [one], None, listed=listed) for one in copied))
+        return _list(language, kind, arguments, listed=listed) if name in LISTS else _map(language, kind, arguments)
     if name in NUMBERS or name in ("bool", "char", "auto", "byte", "function"):
         if arguments:
             return join(*(stored(kind, item) for item in alternatives(arguments[0])))
@@ -294,6 +295,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
         return _bind(values)
+    if name == "async":
+        return _asynchronous(language, values, given)
     if name in ("to_string", "to_wstring"):
         return join(*(_decimal(item) for item in alternatives(values[0])))
     if name in _TO_TEXT:
@@ -365,6 +368,20 @@ def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:
         put(language.machine, given.written[_OUTPUT], given.values[1], given.frame)
         return Unknown("it returns nothing")
     return None
+
+
+def _asynchronous(language: Cpp, values: list[Value], given: Arguments) -> Value | None:
+    """Return the result of a function that `std::async` runs, which its future gives."""
+    called = next((one for one in values if isinstance(one, Closure | Bound)), None)
+    if called is None:
+        return None
+    rest = values[values.index(called) + 1 :]
+    owner = called.of if isinstance(called, Bound) else None
+    if isinstance(called, Bound) and isinstance(owner, Kind):
+        methods = language.methods(owner, called.name)
+        if all(len(one.parameters) != len(rest) for one, _ in methods):  # the first argument is the object
+            return language.calls.value(_bind([called, *rest]), Arguments([], frame=given.frame))
+    return language.calls.value(called, Arguments(rest, frame=given.frame))
 
 
 def _bind(arguments: list[Value]) -> Value:
@@ -543,6 +560,8 @@ def _empty(of: Value) -> Value:
             return LENGTH
         return Truth(not of.items)
     if isinstance(of, Text):
+        if of.parameter is not None and of.parameter.endswith("[]") and of.known != "":
+            return Truth(False)  # a list of names has no empty ones
         if of.parameter is not None:
             return Guard((f"!{of.parameter}",))
         if any(isinstance(part, str) and part for part in of.parts):

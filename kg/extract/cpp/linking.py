@@ -119,6 +119,19 @@ class Linker:
         """Return whether a name is one of an enumeration that is visible in a file."""
         return bool(self._holding(unit, "enumerator", name))
 
+    def within(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope | None:
+        """Return the full name of `msg::Type`, a message of the package whose namespace is around it or used."""
+        kind, name, *_ = names
+        file = f"{_SNAKE.sub('_', name).lower()}.hpp"
+        workspace = self.project.reader.workspace
+        for package in dict.fromkeys((*scope[:1], *(used[0] for used in cast("CppUnit", unit).uses))):
+            path = f"{package}/{kind}/{file}"
+            if any(path in one.includes for one in self._holding(unit, "include", file)) or workspace.definition(
+                package, name, kind
+            ):
+                return (package, *names)
+        return None
+
     def generated(self, name: str, unit: Unit) -> _Scope | None:
         """Return the qualified name of a class, or of pointers to it, whose generated header a file includes."""
         key = (name, unit)

@@ -7,6 +7,7 @@ each class that declares interfaces is an entry.
 
 from __future__ import annotations
 
+import re
 import sys
 from contextlib import contextmanager
 from dataclasses import replace
@@ -52,8 +53,16 @@ _EXPORTS: Final = {
     "PLUGINLIB_REGISTER_CLASS": 1,
     "RCLCPP_COMPONENTS_REGISTER_NODE": 0,
     "CLASS_LOADER_REGISTER_CLASS": 0,
+    **dict.fromkeys(
+        (f"GZ_REGISTER_{kind}_PLUGIN" for kind in ("MODEL", "WORLD", "SENSOR", "SYSTEM", "VISUAL", "GUI")), 0
+    ),
+    **dict.fromkeys(("GZ_ADD_PLUGIN", "IGNITION_ADD_PLUGIN"), 0),
 }
 """Macros that register a class, with the index of the class among their arguments."""
+_MAKER: Final = re.compile(
+    rb'\bextern\s+"C"\s*(?:\{\s*)?(?:[A-Z_]+\s+)?([\w:]+)\s*\*\s*\w+\s*\([^()]*\)\s*\{\s*return\s+new\s+([\w:]+)\s*[({;]'
+)
+"""A function of a library that creates an object of a class for the program that loads it, and its base class."""
 _TREE_NODES: Final = "BT_REGISTER_NODES"
 """The macro whose body registers nodes of behavior trees with a factory."""
 _BASES: Final = {"Nodelet": Registration.NODELET}
@@ -88,6 +97,8 @@ class _Nodes:
         self._alone: dict[Class, Extracted] = {}
         """The components that declare everything while they are constructed without arguments."""
         self._in_trees: set[tuple[str, Kind | None]] = set()
+        self._by_plugins: list[Extracted] = []
+        """The nodes of behavior trees that plugins register."""
         self.build = build
 
     def read(self) -> list[Extracted]:
@@ -100,6 +111,7 @@ class _Nodes:
                 found += self._executable(target, plugins)
         for plugin in plugins:
             found += self.plugin(plugin)
+        found += self._by_plugins
         for file in self._project.sources():
             if self._project.contains(file, _TREE_NODES.encode()):
                 found += self._tree_nodes(file)
@@ -205,6 +217,18 @@ class _Nodes:
             for word in _EXPORTS:
                 if self._project.contains(file, word.encode()):
                     yield from self._registered(file, word, known)
+            if self._project.contains(file, b'extern "C"'):
+                yield from self._made(file, known)
+
+    def _made(self, file: FilePath, known: set[str]) -> Iterator[PluginClass]:
+        """Yield the classes that a library creates in functions for a program that loads it by `dlopen`."""
+        unit = self._project.unit(file)
+        for match in _MAKER.finditer(unit.source) if unit is not None else ():
+            base, kind = (name.decode() for name in match.groups())
+            if _last(kind) not in known:
+                known.add(_last(kind))
+                place = Location(file.path, unit.source.count(b"\n", 0, match.start()) + 1 if unit is not None else 0)
+                yield PluginClass(kind, kind, Registration.PLUGIN, place, base_type=base)
 
     def _registered(self, file: FilePath, word: str, known: set[str]) -> Iterator[PluginClass]:
         unit = self._project.unit(file)
@@ -215,7 +239,7 @@ class _Nodes:
                 continue
             shown = [syntax.text(argument) for argument in given]
             kind = shown[min(_EXPORTS[word], len(shown) - 1)]
-            base = shown[-1] if len(shown) > 1 else None
+            base = shown[1 if "ADD_PLUGIN" in word else -1] if len(shown) > 1 else None
             component = word == "RCLCPP_COMPONENTS_REGISTER_NODE"
             registration = Registration.COMPONENT if component else _BASES.get(_last(base or ""), Registration.PLUGIN)
             if _last(kind) not in known:
@@ -253,6 +277,7 @@ class _Nodes:
                 found = self._extracted(framework, node, root)
                 if found and complete and found[0].node.node_name is not None:
                     self._alone[cls] = found[0]
+                self._by_plugins += self._of_trees(framework, files)
                 return found
         return []
 

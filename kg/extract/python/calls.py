@@ -7,6 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import library
+from kg.extract.python.callbacks import WAITING, Callbacks
 from kg.extract.python.statements import DECORATED
 from kg.symbolic import form
 from kg.symbolic.binding import bind
@@ -39,6 +40,8 @@ _MOST_REPEATS: Final = 2
 _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
 _CLASS: Final = "__class__"
+_TYPES: Final = ("msg_type", "srv_type")
+"""The names of the first parameter of methods of nodes that create interfaces."""
 _PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
 """Packages whose classes call no methods of those that derive from them."""
 
@@ -48,12 +51,15 @@ class Calls:
 
     def __init__(self, language: Python) -> None:
         self._language = language
+        self._callbacks = Callbacks()
 
     # Calls as written
 
     def call(self, expression: form.Call, frame: Frame) -> Value:
         """Run a call and return its value."""
         function, machine = expression.function, self._language.machine
+        if isinstance(function, form.Name | form.Member) and _last(function) in WAITING:
+            self._callbacks.run(machine)
         if isinstance(function, form.Name):
             if function.names[0] == DECORATED:
                 return self._decorated(expression, frame)
@@ -171,7 +177,8 @@ class Calls:
         return outside(name, given.values)
 
     def _of_unknown_node(self, name: str, given: Arguments) -> Value | None:
-        kind = given.values[0] if given.values else None
+        named = (given.named[name] for name in _TYPES if name in given.named)
+        kind = given.values[0] if given.values else next(named, None)
         return self._language.machine.framework.call_unknown_node(name, kind, given)
 
     def outside(self, called: TypeValue, given: Arguments) -> Value:
@@ -279,6 +286,7 @@ class Calls:
                 self._later((one.kind.cls, "create"), partial(self.construct, one.kind, Arguments([])))
 
     def _schedule(self, called: Closure) -> None:
+        self._callbacks.register(called)
         owners = tuple(id(one) for one in called.bound if isinstance(one, Object))
         key = (id(called.function), owners or id(called.frame.this))
         self._later(key, partial(self._invoke, called, Arguments([])))
@@ -297,6 +305,10 @@ class Calls:
                 machine.stack, machine.guards = outer
 
         machine.schedule(key, run)
+
+
+def _last(function: form.Name | form.Member) -> str:
+    return function.names[-1] if isinstance(function, form.Name) else function.name
 
 
 def _super(arguments: list[Value], frame: Frame) -> Value:

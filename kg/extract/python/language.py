@@ -47,6 +47,8 @@ CLASS: Final = "__class__"
 MODULE: Final = "<module>"
 _MOST_BASES: Final = 200
 _PUBLIC: Final[dict[tuple[str, ...], tuple[str, ...]]] = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
+_SEVERAL: Final = {"py_trees_ros": frozenset({"ToBlackboard", "FromBlackboard", "FromConstant"})}
+"""Classes whose names several modules of a package give, so that the module is a part of the name."""
 _PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
 
 
@@ -56,7 +58,9 @@ _OF_NODES: Final = re.compile(rb"\bself\.create_(?:publisher|subscription|servic
 
 def public(names: tuple[str, ...]) -> tuple[str, ...]:
     """Return the name of a class or function by its package and its own name: `rclpy.Node` of `rclpy.node.Node`."""
-    return _PUBLIC.get(names, (names[0], names[-1]) if len(names) > 1 else names)
+    if len(names) < 2 or names[-1] in _SEVERAL.get(names[0], ()):  # noqa: PLR2004 - a package and a name
+        return names
+    return _PUBLIC.get(names, (names[0], names[-1]))
 
 
 class Python:
@@ -291,6 +295,8 @@ class Python:
             return self.of_object(of, name)
         if isinstance(of, TypeValue):
             return self._of_type(of, name)
+        if isinstance(of, Closure) and name == "__name__":
+            return Text.of(of.function.name)
         known = library.member(of, name)
         if known is not None:
             return known

@@ -310,9 +310,22 @@ class Statements:
         marks = frozenset({_CONTEXT} if any(code(one).endswith(_CONTEXT) for one in decorators) else ())
         defined = self._class_of(inner) if inner.type == "class_definition" else self._function_of(inner, marks)
         for decorator in reversed([one for one in decorators if one.named_child_count or one.type == "identifier"]):
-            line = line_of(decorator)
-            defined = Call(line, Name(line, (DECORATED,)), (self._expressions.expression(decorator), defined))
+            defined = self._decorate(decorator, defined)
         return [self._named(inner, defined)]
+
+    def _decorate(self, decorator: Node, defined: Expression) -> Expression:
+        line = line_of(decorator)
+        return Call(line, Name(line, (DECORATED,)), (self._expressions.expression(decorator), defined))
+
+    def _applied(self, cls: Class, node: Node) -> list[Statement]:
+        """Return the calls of the decorators of a method, which can register it; the method stays as it is."""
+        name = code((node.child_by_field_name("definition") or node).child_by_field_name("name"))
+        method = next(iter(cls.methods.get(name, ())), None)
+        if method is None or "decorated" not in method.marks:
+            return []
+        decorators = [child.named_children[0] for child in node.named_children if child.type == "decorator"]
+        defined = Lambda(line_of(node), method)
+        return [Step(line_of(one), self._decorate(one, defined)) for one in reversed(decorators)]
 
     def _function(self, node: Node) -> list[Statement]:
         return [self._named(node, self._function_of(node))]
@@ -343,7 +356,9 @@ class Statements:
         body = node.child_by_field_name("body")
         statements: list[Statement] = []
         for child in body.named_children if body is not None else ():
-            if not self._method(cls, child):
+            if self._method(cls, child):
+                statements += self._applied(cls, child)
+            else:
                 statements += self._statement(child)
                 cls.fields.update((name, Field(name, None, None, line_of(child))) for name in _annotated(child))
         self._scope = outer

@@ -146,8 +146,10 @@ class Files:
         return Found(None, reason=f"the file {text} is outside the build", subject=text)
 
     def absent(self, file: FilePath, text: str) -> Found:
-        """Return why a file is absent: a build makes it, the robot does, it is in a submodule, or it is missing."""
+        """Return why a file is absent: it has no name, a build, the robot or a submodule has it, or none of these."""
         unresolved = LaunchProblemKind.UNRESOLVED
+        if text.endswith("/"):
+            return Found(None, unresolved, f"{text} names a folder: the name of the file is empty", text)
         for template in (f"{file.path}{ending}" for ending in _TEMPLATES):
             if self.exists(FilePath(file.repository, template)):
                 return Found(None, unresolved, f"{text} is made from {template} when the package is built", text)

@@ -367,7 +367,8 @@ def _parameters(reading: Reading, made: Made) -> list[Action]:
 def _group(reading: Reading, made: Made) -> list[Action]:
     actions = reading.actions(made.fields.get("actions", NULL), made.location)
     given = made.value("launch_configurations")
-    if given is not None and not isinstance(given, Mapping):
+    known = given is None or isinstance(given, Mapping)
+    if given is not None and not known:
         reading.unresolved(f"configurations of a group: {reason_of(given)}", made.location)
     scoped = made.name == "GroupAction" and made.fields.get("scoped") != Truth(False)
     return [
@@ -376,7 +377,8 @@ def _group(reading: Reading, made: Made) -> list[Action]:
             condition=condition_on(made),
             actions=tuple(actions),
             scoped=scoped,
-            forwarding=made.fields.get("forwarding") != Truth(False),
+            # What an unknown dictionary keeps may be anything that was set before.
+            forwarding=made.fields.get("forwarding") != Truth(False) or not known,
             configurations=pairs_of(made, "launch_configurations"),
         )
     ]

@@ -305,8 +305,8 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
             entities = Sequence((entities,))
         machine.write(of.fields, "entities", machine.computed("+", (entities, held)))
         return NULL
-    if of.name == "LaunchDescription" and name == "describe_sub_entities":
-        return of.fields.get("entities", Sequence(()))
+    if of.name == "LaunchDescription" and name in ("describe_sub_entities", "get_launch_arguments"):
+        return _entities(of, declarations=name == "get_launch_arguments")
     if of.name == CONFIGURATIONS and name == "get":
         fields = _bound(("key", "default"), given)
         found = language.configuration(of, language.settled(_first(fields)))
@@ -317,6 +317,15 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
     if of.name == _FILE:
         return _of_file(of, name)
     return Unknown(reason_of(of))
+
+
+def _entities(description: Made, *, declarations: bool) -> Value:
+    """Return the entities of a description, or those among them that declare arguments."""
+    entities = description.fields.get("entities", Sequence(()))
+    if not declarations or not isinstance(entities, Sequence):
+        return entities
+    listed = [one for one in entities.items if isinstance(one, Made) and one.name == "DeclareLaunchArgument"]
+    return replace(entities, items=tuple(listed))
 
 
 def _site(given: Arguments) -> tuple[FilePath, int]:

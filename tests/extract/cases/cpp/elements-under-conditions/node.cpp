@@ -45,5 +45,13 @@ int main(int argc, char** argv)
   if (nh.hasParam("d")) topics.push_back("d");
   if (nh.hasParam("e")) topics.push_back("e");
   topics.push_back("always");
+  if (nh.hasParam("f")) topics.push_back("f");
+  if (nh.hasParam("g")) topics.push_back("g");
+  if (nh.hasParam("h")) topics.push_back("h");
+  if (nh.hasParam("i")) topics.push_back("i");
+  if (nh.hasParam("j")) topics.push_back("j");
+  if (nh.hasParam("k")) topics.push_back("k");
+  if (nh.hasParam("l")) topics.push_back("l");
+  if (nh.hasParam("m")) topics.push_back("m");
   for (const auto& topic : topics) nh.advertise<std_msgs::String>(topic, 1);
 }

@@ -51,5 +51,11 @@ int main(int argc, char** argv)
   for (const auto & camera : cameras) {
     ros::Publisher image = nh.advertise<std_msgs::String>(camera + "/image", 1);
   }
+  std::vector<std::string> sides;
+  nh.getParam("sides", sides);
+  for (const auto & side : sides) {
+    const std::string prefix = side.empty() ? "" : side + "/";
+    ros::Publisher pose = nh.advertise<std_msgs::String>(prefix + "pose", 1);
+  }
   ros::spin();
 }
