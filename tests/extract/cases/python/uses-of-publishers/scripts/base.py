@@ -1,0 +1,3 @@
+class Base:
+    def report(self, text):
+        self.inherited.publish(text)
