@@ -37,10 +37,11 @@ _LINE: Final = re.compile(r"^([ \t]*)\S", re.MULTILINE)
 
 @dataclass(slots=True)
 class Function:
-    """A function in a file, from its head to the end of its body."""
+    """A function in a file, from its head over the begin of its body to the end."""
 
     name: str
     start: int
+    body: int
     end: int
 
 
@@ -110,7 +111,7 @@ class CodeText:
                 found = _FUNCTION_HEAD.search(head)
                 named = found is not None and found[1] not in _NO_FUNCTION
                 start = brace.start() - len(head)
-                opened.append(Function(found[1], start, brace.start()) if found and named else None)
+                opened.append(Function(found[1], start, brace.end(), brace.end()) if found and named else None)
             elif opened:
                 function = opened.pop()
                 if function is not None:
@@ -120,9 +121,10 @@ class CodeText:
     def _in_python(self) -> Iterator[Function]:
         for head in _DEF.finditer(self.code):
             colon = _END_OF_HEAD.search(self.code, head.end())
-            after = _LINE.finditer(self.code, colon.end() if colon else head.end())
+            body = colon.end() if colon else head.end()
+            after = _LINE.finditer(self.code, body)
             end = next((line.start() for line in after if len(line[1]) <= len(head[1])), len(self.code))
-            yield Function(head[2], head.start(), end)
+            yield Function(head[2], head.start(), body, end)
 
     def around(self, at: int) -> Function | None:
         """Return the outermost function around a place."""

@@ -1,4 +1,4 @@
-"""What code does with its publishers, by the text of the files that create them.
+"""What code does with its publishers and subscriptions, by the text of the files that create them.
 
 Each is stated only where the text leaves no doubt:
 
@@ -6,6 +6,7 @@ Each is stated only where the text leaves no doubt:
   tested, counted or shut down. Any other use, such as passing it on, may publish.
 * `upon`: all calls that publish are in callbacks of subscriptions, or in functions that only these call.
 * `unset`: parts of its message that stay empty (`kg.extract.filling`).
+* `ignored`: the callback of a subscription does nothing with the messages (`kg.extract.ignoring`).
 
 The interpretation does not show it: callbacks in which nothing is declared do not run (`kg.symbolic.reach`).
 """
@@ -19,6 +20,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from kg.extract.codetext import CodeText
 from kg.extract.filling import unset_parts
+from kg.extract.ignoring import ignores_messages
 from kg.facts import FileKind, Role
 
 if TYPE_CHECKING:
@@ -60,7 +62,7 @@ _DEEPEST: Final = 4
 
 
 def add_sending(nodes: tuple[NodeType, ...], reader: Reader, package: PackageFolder) -> tuple[NodeType, ...]:
-    """Return the nodes of a package with what its code does with their publishers."""
+    """Return the nodes of a package with what its code does with their publishers and subscriptions."""
     files = _Files(reader, package)
     return tuple(
         replace(node, interfaces=tuple(_stated(one, node, files) for one in node.interfaces)) for node in nodes
@@ -68,11 +70,14 @@ def add_sending(nodes: tuple[NodeType, ...], reader: Reader, package: PackageFol
 
 
 def _stated(end: Interface, node: NodeType, files: _Files) -> Interface:
-    if end.role is not Role.PUBLISHES or end.implicit or end.location.repository is not None:
+    if end.role not in (Role.PUBLISHES, Role.SUBSCRIBES) or end.implicit or end.location.repository is not None:
         return end
     file = files.get(end.location.path)
     if file is None:
         return end
+    if end.role is Role.SUBSCRIBES:
+        ignored = not end.via and ignores_messages(file, end.location.line, files.with_word)
+        return replace(end, ignored=True) if ignored else end
     variable = _variable(file, end.location.line)
     uses = files.uses(variable, file) if variable is not None else None
     scope = files.scope(variable, file) if variable is not None else []

@@ -33,7 +33,7 @@ def how(fact: Interface) -> str:
     if fact.origin:
         words.append(f"from {fact.origin}")
     words.append(str(fact.qos or ""))
-    words.append("never published" if fact.silent else "")
+    words.append("never published" if fact.silent else "ignored" if fact.ignored else "")
     words.append(f"without {' and '.join(fact.unset)}" if fact.unset else "")
     return ", ".join(word for word in words if word)
 

@@ -29,11 +29,13 @@ def test_a_parameter_that_its_reason_names_is_not_repeated() -> None:
     assert how(end) == "the parameter ~/topic, which has no default here"
 
 
-def test_use_of_publishers_is_put_in_words() -> None:
-    """A publisher without messages, and parts that its messages lack, are named."""
+def test_use_of_ends_is_put_in_words() -> None:
+    """A publisher without messages, a subscription that ignores them, and parts that messages lack, are named."""
     silent = Interface(Role.PUBLISHES, "odom", None, Resolution.LITERAL, HERE, silent=True)
     partial = Interface(Role.PUBLISHES, "odom", None, Resolution.LITERAL, HERE, unset=("orientation", "twist"))
+    ignored = Interface(Role.SUBSCRIBES, "odom", None, Resolution.LITERAL, HERE, ignored=True)
     assert how(silent) == "never published"
+    assert how(ignored) == "ignored"
     assert how(partial) == "without orientation and twist"
 
 

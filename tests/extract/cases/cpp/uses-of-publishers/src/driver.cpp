@@ -10,6 +10,8 @@ Driver::Driver(ros::NodeHandle& nh) : counted_(nh.advertise<std_msgs::String>("c
   odometry_ = nh.advertise<nav_msgs::Odometry>("odom", 1);
   imu_ = nh.advertise<sensor_msgs::Imu>("imu", 1);
   firmware_ = nh.subscribe("firmware", 1, &Driver::firmware, this);
+  printed_ = nh.subscribe("printed", 1, &Driver::printed, this);
+  unread_ = nh.subscribe<std_msgs::String>("unread", 1, [](const std_msgs::String::ConstPtr&) { ROS_INFO("unread"); });
   measured_.orientation_covariance[0] = -1;
   watch(passed_);
 }
@@ -17,6 +19,13 @@ Driver::Driver(ros::NodeHandle& nh) : counted_(nh.advertise<std_msgs::String>("c
 void Driver::firmware(const std_msgs::String::ConstPtr& text)
 {
   reply(text->data);
+}
+
+void Driver::printed(const std_msgs::String::ConstPtr& text)
+{
+  // nothing yet
+  ROS_INFO_STREAM("heard " << text->data);
+  return;
 }
 
 void Driver::reply(const std::string& text)

@@ -13,10 +13,20 @@ class Driver(Base):
         self.inherited = rospy.Publisher("inherited", String, queue_size=1)
         self.odometry = rospy.Publisher("odom", Odometry, queue_size=1)
         rospy.Subscriber("firmware", String, self.firmware)
+        rospy.Subscriber("printed", String, self.printed)
+        rospy.Subscriber("overridden", String, self.learn)
         rospy.Timer(rospy.Duration(1), self.tick)
 
     def firmware(self, text):
         self.reply(text)
+
+    def printed(self, text):
+        """Nothing yet."""
+        rospy.loginfo("heard %s", str(text.data))
+        pass
+
+    def learn(self, text):
+        pass
 
     def reply(self, text):
         self.answer.publish(text)

@@ -10,11 +10,12 @@ public:
   void update();
 
 private:
+  void printed(const std_msgs::String::ConstPtr& text);
   void firmware(const std_msgs::String::ConstPtr& text);
   void reply(const std::string& text);
   void watch(ros::Publisher& passed);
 
   ros::Publisher unused_, counted_, answer_, always_, passed_, odometry_, imu_;
-  ros::Subscriber firmware_;
+  ros::Subscriber firmware_, unread_, printed_;
   sensor_msgs::Imu measured_;
 };
