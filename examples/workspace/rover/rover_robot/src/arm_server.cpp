@@ -68,6 +68,8 @@ private:
     command.data = req.width;
     gripper_pub_.publish(command);
     res.reached = grip_force < req.max_effort;
+    if (trace_pub_)
+      trace_pub_.publish(std_msgs::String());
     return true;
   }
 
