@@ -16,6 +16,7 @@ from kg.errors import guarded
 from kg.extract import cpp, definitions, implicit, manifests, parameters, python, texts
 from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.imports import add_imports
+from kg.extract.sending import add_sending
 from kg.facts import (
     Interface,
     InterfaceDefinition,
@@ -267,7 +268,8 @@ def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tup
     complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
     found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
     named = tuple(replace(node, aliases=_aliases(node, build)) for node in found)
-    return guard(reader, add_imports, named, reader, package, named)
+    sending = guard(reader, add_sending, named, named, reader, package)
+    return guard(reader, add_imports, sending, reader, package, sending)
 
 
 def _aliases(node: NodeType, build: BuildModel) -> tuple[str, ...]:

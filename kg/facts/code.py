@@ -179,6 +179,14 @@ class Interface:
 
     Empty if the framework is called at `location`.
     """
+    silent: bool = False
+    """Whether the code publishes nothing on a publisher; False if that is unknown."""
+    upon: tuple[str, ...] = ()
+    """The types of the subscriptions in whose callbacks alone it is published; none if that is unknown."""
+    ignored: bool = False
+    """Whether the callback of a subscription does nothing with its messages; False if that is unknown."""
+    unset: tuple[str, ...] = ()
+    """Parts of its message that the code leaves empty while it sets others."""
 
 
 @dataclass(frozen=True, slots=True)

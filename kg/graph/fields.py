@@ -136,6 +136,10 @@ INTERFACE: Final = Fields(
     _ORIGIN,
     _Field("arguments", v.LEAST_ARGUMENTS, integer, _count, unwritten=0),
     _Field("switches", v.SWITCHED_BY, several=True),
+    _Field("silent", v.NEVER_PUBLISHES, boolean, lambda text: text == "true", unwritten=False),
+    _Field("ignored", v.IGNORES_MESSAGES, boolean, lambda text: text == "true", unwritten=False),
+    _Field("upon", v.PUBLISHES_UPON, several=True),
+    _Field("unset", v.LEAVES_UNSET, several=True),
     _REASON,
 )
 QOS: Final = Fields(

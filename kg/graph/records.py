@@ -133,6 +133,10 @@ def interface_object(fact: facts.Interface) -> dict[str, Any]:
         "written": fact.written,
         "origin": fact.origin,
         "reason": fact.reason,
+        "never_publishes": fact.silent,
+        "ignores_messages": fact.ignored,
+        "publishes_upon": list(fact.upon),
+        "leaves_unset": list(fact.unset),
         **_place(fact.location),
         "via": chain_text(fact.via[-1:]),
     }

@@ -21,7 +21,7 @@ _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "
 
 
 def how(fact: Interface) -> str:
-    """Return when an interface is created, how its name became known, and the quality of service."""
+    """Return when an interface is created, how its name became known, the quality of service, and how it is used."""
     unknown = fact.resolution in {Resolution.PARTIAL, Resolution.UNRESOLVED}
     reason = (fact.reason or fact.written or "").removeprefix("it is ") if unknown else ""
     words = [condition(fact.switches)]
@@ -33,6 +33,8 @@ def how(fact: Interface) -> str:
     if fact.origin:
         words.append(f"from {fact.origin}")
     words.append(str(fact.qos or ""))
+    words.append("never published" if fact.silent else "ignored" if fact.ignored else "")
+    words.append(f"without {' and '.join(fact.unset)}" if fact.unset else "")
     return ", ".join(word for word in words if word)
 
 

@@ -70,7 +70,7 @@ def interface_record(item: Interface) -> Record:
     del record["role"], record["location"]
     if item.qos is not None:
         record["qos"] = quality(item.qos)
-    record["switches"] = list(item.switches)
+    record |= {name: list(record[name]) for name in ("switches", "upon", "unset")}
     return {**record, "resolution": item.resolution.value, **evidence_record(item)}
 
 

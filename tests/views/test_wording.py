@@ -29,6 +29,16 @@ def test_a_parameter_that_its_reason_names_is_not_repeated() -> None:
     assert how(end) == "the parameter ~/topic, which has no default here"
 
 
+def test_use_of_ends_is_put_in_words() -> None:
+    """A publisher without messages, a subscription that ignores them, and parts that messages lack, are named."""
+    silent = Interface(Role.PUBLISHES, "odom", None, Resolution.LITERAL, HERE, silent=True)
+    partial = Interface(Role.PUBLISHES, "odom", None, Resolution.LITERAL, HERE, unset=("orientation", "twist"))
+    ignored = Interface(Role.SUBSCRIBES, "odom", None, Resolution.LITERAL, HERE, ignored=True)
+    assert how(silent) == "never published"
+    assert how(ignored) == "ignored"
+    assert how(partial) == "without orientation and twist"
+
+
 def test_known_policies_of_qos_are_listed() -> None:
     """Policies that are not known are left out, durations have their unit."""
     assert (

@@ -69,7 +69,6 @@ public:
       [this](const std::shared_ptr<GoalHandle> goal) {
         std::thread{[this, goal] {fly(goal);}}.detach();
       });
-
     broadcaster_ = std::make_unique<tf2_ros::TransformBroadcaster>(*this);
     return CallbackReturn::SUCCESS;
   }
@@ -94,6 +93,7 @@ private:
     geometry_msgs::msg::TwistStamped setpoint;
     setpoint.twist.linear.x = goal->get_goal()->speed;
     setpoint_pub_->publish(setpoint);
+    state_pub_->publish(FlightState());
     auto result = std::make_shared<FlyTo::Result>();
     result->arrived = true;
     goal->succeed(result);

@@ -16,4 +16,4 @@ class GroundLink(Node):
         self._report_pub.publish(String(data=text))
 
     def on_order(self, order):
-        self.get_logger().info(f"the ground says: {order.data}")
+        self.last_order = order.data

@@ -48,7 +48,7 @@ class Patrol:
         self.move_base.wait_for_server()
 
     def on_speeds(self, msg):
-        rospy.logdebug("wheels turn at %.2f and %.2f rad/s", msg.left, msg.right)
+        self.turning = msg.left != 0 or msg.right != 0
 
     def on_distance(self, msg, side):
         self.stop_pub.publish(Bool(data=getattr(msg, "range", 1.0) < 0.3))

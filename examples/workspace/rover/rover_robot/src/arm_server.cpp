@@ -68,9 +68,9 @@ private:
     command.data = req.width;
     gripper_pub_.publish(command);
     res.reached = grip_force < req.max_effort;
+    trace_pub_.publish(std_msgs::String());
     return true;
   }
-
   void execute(const rover_core::MoveArmGoalConstPtr& goal)
   {
     for (const auto& point : goal->trajectory.points)

@@ -20,10 +20,17 @@ Odometry::Odometry(ros::NodeHandle& nh)
 
 void Odometry::update(const rover_core::WheelSpeeds& speeds)
 {
+  constexpr double kPeriod = 0.1;
+  static double distance = 0.0;
   nav_msgs::Odometry odometry;
   odometry.header = speeds.header;
   odometry.twist.twist.linear.x = (speeds.left + speeds.right) / 2.0;
+  odometry.pose.pose.position.x = (distance += odometry.twist.twist.linear.x * kPeriod);
   odometry_pub_.publish(odometry);
+
+  nav_msgs::Path path;
+  path.header = speeds.header;
+  path_pub_.publish(path);
 
   geometry_msgs::TransformStamped transform;
   transform.header = speeds.header;

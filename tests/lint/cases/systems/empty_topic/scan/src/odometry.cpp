@@ -22,5 +22,6 @@ int main(int argc, char ** argv)
   }
   ros::Publisher odometry = nh.advertise<nav_msgs::Odometry>(frame, 1);
   ros::Subscriber second = nh.subscribe(scan, 1, onScan);
+  odometry.publish(nav_msgs::Odometry());
   ros::spin();
 }
