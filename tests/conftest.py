@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -44,7 +45,18 @@ def _use_memory() -> None:
         os.environ["TMPDIR"] = tempfile.tempdir = str(_MEMORY)
 
 
+def _keep_bytecode() -> None:
+    """Write bytecode next to the sources: otherwise hundreds of processes started by tests compile `kg` again.
+
+    Containers often set the variable.
+    """
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
+
+
 _use_memory()
+_keep_bytecode()
+gc.set_threshold(100_000)  # as kg.cli.main does
 os.environ.update(ONE_THREAD)
 os.environ.setdefault("JDK_JAVA_OPTIONS", QUICK_JAVA)
 

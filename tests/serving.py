@@ -46,9 +46,10 @@ _BEGINNING: Final = 30
 """Time limit in seconds until a server prints its address."""
 
 _PROGRAM: Final = """
-import faulthandler, json, sys
+import faulthandler, gc, json, sys
 from pathlib import Path
 faulthandler.enable()
+gc.set_threshold(100_000)  # as kg.cli.main does
 {before}
 from kg.server.options import Options
 from kg.server.running import serve
