@@ -68,9 +68,9 @@ for _number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Use three workers for two processors: tests wait for browsers, servers and clocks for a quarter of their time."""
+    """Use four workers for two processors: tests wait for browsers, servers and clocks for a quarter of their time."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, processors * 3 // 2)
+    return max(processors + 2, processors * 3 // 2)
 
 
 @pytest.hookimpl(wrapper=True)
