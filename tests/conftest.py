@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import signal
+import sys
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -44,7 +45,18 @@ def _use_memory() -> None:
         os.environ["TMPDIR"] = tempfile.tempdir = str(_MEMORY)
 
 
+def _keep_bytecode() -> None:
+    """Write bytecode next to the sources: otherwise hundreds of processes started by tests compile `kg` again.
+
+    Containers often set the variable.
+    """
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
+
+
 _use_memory()
+_keep_bytecode()
+gc.set_threshold(100_000)  # as kg.cli.main does
 os.environ.update(ONE_THREAD)
 os.environ.setdefault("JDK_JAVA_OPTIONS", QUICK_JAVA)
 
@@ -56,9 +68,9 @@ for _number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
 
 
 def pytest_xdist_auto_num_workers() -> int:
-    """Use three workers for two processors: tests wait for browsers, servers and clocks for a quarter of their time."""
+    """Use four workers for two processors: tests wait for browsers, servers and clocks for a quarter of their time."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, processors * 3 // 2)
+    return max(processors + 2, processors * 3 // 2)
 
 
 @pytest.hookimpl(wrapper=True)

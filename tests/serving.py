@@ -13,11 +13,13 @@ import time
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import IO, TYPE_CHECKING, Any, Final
+from unittest.mock import patch
 from urllib.parse import urlsplit
 
 from patience import patient
 from starlette.testclient import TestClient
 
+from kg.query.readers import pool
 from kg.server.app import create_app
 from kg.server.options import Options
 from kg.settings import load
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
     import httpx
 
-__all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "UNASKED", "Serving", "application", "robot_told", "served"]
+__all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "Serving", "application", "robot_told", "served"]
 
 ADDRESS: Final = "http://127.0.0.1:7878"
 """The address of an application in this process."""
@@ -36,9 +38,8 @@ EVERYWHERE: Final = "0.0.0.0"  # noqa: S104 - given to options; no test listens 
 """A host reachable from other machines."""
 TOKEN: Final = "correct-horse-battery-staple"  # noqa: S105 - of a test
 """The token of servers that require one."""
-UNASKED: Final = "from kg.query.readers import pool\npool._PREPARE_SECONDS = 3600.0\n"
-"""Code run before a server to disable the background work of readers, for tests that count running work."""
-
+_UNASKED: Final = 3600.0
+"""Seconds until readers prepare for requests, which takes a second of processor time and is work that tests count."""
 _SECONDS: Final = 30
 """The deadline of queries in seconds: the default of a server, on an idle machine."""
 
@@ -46,9 +47,12 @@ _BEGINNING: Final = 30
 """Time limit in seconds until a server prints its address."""
 
 _PROGRAM: Final = """
-import faulthandler, json, sys
+import faulthandler, gc, json, sys
 from pathlib import Path
 faulthandler.enable()
+gc.set_threshold(100_000)  # as kg.cli.main does
+from kg.query.readers import pool
+pool._PREPARE_SECONDS = {unasked}
 {before}
 from kg.server.options import Options
 from kg.server.running import serve
@@ -67,7 +71,10 @@ def application(store: Path | str, address: str = ADDRESS, **options: Any) -> It
     """
     named = {"seconds": patient(_SECONDS), **options}
     app = create_app(load({"store": str(store)}, environment={}), Options(**named))
-    with TestClient(app, base_url=address, follow_redirects=False, raise_server_exceptions=False) as client:
+    with (
+        patch.object(pool, "_PREPARE_SECONDS", _UNASKED),
+        TestClient(app, base_url=address, follow_redirects=False, raise_server_exceptions=False) as client,
+    ):
         yield client
 
 
@@ -95,7 +102,7 @@ def served(
     named = {name: str(value) if hasattr(value, "parts") else value for name, value in given.items()}
     # Into a file: an unread pipe fills up and blocks its writer.
     with tempfile.TemporaryFile("a+", encoding="utf-8") as said, subprocess.Popen(
-        [sys.executable, "-c", _PROGRAM.format(before=before), str(store), json.dumps(named)],
+        [sys.executable, "-c", _PROGRAM.format(unasked=_UNASKED, before=before), str(store), json.dumps(named)],
         stdout=subprocess.PIPE,
         stderr=said,
         text=True,

@@ -216,7 +216,8 @@ class RemoteSnapshot:
 
     def graphs(self) -> list[NamedNode]:
         """Return the names of all named graphs that are not empty, sorted."""
-        found = (row["g"] for row in self.rows("SELECT DISTINCT ?g WHERE { GRAPH ?g { ?s ?p ?o } }"))
+        # Virtuoso 7 needs seconds for SELECT DISTINCT ?g over a small store, and milliseconds to group.
+        found = (row["g"] for row in self.rows("SELECT ?g WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"))
         return sorted((graph for graph in found if isinstance(graph, NamedNode)), key=lambda graph: graph.value)
 
     def count(self, graph: NamedNode | None = None) -> int:

@@ -11,15 +11,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
+from cli.program import Program
 
 from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from cli.program import Program
+    from cli.program import Run
 
-
+ARM_SERVER: Final = "ws/rover/rover_robot/src/arm_server.cpp"
 _INTERRUPTED_AT_BIRTH: Final = """
 import os, signal, time
 fork = os.fork
@@ -60,9 +61,28 @@ def workspace(tmp_path: Path) -> Path:
     return Path(shutil.copytree(folder("examples") / "workspace", tmp_path / "ws"))
 
 
-def test_a_build_tells_what_it_read_and_found(kg: Program, workspace: Path) -> None:
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Run]:
+    """A folder with a copy of the example workspace, `ws`, and its store, and the result of that build."""
+    place = tmp_path_factory.mktemp("first") / "place"
+    shutil.copytree(folder("examples") / "workspace", place / "ws")
+    run = Program(place)("build", "ws")
+    shutil.copytree(place, place.with_name("kept"))
+    return place, run
+
+
+@pytest.fixture
+def built(first: tuple[Path, Run]) -> Program:
+    """The program in the folder of the first build, as that build left it; a store has absolute paths of sources."""
+    place, _ = first
+    shutil.rmtree(place)
+    shutil.copytree(place.with_name("kept"), place)
+    return Program(place)
+
+
+def test_a_build_tells_what_it_read_and_found(first: tuple[Path, Run]) -> None:
     """Messages go to standard error: one line a package, then the sums and the location of the store."""
-    run = kg("build", str(workspace))
+    _, run = first
     assert (run.code, run.out) == (0, "")
     assert "source local/ws: 5 packages" in run.err
     assert "read rover_robot: 6 nodes, " in run.err
@@ -71,30 +91,28 @@ def test_a_build_tells_what_it_read_and_found(kg: Program, workspace: Path) -> N
     assert run.err.endswith("store .kg\n")
 
 
-def test_a_second_build_says_that_nothing_changed(kg: Program, workspace: Path) -> None:
+def test_a_second_build_says_that_nothing_changed(built: Program) -> None:
     """Without names, a build reads the previous sources, and of them only the changes."""
-    kg("build", str(workspace))
-    assert "nothing changed in 5 packages of 1 source" in kg("build").err
-    source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
+    assert "nothing changed in 5 packages of 1 source" in built("build").err
+    source = built.folder / ARM_SERVER
     source.write_text(source.read_text() + "\n// changed\n")
-    assert "1 package" in kg("status").out
-    assert "read 1 package of 1 source, 4 unchanged in " in kg("build").err
+    assert "1 package" in built("status").out
+    assert "read 1 package of 1 source, 4 unchanged in " in built("build").err
 
 
-def test_a_node_that_reached_a_limit_is_marked(kg: Program, workspace: Path) -> None:
+def test_a_node_that_reached_a_limit_is_marked(built: Program) -> None:
     """The source counts the node, and the node shows its limit and the place; the rest is built."""
-    kg("build", str(workspace))
-    before = json.loads(kg("status", "--json").out)["counts"]
-    source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
+    before = json.loads(built("status", "--json").out)["counts"]
+    source = built.folder / ARM_SERVER
     text = source.read_text()
     call = 'ros::NodeHandle().advertise<std_msgs::Bool>("ready", 1);'
     loop = f"  for (int turn = 0; turn < 1000; ++turn) {{\n    {call}\n  }}\n"
     source.write_text(text.replace("  ros::spin(", f"{loop}  ros::spin(", 1))
-    kg("build")
-    after = json.loads(kg("status", "--json").out)["counts"]
+    built("build")
+    after = json.loads(built("status", "--json").out)["counts"]
     assert (before["bounded"], after["bounded"]) == (0, 1)
-    assert "by the limit of turns at " in kg("node", "arm_server").out
-    (bound,) = json.loads(kg("node", "arm_server", "--json").out)["bounds"]
+    assert "by the limit of turns at " in built("node", "arm_server").out
+    (bound,) = json.loads(built("node", "arm_server", "--json").out)["bounds"]
     assert (bound["limit"], bound["file"]) == ("turns", "rover/rover_robot/src/arm_server.cpp")
 
 
@@ -136,12 +154,11 @@ def test_what_cannot_be_built_ends_with_its_code(kg: Program, arguments: list[st
     assert "\nhelp: " in run.err
 
 
-def test_status_tells_a_source_that_is_gone(kg: Program, workspace: Path) -> None:
+def test_status_tells_a_source_that_is_gone(built: Program) -> None:
     """A built source that no longer exists is reported as missing."""
-    kg("build", str(workspace))
-    shutil.rmtree(workspace)
-    assert "no longer exists" in kg("status").out
-    assert json.loads(kg("status", "--json").out)["changed"] is None
+    shutil.rmtree(built.folder / "ws")
+    assert "no longer exists" in built("status").out
+    assert json.loads(built("status", "--json").out)["changed"] is None
 
 
 def test_the_store_named_by_the_environment_is_used(kg: Program, workspace: Path, tmp_path: Path) -> None:
@@ -162,19 +179,17 @@ def test_a_dry_run_shows_volumes_and_reads_nothing(kg: Program, workspace: Path,
     assert not (tmp_path / ".kg").exists()
 
 
-def test_a_dry_run_counts_what_is_as_it_was(kg: Program, workspace: Path) -> None:
+def test_a_dry_run_counts_what_is_as_it_was(built: Program) -> None:
     """Unchanged packages of the last build are not counted again."""
-    kg("build", str(workspace))
-    (volume,) = [json.loads(line) for line in kg("build", "--dry-run", "--json").out.splitlines()]
+    (volume,) = [json.loads(line) for line in built("build", "--dry-run", "--json").out.splitlines()]
     assert (volume["packages"], volume["reused"], volume["code_bytes"]) == (0, 5, 0)
 
 
-def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, workspace: Path, tmp_path: Path) -> None:
+def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(built: Program) -> None:
     """An interrupted build reports that in one line, exits with 130, and leaves the store unchanged."""
-    kg("build", str(workspace))
-    for path in workspace.rglob("*.cpp"):
+    for path in (built.folder / "ws").rglob("*.cpp"):
         path.write_text(path.read_text() + "\n// changed\n")
-    with started(tmp_path, "build", start_new_session=True) as process:
+    with started(built.folder, "build", start_new_session=True) as process:
         assert process.stderr is not None
         assert process.stderr.readline().startswith("source ")
         os.killpg(process.pid, signal.SIGINT)
@@ -183,9 +198,9 @@ def test_ctrl_c_ends_a_build_in_one_line_and_leaves_the_store(kg: Program, works
     assert "Traceback" not in words
     assert words.endswith("interrupted\n")
     assert words.count("interrupted") == 1
-    assert kg("build").code == 0
-    assert "nothing changed" in kg("build").err
-    assert "base_controller" in kg("nodes").out
+    assert built("build").code == 0
+    assert "nothing changed" in built("build").err
+    assert "base_controller" in built("nodes").out
 
 
 def test_ctrl_c_as_a_worker_is_born_is_none_of_its_business(kg: Program, workspace: Path) -> None:
@@ -196,15 +211,15 @@ def test_ctrl_c_as_a_worker_is_born_is_none_of_its_business(kg: Program, workspa
     assert "read 5 packages of 1 source in " in run.err
 
 
-def test_watching_builds_again_when_a_file_changes(workspace: Path, tmp_path: Path) -> None:
+def test_watching_builds_again_when_a_file_changes(built: Program) -> None:
     """`--watch` waits for a change, reads it, and exits quietly on Ctrl-C."""
-    with started(tmp_path, "build", "ws", "--watch") as process:
+    with started(built.folder, "build", "ws", "--watch") as process:
         assert process.stderr is not None
         lines = iter(process.stderr.readline, "")
         assert any("watching" in line for line in lines)
-        source = workspace / "rover" / "rover_robot" / "src" / "arm_server.cpp"
+        source = built.folder / ARM_SERVER
         # Atomically: a file being written is one change when empty, and another when complete.
-        changed = tmp_path / "arm_server.cpp"
+        changed = built.folder / "arm_server.cpp"
         changed.write_text(source.read_text() + "\n// changed\n")
         changed.replace(source)
         assert any(line.startswith("read rover_robot: ") for line in lines)

@@ -6,11 +6,10 @@ import gzip
 from typing import TYPE_CHECKING
 
 import pytest
+from cli.program import Program
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from cli.program import Program
 
 DATA = """
 @prefix : <https://example.org/> . @prefix ros: <http://data.mksmart.org/onto-ros/class#> .
@@ -21,12 +20,13 @@ DATA = """
 QUERY = "PREFIX : <https://example.org/> SELECT ?p { :s ?p ?o }"
 
 
-@pytest.fixture
-def kg(kg: Program, tmp_path: Path) -> Program:
-    """Return the program in a folder with a store of values."""
-    (tmp_path / "values.ttl").write_text(DATA)
-    kg("import", "values.ttl", "--no-rules")
-    return kg
+@pytest.fixture(scope="module")
+def kg(tmp_path_factory: pytest.TempPathFactory) -> Program:
+    """Return the program in a folder with a store of values, which the tests only read."""
+    found = Program(tmp_path_factory.mktemp("values"))
+    (found.folder / "values.ttl").write_text(DATA)
+    found("import", "values.ttl", "--no-rules")
+    return found
 
 
 @pytest.mark.parametrize(
@@ -65,16 +65,17 @@ def test_a_query_in_a_file_has_a_mark_or_another_encoding(kg: Program, tmp_path:
     """A byte order mark is skipped; what is not UTF-8 is an error with the byte."""
     (tmp_path / "marked.rq").write_bytes(b"\xef\xbb\xbfASK {}")
     (tmp_path / "latin.rq").write_bytes(b"ASK { <urn:a> <urn:b> '\xe4' }")
-    assert kg("query", "-f", "marked.rq").out.strip() == "true"
-    run = kg("query", "-f", "latin.rq")
+    assert kg("query", "-f", str(tmp_path / "marked.rq")).out.strip() == "true"
+    run = kg("query", "-f", str(tmp_path / "latin.rq"))
     assert (run.code, "not in UTF-8 at byte 23" in run.err) == (2, True)
 
 
 def test_an_export_is_compressed(kg: Program, tmp_path: Path) -> None:
     """The ending `.gz` compresses the format before it, and the file reads back."""
-    assert kg("export", "-o", "all.ttl.gz").code == 0
-    assert gzip.decompress((tmp_path / "all.ttl.gz").read_bytes()).startswith(b"@prefix")
-    assert kg("--store", "other", "import", "all.ttl.gz", "--no-rules").code == 0
+    exported = tmp_path / "all.ttl.gz"
+    assert kg("export", "-o", str(exported)).code == 0
+    assert gzip.decompress(exported.read_bytes()).startswith(b"@prefix")
+    assert kg("--store", str(tmp_path / "other"), "import", str(exported), "--no-rules").code == 0
 
 
 def test_a_name_has_one_value(kg: Program) -> None:

@@ -63,6 +63,7 @@ def test_a_silent_controller_stops_and_does_not_go_on(
 ) -> None:
     """The watchdog sends zero for a suspended process or a blocked loop, which exits with KG828 when it resumes."""
     with kg(robot, tmp_path, *command) as process:
+        robot.until("settled")
         robot.until("speed 0.5")
         process.send_signal(pause)
         robot.until("speed 0")
@@ -79,8 +80,8 @@ def test_a_silent_controller_stops_and_does_not_go_on(
 def test_ctrl_z_stops_at_once(robot: Drivable, tmp_path: Path, command: tuple[str, ...]) -> None:
     """SIGTSTP ends the command like Ctrl-C, with KG828; no watchdog is needed."""
     with kg(robot, tmp_path, *command, "--watchdog", "3600") as process:
-        for _ in range(8):  # a subscriber of kg reopens its reader for a new publisher, and misses messages in between
-            robot.until("speed 0.5")
+        robot.until("settled")
+        robot.until("speed 0.5")
         process.send_signal(signal.SIGTSTP)
         _, err = process.communicate(timeout=patient(20))
     assert process.returncode == 1

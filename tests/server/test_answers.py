@@ -20,7 +20,7 @@ import pyoxigraph
 import pytest
 from lxml import etree
 from patience import patient
-from serving import UNASKED, application, served
+from serving import application, served
 from workspaces import copied
 
 from kg.server import protocol_answer
@@ -87,7 +87,7 @@ READERS: Final[Mapping[str, tuple[str, Callable[[bytes], object]]]] = {
 @pytest.fixture(scope="module")
 def unbounded(store: Path) -> Iterator[Serving]:
     """A server whose row limit exceeds the rows a query finds in its time."""
-    with served(store, before=UNASKED, rows=1 << 40, seconds=patient(20), cache=0, log="off") as found:
+    with served(store, rows=1 << 40, seconds=patient(20), cache=0, log="off") as found:
         yield found
 
 

@@ -136,10 +136,9 @@ def test_templates_have_no_address_without_the_root_path() -> None:
 @pytest.mark.parametrize(
     "name", ["query, rows", "rule made of blocks, of a rule", "robot, none connected", "system", "start"]
 )
-def test_scripts_stay_below_the_root_path(browser: Chromium, published: str, store: Path, name: str) -> None:
+def test_scripts_stay_below_the_root_path(browser: Chromium, published: str, keeping: Proxy, name: str) -> None:
     """Files loaded and requested by scripts of a page exist below the root path."""
-    with application(store, log="off") as client:
-        address = published + PAGES[name].format(**shown(client))
+    address = published + PAGES[name].format(**shown(keeping.client))
 
     async def look() -> tuple[list[str], list[str], list[str]]:
         async with browser.visit(address) as visit:
@@ -195,12 +194,17 @@ def test_logging_in_leads_back(store: Path) -> None:
         assert client.get(form.headers["location"]).status_code == 200
 
 
-@pytest.mark.parametrize("path", ["/kg/update", "/update", "/kg/update/", "/%6bg/update"])
-def test_changes_need_the_token_below_the_root_path(store: Path, path: str) -> None:
-    """The root path does not bypass the protection of an address."""
+@pytest.fixture(scope="module")
+def guarded(store: Path) -> Iterator[TestClient]:
+    """A client without the token of a writable server."""
     with application(store, root_path=_ROOT, write=True, token=TOKEN, log="off") as client:
-        answer = client.post(path, data={"update": "CLEAR ALL"})
-        assert answer.status_code in {401, 404}
+        yield client
+
+
+@pytest.mark.parametrize("path", ["/kg/update", "/update", "/kg/update/", "/%6bg/update"])
+def test_changes_need_the_token_below_the_root_path(guarded: TestClient, path: str) -> None:
+    """The root path does not bypass the protection of an address."""
+    assert guarded.post(path, data={"update": "CLEAR ALL"}).status_code in {401, 404}
 
 
 def test_graphs_are_named_by_their_public_address(tmp_path: Path) -> None:

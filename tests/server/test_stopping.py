@@ -13,7 +13,7 @@ from typing import Any
 import httpx
 import pytest
 from patience import patient, until
-from serving import UNASKED, Serving, served
+from serving import Serving, served
 
 RUNAWAY = "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i . ?j ?k ?l }"
 
@@ -191,7 +191,7 @@ def test_systemd_is_told(store: Path, tmp_path: Path) -> None:
 
 def test_a_reader_that_is_killed_costs_one_answer(store: Path) -> None:
     """If a reader is killed, its query gets an error, and the next is answered."""
-    with served(store, before=UNASKED, log="off", readers=1) as server:
+    with served(store, log="off", readers=1) as server:
         thread, answers = asked(server, RUNAWAY)
         # A reader that is only starting would be replaced, and the query restarted.
         until(lambda: works(server))

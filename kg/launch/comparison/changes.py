@@ -152,7 +152,8 @@ class Difference:
 
 
 def _order(change: Change) -> tuple[object, ...]:
+    """Return a key that differs for different changes: ties would leave the order to the hashes of a set."""
     sides = tuple((side.name, side.value, str(side.location)) if side else () for side in (change.before, change.after))
     names = min(side[0] for side in sides if side)
     place = change.system, tuple(Level).index(change.level), change.owner, change.role, names
-    return *place, tuple(Kind).index(change.kind), sides
+    return *place, tuple(Kind).index(change.kind), sides, repr(change)

@@ -22,7 +22,7 @@ from kg.facts import (
     Role,
 )
 from kg.facts.systems import InstanceParameter
-from kg.launch.comparison import Change, Finding, Kind, Level, Sources, compare
+from kg.launch.comparison import Change, Difference, Finding, Kind, Level, Side, Sources, compare
 
 if TYPE_CHECKING:
     from kg.facts import NodeInstance
@@ -204,6 +204,18 @@ def test_what_frameworks_make_is_compared_where_asked(every: bool) -> None:  # n
     """An implicit interface is compared with `every` only."""
     implicit = replace(interface(Role.PUBLISHES, "/rosout"), implicit=True)
     assert bool(compare(code(), code(implicit), every=every)) is every
+
+
+@pytest.mark.parametrize("changed", ["name", "repository"])
+def test_changes_have_one_order(changed: str) -> None:
+    """Changes that differ only in the former name of their instance, or in their source, are sorted by it."""
+    names = [f"/n{number}" for number in range(9)]
+    first = Change(Level.END, Kind.GONE, "/x", Side("/scan"), None)
+    if changed == "name":
+        changes = [replace(first, owner_before=name) for name in names]
+    else:
+        changes = [replace(first, before=Side("/scan", repository=name)) for name in names]
+    assert Difference.of(reversed(changes)).changes == tuple(changes)
 
 
 NAMES = st.sampled_from(["a", "b", "c", None])

@@ -2,8 +2,8 @@
 
     python drivable.py ADDRESS
 
-Without an address it runs a master of ROS 1. It prints its address first, then `speed X`, `goal`, and `cancelled`, and
-runs until its standard input is closed.
+Without an address it runs a master of ROS 1. It prints its address first, then `speed X`, `goal`, `cancelled`, and
+`settled` when its subscription stays open, and runs until its standard input is closed.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.robot.connecting import connect
 from kg.robot.ros1 import Master
+from kg.robot.ros2.ends import Ros2Subscription
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -111,9 +112,17 @@ async def _run(address: str) -> None:
         async for one in speeds:
             _print(f"speed {one.value['linear']['x']:g}")
 
-    following = asyncio.ensure_future(follow())
+    async def settle() -> None:
+        # A subscription of DDS is reopened for the first latched publisher, and misses messages in between.
+        if isinstance(speeds, Ros2Subscription):
+            while speeds._qos is None or speeds._qos.durability != "transient_local":  # noqa: ASYNC110 - nothing tells it
+                await asyncio.sleep(0.02)
+        _print("settled")
+
+    tasks = [asyncio.ensure_future(follow()), asyncio.ensure_future(settle())]
     await asyncio.to_thread(sys.stdin.read)
-    following.cancel()
+    for task in tasks:
+        task.cancel()
     await node.aclose()
 
 

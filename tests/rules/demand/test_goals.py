@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 from hypothesis import HealthCheck, given, settings
+from patience import examples
 from pyoxigraph import NamedNode, Quad, Store
 from rules.demand.test_magic import SHAPES, graph, graphs, on_demand, rules_of
 from rules.engine.comparing import tuples
@@ -90,7 +91,7 @@ def derived_for(text: str, rules: list[Rule], asserted: set[Fact]) -> set[Fact]:
 
 
 @pytest.mark.parametrize("text", QUERIES)
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(12, 50), deadline=None, suppress_health_check=list(HealthCheck))
 @given(asserted=graphs)
 def test_a_query_has_the_answers_that_it_has_over_everything_inferred(text: str, asserted: set[Fact]) -> None:
     """Each kind of pattern gets the inferred triples it needs."""

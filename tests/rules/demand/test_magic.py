@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from patience import examples
 from pyoxigraph import Literal, NamedNode, RdfFormat, parse
 from rules.engine.comparing import columns, tuples
 from rules.engine.oracle import infer
@@ -195,14 +196,14 @@ graphs = st.builds(
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(30, 120), deadline=None, suppress_health_check=list(HealthCheck))
 @given(goals=goals_of(), asserted=graphs)
 def test_recursive_rules_give_a_goal_the_same_answers(shape: str, goals: list[Goal], asserted: set[Fact]) -> None:
     """Closures, generations, classes and negation over them: the same solutions as over all inferences."""
     compare(rules_of(SHAPES[shape]), goals, asserted)
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(75, 300), deadline=None, suppress_health_check=list(HealthCheck))
 @given(
     rules=rule_sets(),
     asserted=facts,

@@ -185,14 +185,26 @@ def _joined(left: Solution, right: Solution) -> Solution | None:
 
 
 def _matches(atom: Atom, solution: Solution, facts: set[Fact]) -> Iterator[Solution]:
+    given: list[tuple[int, Term]] = []
+    free: list[tuple[int, Pattern]] = []
+    for place, pattern in enumerate(atom.positions):
+        term = solution.get(pattern.name) if isinstance(pattern, Variable) else pattern
+        if term is None or isinstance(term, TripleTerm):
+            free.append((place, pattern))
+        else:
+            given.append((place, term))
     for fact in facts:
-        if isinstance(atom.predicate, Variable) and str(fact[1]).startswith("<" + AUXILIARY):
-            continue
-        bound: Solution | None = solution
-        for pattern, term in zip(atom.positions, fact, strict=True):
-            bound = _bound(pattern, term, bound)
-        if bound is not None:
-            yield bound
+        for place, term in given:  # most facts end here, which is most of the time of these tests
+            if fact[place] != term:
+                break
+        else:
+            if isinstance(atom.predicate, Variable) and str(fact[1]).startswith("<" + AUXILIARY):
+                continue
+            bound: Solution | None = solution
+            for place, pattern in free:
+                bound = _bound(pattern, fact[place], bound)
+            if bound is not None:
+                yield bound
 
 
 def _bound(pattern: Pattern, term: Term, solution: Solution | None) -> Solution | None:

@@ -58,6 +58,7 @@ def test_a_silent_server_stops_the_robot(
         with httpx.Client(base_url=server.address, headers=headers, timeout=patient(20)) as client:
             robot_told(client, "connected", "robot")
             assert client.post("/robot/run", json={"text": PROGRAM}).is_success
+            robot.until("settled")
             robot.until("speed 0.5")
             server.process.send_signal(pause)
             robot.until("speed 0")
