@@ -133,13 +133,13 @@ LISTS: Final[Mapping[str, Listed]] = {
     "topics": Listed(
         "Topics",
         "topic",
-        "Names in launched systems, after remapping, and of nodes started alone, without what frameworks create.",
+        "Names in launched systems, after remapping, and of nodes started alone; none that only frameworks use.",
         _channels("topic", "Publishers", "Subscribers"),
     ),
     "services": Listed(
         "Services",
         "service",
-        "Names in launched systems, after remapping, and of nodes started alone, without what frameworks create.",
+        "Names in launched systems, after remapping, and of nodes started alone; none that only frameworks use.",
         _channels("service", "Servers", "Clients"),
     ),
     "actions": Listed(
@@ -213,8 +213,8 @@ LISTS: Final[Mapping[str, Listed]] = {
         "Problems in the wiring of launch files, as `kg lint` reports them.",
         (
             Column("Severity", "severity", "tags"),
-            Column("Code", "code", "mono", ("/resource", {"iri": "iri"})),
-            Column("Message", "message"),
+            Column("Code", "code", "mono", ("/findings", {"code": "code"})),
+            Column("Message", "message", to=("/resource", {"iri": "iri"})),
             Column("Launch file", "system", to=("/system", {"name": "system", "repository": "repository"})),
             _PLACE,
         ),
@@ -262,6 +262,19 @@ async def _list(request: Request) -> Response:
         last=url(address, **kept, offset=(found["total"] - 1) // most * most or "") if end < found["total"] else "",
         exports=[(label, url(address, **kept, format=key)) for key, label in _EXPORTS.items()],
     )
+
+
+async def related(request: Request, name: str, most: int, facets: Mapping[str, str]) -> dict[str, Any]:
+    """Return the first rows of a list that facets leave, for `list_table.html`, and the address of the whole list."""
+    found = await view(request, "list", of=name, limit=str(most), **facets)
+    columns = [(one, "", "") for one in LISTS[name].columns if one.key not in facets]
+    return {
+        "listed": LISTS[name],
+        "found": found,
+        "columns": columns,
+        "address": url(f"/{name}", **facets),
+        "link": _link,
+    }
 
 
 def _is_whole(text: str) -> bool:

@@ -1,4 +1,4 @@
-"""`/node?iri=` and `/resource?iri=`: all of one node, and the facts about anything without an own page."""
+"""`/node?iri=`: all of one node."""
 
 from __future__ import annotations
 
@@ -114,57 +114,4 @@ async def _graph(request: Request) -> Response:
     return Response(node_graph_svg(found["name"], node_relations(found)), media_type="image/svg+xml")
 
 
-_PAGES: Final = {
-    "node": ("/node", "iri", "All of this node on one page"),
-    "configuration": ("/system", "name", "The nodes that it starts, as a graph"),
-    **dict.fromkeys(("topic", "service", "action"), ("/channel", "name", "Who uses it, in every launch file")),
-}
-"""Kinds of things with pages of their own: path, parameter, and text of the link."""
-_LIMIT: Final = "25"
-
-
-async def _resource(request: Request) -> Response:
-    names = ("iri", "predicate", "direction", "offset", "limit")
-    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
-    iri = asked.setdefault("iri", "")
-    asked.setdefault("limit", "100" if "predicate" in asked else _LIMIT)
-    try:
-        found = await view(request, "resource", **asked)
-    except KgError as error:
-        if error.code not in ABSENT:
-            raise
-        name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
-        return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
-    own = _PAGES.get(found["kind"]) if "#" not in found["iri"] else None
-    return page(
-        request,
-        "resource.html",
-        title=found["label"],
-        twin=url("/api/resource", **asked),
-        found=found,
-        own=(url(own[0], **{own[1]: found["iri"]}), own[2]) if own else None,
-        sides=(("out", "Facts about it", found["out"]), ("in", "Facts that mention it", found["in"])),
-        chosen=asked.get("predicate", ""),
-        pages=_pages(found, asked),
-        address=lambda thing: url("/node" if thing["kind"] == "node" else "/resource", iri=thing["iri"]),
-    )
-
-
-def _pages(found: dict[str, Any], asked: dict[str, str]) -> dict[str, str]:
-    """Return the addresses of the previous and the next page of one property."""
-    groups = [*found["out"], *found["in"]]
-    if "predicate" not in asked or len(groups) != 1:
-        return {}
-    (group,) = groups
-    limit = int(asked["limit"]) if asked["limit"].isdigit() else len(group["facts"])
-    kept = {name: asked[name] for name in ("iri", "predicate", "direction", "limit") if name in asked}
-    around: dict[str, str] = {}
-    if group["offset"] > 0:
-        around["before"] = url("/resource", **kept, offset=max(0, group["offset"] - limit) or "")
-    following = group["offset"] + len(group["facts"])
-    if group["facts"] and following < group["count"]:
-        around["after"] = url("/resource", **kept, offset=following)
-    return around
-
-
-ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph), Route("/resource", _resource)]
+ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph)]
