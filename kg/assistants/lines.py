@@ -110,9 +110,12 @@ def systems(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[s
     for one in found["systems"]:
         if one["included"] and not detail:
             continue
-        wrong = ", ".join(f"{number} {severity}" for severity, number in (one.get("findings") or {}).items())
+        wrong = ", ".join(
+            f"{number} {severity}{'' if number == 1 else 's'}"
+            for severity, number in (one.get("findings") or {}).items()
+        )
         counts = ", ".join(f"{one[kind]} {kind}" for kind in ("nodes", "topics", "services", "actions"))
-        yield _line(one["name"], f"ROS {one['ros']}", counts, f"findings: {wrong}" if wrong else "", one["repository"])
+        yield _line(one["name"], f"ROS {one['ros']}", counts, wrong, one["repository"])
 
 
 def system(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
@@ -193,7 +196,7 @@ def hits(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
         yield "nothing here fits; nearest are"
     for one in found["hits"]:
         ros = f"ROS {one['ros']}" if one["ros"] else ""
-        yield _line(f"{one['rank']}. {one['package']}/{one['node']}", one["kind"], ros, where(one["evidence"]))
+        yield _line(f"{one['rank']}. {one['package']}/{one['name']}", one["kind"], ros, where(one["evidence"]))
         for reason in one["reasons"][: None if detail else 2]:
             yield _line(f"  {reason['text']}", where(reason["evidence"]))
     if found["total"] > len(found["hits"]):

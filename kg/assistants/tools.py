@@ -31,6 +31,9 @@ _MOST_ROWS: Final = 200
 _MOST_HITS: Final = 50
 _MOST_NODES: Final = 1000
 _DOES_NOT_HOLD: Final = "KG226"
+_TOO_LONG: Final = "KG503"
+_HEADED: Final = 2
+"""Lines of a table with one row: the variables, and the row."""
 _QUERY_SECONDS: Final = 10.0
 _DIFF_SECONDS: Final = 300.0
 _RUN_SECONDS: Final = 600.0
@@ -202,14 +205,15 @@ class Tools:
     async def diff(
         self,
         commits: Annotated[str, Field(description="main..HEAD, or main...HEAD from their merge base.")],
-        folder: Annotated[str, Field(description="The checkout; by default the folder of the server.")] = ".",
+        folder: Annotated[str, Field(description="The checkout; by default that of the store's only source.")] = "",
         *,
         page: Page = 1,
     ) -> str:
         """Show what changed between two commits in interfaces of nodes and in the wiring of launch files."""
         if ".." not in commits or commits.startswith("-"):
             raise ToolError("name two commits as main..HEAD")
-        return await self._command("diff", commits, "--repository", folder, seconds=_DIFF_SECONDS, page=page)
+        checkout = folder or await self._checkout()
+        return await self._command("diff", commits, "--repository", checkout, seconds=_DIFF_SECONDS, page=page)
 
     async def query(
         self,
@@ -229,11 +233,18 @@ class Tools:
             async with self._open.ask(question, seconds=min(self._seconds, _QUERY_SECONDS)) as answer:
                 body = b"".join([part async for part in answer.parts()]).decode()
         except KgError as error:
+            if error.code == _TOO_LONG:
+                raise ToolError(f"{error}. Narrow the patterns, or start from a name or a LIMIT.") from error
             raise _told(error) from error
         if answer.head.kind == "boolean":
             return "yes" if json.loads(body)["boolean"] else "no"
+        found = body.splitlines()
+        if answer.head.kind == "rows" and len(found) < _HEADED:
+            problems = (await self._answer("diagnose", {"text": sparql}))["problems"]
+            hints = [f"{one['message']}. {one['hint'] or ''}".rstrip() for one in problems]
+            return lines.paged([*found, "no rows", *hints], [], page, PAGE)
         more = [f"there are more rows than {limit}"] if answer.end and answer.end.more else []
-        return lines.paged(body.splitlines() or ["no rows"], more, page, PAGE)
+        return lines.paged(found or ["no triples"], more, page, PAGE)
 
     async def why(
         self,
@@ -351,6 +362,11 @@ class Tools:
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
         return found
+
+    async def _checkout(self) -> str:
+        """Return the folder of the store's only source, otherwise that of the server."""
+        roots = [one["root"] for one in (await self._answer("overview", {}))["sources"]]
+        return roots[0] if len(roots) == 1 and roots[0] else "."
 
     async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "") -> str:
         try:

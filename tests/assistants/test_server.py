@@ -138,6 +138,32 @@ def test_queries_are_read_only_and_bounded(connected: Connected) -> None:
     assert "KG501" in message
 
 
+def test_an_empty_result_names_terms_missing_from_the_store(connected: Connected) -> None:
+    """A misspelt class gives no rows, and the likely name."""
+    failed, text = asked(connected, "query", sparql="SELECT ?node { ?node a rnkg:NodeTyp }")
+    assert not failed
+    assert "no rows" in text
+    assert "`rnkg:NodeTyp` is not in the store. Did you mean `rnkg:NodeType`" in text
+
+
+def test_a_slow_query_is_told_to_ask_for_less(connected: Connected, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The advice is about the query, since a tool has no setting for the time limit."""
+    monkeypatch.setattr("kg.assistants.tools._QUERY_SECONDS", 0.2)
+    failed, text = asked(connected, "query", sparql="SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }")
+    assert failed
+    assert "KG503" in text
+    assert "Narrow the patterns" in text
+    assert "timeout" not in text
+
+
+def test_changes_are_looked_up_in_the_source_of_the_store(connected: Connected, store: Path) -> None:
+    """Wherever the server runs, the checkout is that of the store's only source, here a folder without git."""
+    failed, text = asked(connected, "diff", commits="HEAD~1..HEAD")
+    assert failed
+    assert "not a git repository" in text
+    assert f"--> {store.parent}" in text
+
+
 def test_a_program_is_checked_with_hints(connected: Connected) -> None:
     """The error has the line and the suggested capability, and no path of this machine."""
     failed, message = asked(connected, "check_program", program="goingToPse x: 1 m", system=ROVER)
