@@ -10,6 +10,8 @@ from kg.views.wording import quoted
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+FURTHER: Final = "`page` {}"
+"""The next page of the answer of a tool."""
 _TEXTS: Final = 2
 """So many descriptions of a node are shown without detail."""
 _WORDS: Final = 200
@@ -274,7 +276,7 @@ def _line(*parts: str) -> str:
     return "  ".join(part for part in parts if part)
 
 
-def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = "`page` {}") -> str:
+def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = FURTHER) -> str:
     """Return a page of lines of at most `size` bytes, with what tells of the others; pages count from 1.
 
     A line that is longer than a page is cut. Every page ends with the legend. `further` names the page of a number.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from urllib.parse import quote
 
 from mcp.server.mcpserver import AcceptedElicitation, Context, Elicit, ElicitationResult, Resolve
 from mcp.server.mcpserver.exceptions import ToolError
@@ -335,13 +336,22 @@ class Tools:
         every = (one for family in found["families"] if family["in_force"] for one in family["rules"])
         return _document("rules", (f"{one['rule']}: {one['title']}" for one in every), page)
 
-    async def rule(self, name: str) -> str:
-        """Return the text of a rule, for the resource of that name."""
+    async def rule(self, name: str, page: int = 1) -> str:
+        """Return a page of the text of a rule, for the resource of that name."""
         try:
             found = await self._answer("rule", {"name": name})
         except KgError as error:
             raise _told(error) from error
-        return str(found["text"])
+        return lines.paged(str(found["text"]).splitlines(), [], page, PAGE, further=_further("rule", name))
+
+    async def node(self, name: str, page: int = 1) -> str:
+        """Return a page of `describe_node`, for the resource of that name."""
+        return await self._lines("node", {"name": name}, lines.node, page=page, further=_further("node", name))
+
+    async def launch_file(self, name: str, page: int = 1) -> str:
+        """Return a page of `wiring`, for the resource of that name."""
+        further = _further("launch-file", name)
+        return await self._lines("system", {"name": name}, lines.system, page=page, further=further)
 
     async def _lines(  # noqa: PLR0913 - a view, and how it is shown
         self,
@@ -350,14 +360,15 @@ class Tools:
         written: Callable[..., Any],
         *,
         none: str = "nothing",
-        detail: bool,
+        detail: bool = False,
         page: int,
+        further: str = lines.FURTHER,
     ) -> str:
         try:
             found = await self._answer(view, arguments)
         except KgError as error:
             raise _told(error) from error
-        return _text(found, written, none=none, detail=detail, page=page)
+        return _text(found, written, none=none, detail=detail, page=page, further=further)
 
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
@@ -386,10 +397,23 @@ class Tools:
         return self.readers
 
 
-def _text(found: dict[str, Any], written: Callable[..., Any], *, none: str = "nothing", detail: bool, page: int) -> str:
+def _text(  # noqa: PLR0913 - how an answer is shown
+    found: dict[str, Any],
+    written: Callable[..., Any],
+    *,
+    none: str = "nothing",
+    detail: bool,
+    page: int,
+    further: str = lines.FURTHER,
+) -> str:
     where = lines.Where()
     shown = list(written(found, where, detail=detail)) or [none]
-    return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE)
+    return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE, further=further)
+
+
+def _further(kind: str, name: str) -> str:
+    """Return the address of a page of a resource; `{}` is the number of the page."""
+    return f"kg://{kind}/{quote(name)}?page={{}}"
 
 
 def _document(name: str, shown: Iterable[str], page: int) -> str:

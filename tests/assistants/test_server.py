@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
+from kg.resources import folder
+
 if TYPE_CHECKING:
     from collections.abc import Callable
     from contextlib import AbstractAsyncContextManager
@@ -270,6 +272,23 @@ def test_lists_are_read_page_by_page(connected: Connected) -> None:
     names = [line.partition(":")[0] for page in pages for line in page.splitlines() if "/" in line.partition(":")[0]]
     assert len(pages) > 1
     assert len(names) == len(set(names)) > 50
+
+
+def test_a_long_rule_has_pages(connected: Connected) -> None:
+    """The pages of a resource are at most 3 KB, name the next one by its address, and make up the whole text."""
+
+    async def run() -> list[str]:
+        async with connected() as client:
+            pages = [(await client.read_resource("kg://rule/architecture/unknown-end")).contents[0].text]
+            while found := re.search(r"continue with (kg://\S+)", pages[-1]):
+                pages.append((await client.read_resource(found[1])).contents[0].text)
+            return pages
+
+    pages = asyncio.run(run())
+    assert len(pages) > 1
+    assert max(len(page.encode()) for page in pages) <= 3000
+    text = "\n".join(page.rpartition("\npage ")[0] for page in pages)
+    assert text.splitlines() == (folder("rules") / "architecture" / "unknown-end.srl").read_text("utf-8").splitlines()
 
 
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:
