@@ -60,10 +60,12 @@ class Listed:
     one: str
     lead: str
     columns: Sequence[Column]
+    many: str = ""
+    """The plural, where it is not the title."""
 
     def called(self, number: int) -> str:
         """Return the name for a number of things."""
-        return self.one if number == 1 else self.title[0].lower() + self.title[1:]
+        return self.one if number == 1 else self.many or self.title[0].lower() + self.title[1:]
 
 
 _NODE: Final = ("/node", {"iri": "iri"})
@@ -165,6 +167,7 @@ LISTS: Final[Mapping[str, Listed]] = {
         "kind of hardware",
         "Kinds of hardware and known devices that nodes work with, with the number of nodes by grade of evidence.",
         _classes("hardware"),
+        "kinds of hardware",
     ),
     "functions": Listed(
         "Functions",

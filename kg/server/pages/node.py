@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import RedirectResponse, Response
@@ -27,6 +28,14 @@ TAGS: Final = {
     "clients": "client",
     "action_servers": "action",
     "action_clients": "action",
+}
+_COUNTED: Final = {
+    "publishes": "publishes {} topic",
+    "subscribes": "subscribes to {} topic",
+    "services": "offers {} service",
+    "clients": "calls {} service",
+    "action_servers": "offers {} action",
+    "action_clients": "calls {} action",
 }
 _MANY: Final = 14  # above this number of channels, the picture shows fewer neighbours of each
 _NEAR: Final = (6, 2)
@@ -54,12 +63,23 @@ async def _node(request: Request) -> Response:
         twin=url("/api/node", iri=found["iri"]),
         node=found,
         explicit=explicit,
+        counted=_counted(explicit),
         implicit=[one for one in found["interfaces"] if one["implicit"]],
         parameters=[one for one in found["parameters"] if not one["implicit"]],
         more_parameters=[one for one in found["parameters"] if one["implicit"]],
         tags=TAGS,
         picture=_picture(found, explicit),
     )
+
+
+def _counted(explicit: list[dict[str, Any]]) -> list[str]:
+    """Return how many topics, services and actions the node publishes, offers, ..., in words."""
+    numbers = Counter(one["role"] for one in explicit)
+    return [
+        words.format(number) + ("" if number == 1 else "s")
+        for role, words in _COUNTED.items()
+        if (number := numbers[role])
+    ]
 
 
 def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
