@@ -134,5 +134,15 @@ def _add_prompts(server: MCPServer) -> None:
 
 
 def serve(settings: Settings) -> None:
-    """Serve until standard input ends; StoreError KG301 when there is no store."""
-    create_server(settings).run("stdio")
+    """Serve until standard input ends.
+
+    Raises:
+        StoreError: KG301 there is no store.
+        BrokenPipeError: the client ended while a call ran.
+    """
+    try:
+        create_server(settings).run("stdio")
+    except ExceptionGroup as group:
+        if group.split(BrokenPipeError)[1]:
+            raise
+        raise BrokenPipeError from group

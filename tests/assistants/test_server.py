@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import re
+import subprocess
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
@@ -297,3 +299,24 @@ def test_the_command_speaks_on_standard_streams(store: Path) -> None:
     program = mcp.StdioServerParameters(command=sys.executable, args=["-m", "kg", "--store", str(store), "mcp"])
     failed, text = answered(mcp.Client(program), "query", {"sparql": "ASK { ?node a rnkg:NodeType }"})
     assert (failed, text) == (False, "yes")
+
+
+def test_a_client_that_ends_during_a_call_is_no_defect(store: Path) -> None:
+    """`kg mcp` ends quietly when nobody reads the response."""
+    pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
+    start = {"protocolVersion": "2025-03-26", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}}
+    query = {"name": "query", "arguments": {"sparql": "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f }"}}
+    command = [sys.executable, "-m", "kg", "--store", str(store), "mcp"]
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen(command, **pipes, text=True) as program:  # type: ignore[call-overload]  # pipes
+        assert program.stdin
+        assert program.stdout
+        assert program.stderr
+        for number, (method, parameters) in enumerate((("initialize", start), ("tools/call", query)), 1):
+            message = {"jsonrpc": "2.0", "id": number, "method": method, "params": parameters}
+            print(json.dumps(message), file=program.stdin, flush=True)
+            if method == "initialize":
+                program.stdout.readline()
+        program.stdout.close()
+        program.stdin.close()
+        assert "KG900" not in program.stderr.read()
