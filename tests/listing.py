@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypedDict
+from typing import TYPE_CHECKING, Any, Final, TypedDict
 from urllib.parse import quote
 
 from browsing import axe
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from playwright.async_api import Page
     from starlette.testclient import TestClient
 
-__all__ = ["PAGES", "Examined", "Shown", "examine", "inspect", "shown"]
+__all__ = ["PAGES", "Examined", "Shown", "examine", "inspect", "listed", "shown"]
 
 PAGES: Final = {
     "start": "/",
@@ -55,6 +55,11 @@ PAGES: Final = {
     "system": "/system?name=drone.launch.py",
     "system, with a finding": "/system?name=mission.launch.xml&every=all",
     "system, a table of it": "/system?name=rover.launch&part=connections",
+    "topic": "/channel?kind=topic&name=/scan_filtered",
+    "package": "/resource?iri={package}",
+    "type": "/resource?iri={type}",
+    "kind of hardware": "/resource?iri=hardware:laserScanner",
+    "finding": "/resource?iri={finding}",
     "resource": "/resource?iri=ros:Publisher",
     "resource, one property": "/resource?iri=ros:Publisher&predicate=rdf:type&direction=in&limit=5&offset=5",
 }
@@ -88,6 +93,9 @@ class Shown(TypedDict):
     """Entities of the example workspace, quoted for addresses."""
 
     node: str
+    package: str
+    type: str
+    finding: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +119,23 @@ class Examined:
 def shown(client: httpx.Client | TestClient) -> Shown:
     """Ask the server for the entities shown by the pages."""
     (hit, *_) = client.get("/api/find", params={"text": "scan_filter"}).raise_for_status().json()["hits"]
-    return {"node": quote(hit["iri"], safe="")}
+    return {
+        "node": quote(hit["iri"], safe=""),
+        "package": _iri(client, "packages", "rover_core"),
+        "type": _iri(client, "types", "rover_core/"),
+        "finding": _iri(client, "findings", ""),
+    }
+
+
+def _iri(client: httpx.Client | TestClient, of: str, text: str) -> str:
+    return quote(listed(client, of, text)["iri"], safe="")
+
+
+def listed(client: httpx.Client | TestClient, of: str, text: str) -> dict[str, Any]:
+    """Return the first row of a list with some words."""
+    asked = {"of": of, "text": text, "limit": "1"}
+    row: dict[str, Any] = client.get("/api/list", params=asked).raise_for_status().json()["rows"][0]
+    return row
 
 
 async def examine(browser: Chromium, address: str) -> Examined:

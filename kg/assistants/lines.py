@@ -10,6 +10,8 @@ from kg.views.wording import quoted
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+FURTHER: Final = "`page` {}"
+"""The next page of the answer of a tool."""
 _TEXTS: Final = 2
 """So many descriptions of a node are shown without detail."""
 _WORDS: Final = 200
@@ -110,9 +112,12 @@ def systems(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[s
     for one in found["systems"]:
         if one["included"] and not detail:
             continue
-        wrong = ", ".join(f"{number} {severity}" for severity, number in (one.get("findings") or {}).items())
+        wrong = ", ".join(
+            f"{number} {severity}{'' if number == 1 else 's'}"
+            for severity, number in (one.get("findings") or {}).items()
+        )
         counts = ", ".join(f"{one[kind]} {kind}" for kind in ("nodes", "topics", "services", "actions"))
-        yield _line(one["name"], f"ROS {one['ros']}", counts, f"findings: {wrong}" if wrong else "", one["repository"])
+        yield _line(one["name"], f"ROS {one['ros']}", counts, wrong, one["repository"])
 
 
 def system(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
@@ -193,7 +198,7 @@ def hits(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
         yield "nothing here fits; nearest are"
     for one in found["hits"]:
         ros = f"ROS {one['ros']}" if one["ros"] else ""
-        yield _line(f"{one['rank']}. {one['package']}/{one['node']}", one["kind"], ros, where(one["evidence"]))
+        yield _line(f"{one['rank']}. {one['package']}/{one['name']}", one["kind"], ros, where(one["evidence"]))
         for reason in one["reasons"][: None if detail else 2]:
             yield _line(f"  {reason['text']}", where(reason["evidence"]))
     if found["total"] > len(found["hits"]):
@@ -271,7 +276,7 @@ def _line(*parts: str) -> str:
     return "  ".join(part for part in parts if part)
 
 
-def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = "`page` {}") -> str:
+def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = FURTHER) -> str:
     """Return a page of lines of at most `size` bytes, with what tells of the others; pages count from 1.
 
     A line that is longer than a page is cut. Every page ends with the legend. `further` names the page of a number.

@@ -67,17 +67,19 @@ def _add_resources(server: MCPServer, tools: Tools) -> None:
     _add_list(server, "launch-files", "The launch files of the store", tools.launch_files)
     _add_list(server, "rules", "The rules in force, by name and title", tools.rules)
 
-    @server.resource("kg://node/{package}/{name}", description="One node.", mime_type="text/plain")
-    async def node(package: str, name: str) -> str:
-        return await tools.describe_node(f"{unquote(package)}/{unquote(name)}")
+    @server.resource("kg://node/{package}/{name}{?page}", description="One node.", mime_type="text/plain")
+    async def node(package: str, name: str, page: int = 1) -> str:
+        return await tools.node(f"{unquote(package)}/{unquote(name)}", page)
 
-    @server.resource("kg://launch-file/{+name}", description="What a launch file starts.", mime_type="text/plain")
-    async def launch_file(name: str) -> str:
-        return await tools.wiring(unquote(name))
+    @server.resource(
+        "kg://launch-file/{+name}{?page}", description="What a launch file starts.", mime_type="text/plain"
+    )
+    async def launch_file(name: str, page: int = 1) -> str:
+        return await tools.launch_file(unquote(name), page)
 
-    @server.resource("kg://rule/{family}/{name}", description="One rule: its text.", mime_type="text/plain")
-    async def rule(family: str, name: str) -> str:
-        return await tools.rule(f"{unquote(family)}/{unquote(name)}")
+    @server.resource("kg://rule/{family}/{name}{?page}", description="One rule: its text.", mime_type="text/plain")
+    async def rule(family: str, name: str, page: int = 1) -> str:
+        return await tools.rule(f"{unquote(family)}/{unquote(name)}", page)
 
 
 def _add_list(server: MCPServer, name: str, description: str, listed: Callable[[int], Awaitable[str]]) -> None:
@@ -132,5 +134,15 @@ def _add_prompts(server: MCPServer) -> None:
 
 
 def serve(settings: Settings) -> None:
-    """Serve until standard input ends; StoreError KG301 when there is no store."""
-    create_server(settings).run("stdio")
+    """Serve until standard input ends.
+
+    Raises:
+        StoreError: KG301 there is no store.
+        BrokenPipeError: the client ended while a call ran.
+    """
+    try:
+        create_server(settings).run("stdio")
+    except ExceptionGroup as group:
+        if group.split(BrokenPipeError)[1]:
+            raise
+        raise BrokenPipeError from group

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from urllib.parse import quote
 
 from mcp.server.mcpserver import AcceptedElicitation, Context, Elicit, ElicitationResult, Resolve
 from mcp.server.mcpserver.exceptions import ToolError
@@ -31,6 +32,9 @@ _MOST_ROWS: Final = 200
 _MOST_HITS: Final = 50
 _MOST_NODES: Final = 1000
 _DOES_NOT_HOLD: Final = "KG226"
+_TOO_LONG: Final = "KG503"
+_HEADED: Final = 2
+"""Lines of a table with one row: the variables, and the row."""
 _QUERY_SECONDS: Final = 10.0
 _DIFF_SECONDS: Final = 300.0
 _RUN_SECONDS: Final = 600.0
@@ -202,14 +206,15 @@ class Tools:
     async def diff(
         self,
         commits: Annotated[str, Field(description="main..HEAD, or main...HEAD from their merge base.")],
-        folder: Annotated[str, Field(description="The checkout; by default the folder of the server.")] = ".",
+        folder: Annotated[str, Field(description="The checkout; by default that of the store's only source.")] = "",
         *,
         page: Page = 1,
     ) -> str:
         """Show what changed between two commits in interfaces of nodes and in the wiring of launch files."""
         if ".." not in commits or commits.startswith("-"):
             raise ToolError("name two commits as main..HEAD")
-        return await self._command("diff", commits, "--repository", folder, seconds=_DIFF_SECONDS, page=page)
+        checkout = folder or await self._checkout()
+        return await self._command("diff", commits, "--repository", checkout, seconds=_DIFF_SECONDS, page=page)
 
     async def query(
         self,
@@ -229,11 +234,18 @@ class Tools:
             async with self._open.ask(question, seconds=min(self._seconds, _QUERY_SECONDS)) as answer:
                 body = b"".join([part async for part in answer.parts()]).decode()
         except KgError as error:
+            if error.code == _TOO_LONG:
+                raise ToolError(f"{error}. Narrow the patterns, or start from a name or a LIMIT.") from error
             raise _told(error) from error
         if answer.head.kind == "boolean":
             return "yes" if json.loads(body)["boolean"] else "no"
+        found = body.splitlines()
+        if answer.head.kind == "rows" and len(found) < _HEADED:
+            problems = (await self._answer("diagnose", {"text": sparql}))["problems"]
+            hints = [f"{one['message']}. {one['hint'] or ''}".rstrip() for one in problems]
+            return lines.paged([*found, "no rows", *hints], [], page, PAGE)
         more = [f"there are more rows than {limit}"] if answer.end and answer.end.more else []
-        return lines.paged(body.splitlines() or ["no rows"], more, page, PAGE)
+        return lines.paged(found or ["no triples"], more, page, PAGE)
 
     async def why(
         self,
@@ -324,13 +336,22 @@ class Tools:
         every = (one for family in found["families"] if family["in_force"] for one in family["rules"])
         return _document("rules", (f"{one['rule']}: {one['title']}" for one in every), page)
 
-    async def rule(self, name: str) -> str:
-        """Return the text of a rule, for the resource of that name."""
+    async def rule(self, name: str, page: int = 1) -> str:
+        """Return a page of the text of a rule, for the resource of that name."""
         try:
             found = await self._answer("rule", {"name": name})
         except KgError as error:
             raise _told(error) from error
-        return str(found["text"])
+        return lines.paged(str(found["text"]).splitlines(), [], page, PAGE, further=_further("rule", name))
+
+    async def node(self, name: str, page: int = 1) -> str:
+        """Return a page of `describe_node`, for the resource of that name."""
+        return await self._lines("node", {"name": name}, lines.node, page=page, further=_further("node", name))
+
+    async def launch_file(self, name: str, page: int = 1) -> str:
+        """Return a page of `wiring`, for the resource of that name."""
+        further = _further("launch-file", name)
+        return await self._lines("system", {"name": name}, lines.system, page=page, further=further)
 
     async def _lines(  # noqa: PLR0913 - a view, and how it is shown
         self,
@@ -339,18 +360,24 @@ class Tools:
         written: Callable[..., Any],
         *,
         none: str = "nothing",
-        detail: bool,
+        detail: bool = False,
         page: int,
+        further: str = lines.FURTHER,
     ) -> str:
         try:
             found = await self._answer(view, arguments)
         except KgError as error:
             raise _told(error) from error
-        return _text(found, written, none=none, detail=detail, page=page)
+        return _text(found, written, none=none, detail=detail, page=page, further=further)
 
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
         return found
+
+    async def _checkout(self) -> str:
+        """Return the folder of the store's only source, otherwise that of the server."""
+        roots = [one["root"] for one in (await self._answer("overview", {}))["sources"]]
+        return roots[0] if len(roots) == 1 and roots[0] else "."
 
     async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "") -> str:
         try:
@@ -370,10 +397,23 @@ class Tools:
         return self.readers
 
 
-def _text(found: dict[str, Any], written: Callable[..., Any], *, none: str = "nothing", detail: bool, page: int) -> str:
+def _text(  # noqa: PLR0913 - how an answer is shown
+    found: dict[str, Any],
+    written: Callable[..., Any],
+    *,
+    none: str = "nothing",
+    detail: bool,
+    page: int,
+    further: str = lines.FURTHER,
+) -> str:
     where = lines.Where()
     shown = list(written(found, where, detail=detail)) or [none]
-    return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE)
+    return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE, further=further)
+
+
+def _further(kind: str, name: str) -> str:
+    """Return the address of a page of a resource; `{}` is the number of the page."""
+    return f"kg://{kind}/{quote(name)}?page={{}}"
 
 
 def _document(name: str, shown: Iterable[str], page: int) -> str:

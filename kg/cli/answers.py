@@ -26,6 +26,7 @@ _OTHER_NAMES: Final = {
     "ttl": "turtle",
     "nt": "ntriples",
     "nq": "nquads",
+    "n3": "turtle",  # a subset of it
     "rdf": "rdfxml",
     "json-ld": "jsonld",
 }

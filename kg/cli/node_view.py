@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
 from kg.facts import Description, Interface, NodeKind, NodeType, Parameter, PluginSlot
-from kg.graph.classes_reading import Classes
+from kg.graph.classes_reading import Class, Classes
 from kg.graph.records import how_to_start
 from kg.render.text import printable
 from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups, quoted
@@ -113,9 +113,18 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
 
 def _inferred(classes: Classes) -> Iterable[Text]:
     """Yield the node's functions and hardware; `kg why` explains both."""
-    yield _field("function", ", ".join(map(str, classes.functions)) or "unknown")
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    yield Text.assemble(_field("function", ""), _listed(classes.functions) if classes.functions else "unknown")
     if classes.hardware or classes.devices:
-        yield _field("hardware", ", ".join(map(str, (*classes.hardware, *classes.devices))))
+        yield Text.assemble(_field("hardware", ""), _listed((*classes.hardware, *classes.devices)))
+
+
+def _listed(held: Iterable[Class]) -> Text:
+    """Return classes, the weak ones dimmed."""
+    from rich.text import Text  # noqa: PLC0415 - start-up time
+
+    return Text(", ").join(Text(str(one), "dim" if one.grade.grade == "weak" else "") for one in held)
 
 
 def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:

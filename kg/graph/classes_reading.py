@@ -40,6 +40,11 @@ class Grade:
     def __str__(self) -> str:
         return f"{self.grade}: {', '.join(self.evidence)}" if self.evidence else self.grade
 
+    @property
+    def rank(self) -> int:
+        """The position of the grade: certain first, unknown last."""
+        return [*_GRADES.values(), ""].index(self.grade)
+
 
 @dataclass(frozen=True, slots=True)
 class Class:
@@ -54,7 +59,7 @@ class Class:
 
 @dataclass(frozen=True, slots=True)
 class Classes:
-    """Functions, kinds of hardware and devices, each sorted by label."""
+    """Functions, kinds of hardware and devices, each sorted by grade and label."""
 
     functions: tuple[Class, ...] = ()
     hardware: tuple[Class, ...] = ()
@@ -67,7 +72,7 @@ def classes(graph: Queryable, iri: str) -> Classes:
     known = grades(graph, iri)
     for relation, kind, label in texts(graph, _QUERY.format(iri=iri)):
         found[relation.removeprefix(v.RNKG)].append(Class(label, known.get(kind, Grade())))
-    return Classes(*map(tuple, found.values()))
+    return Classes(*(tuple(sorted(one, key=lambda held: (held.grade.rank, held.label))) for one in found.values()))
 
 
 def grades(graph: Queryable, iri: str) -> dict[str, Grade]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import FileKind, Location, NodeKind, Role
 from kg.graph import vocabulary as v
@@ -200,7 +200,7 @@ class Channel:
 def packages(graph: Queryable) -> list[PackageSummary]:
     """Return the packages of the store, sorted by source and name."""
     nodes = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:NodeType .")
-    definitions = _count(graph, "?package rnkg:defines ?thing .")
+    definitions = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:InterfaceDefinition .")
     problems = _count(graph, "?package rnkg:hasProblem ?thing .")
     found = (
         PackageSummary(
@@ -256,19 +256,22 @@ def channels(
 ) -> list[Channel]:
     """Return all topics, services or actions by name, or those `named`.
 
-    `implicit` adds the ends that frameworks make by themselves, and names that have no others.
+    `implicit` adds names whose ends are all made by frameworks. Of other names such ends count too.
     """
     giver, taker, typed = _CHANNELS[kind]
     values = "" if named is None else one_of("channel", named)
-    given = {"classes": f"{giver} {taker}", "typed": typed}
-    given |= {"named": values and f"{values} ?c rdfs:label ?channel .", "own": "" if implicit else "FILTER(!?implicit)"}
+    given = {"classes": f"{giver} {taker}", "typed": typed, "named": _named(values), "own": ""}
     names: defaultdict[str, list[str]] = defaultdict(list)
     for node, name, package in texts(graph, _OWNERS):
         names[node].append(f"{package}/{name}")
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    for name, role, node, message in (*texts(graph, _IN_CODE % given), *texts(graph, _IN_SYSTEMS % given)):
+    found = _ends(graph, given if implicit else given | {"own": "FILTER(!?implicit)"})
+    if not implicit and found:
+        own = one_of("channel", {name for name, *_ in found})
+        found += _ends(graph, given | {"named": _named(own), "own": "FILTER(?implicit)"})
+    for name, role, node, message in found:
         side = 0 if role.endswith(f"#{local}") else 1
         ends[name][side].update(names[node] if node is not None else ())
         types[name].update({message} if message else ())
@@ -279,13 +282,21 @@ def channels(
         if end.role.channel != kind or not (implicit or end.name in ends) or end.name not in (named or {end.name}):
             continue
         launches[end.name].add(end.system)
-        if implicit:
-            ends[end.name][0 if end.role in _GIVERS else 1].update(names[end.node])
-            types[end.name].update({end.type} if end.type else ())
+        ends[end.name][0 if end.role in _GIVERS else 1].update(names[end.node])
+        types[end.name].update({end.type} if end.type else ())
     return [
         Channel(name, tuple(sorted(types[name])), tuple(sorted(givers)), tuple(sorted(takers)), len(launches[name]))
         for name, (givers, takers) in sorted(ends.items())
     ]
+
+
+def _named(values: str) -> str:
+    return values and f"{values} ?c rdfs:label ?channel ."
+
+
+def _ends(graph: Queryable, given: dict[str, str]) -> list[tuple[Any, ...]]:
+    """Return name, class, node and type of each end, in code and in systems."""
+    return [*texts(graph, _IN_CODE % given), *texts(graph, _IN_SYSTEMS % given)]
 
 
 def _count(graph: Queryable, pattern: str) -> Counter[str]:

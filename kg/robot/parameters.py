@@ -137,7 +137,7 @@ def parsed(parameter: NodeParameter, text: str) -> Any:
             parameter is read-only.
     """
     if parameter.read_only:
-        raise _refused(parameter, "it is read-only")
+        raise _refused(parameter, "it is read-only", "Start the node with another value.")
     if parameter.dynamic or parameter.type not in _PARSERS:
         return _guessed(parameter, text)
     value = _PARSERS[parameter.type](parameter, text)
@@ -149,8 +149,8 @@ def parsed(parameter: NodeParameter, text: str) -> Any:
     return value
 
 
-def _refused(parameter: NodeParameter, why: str) -> RobotError:
-    return RobotError("KG843", f"`{parameter.name}` of {parameter.node} cannot be set: {why}")
+def _refused(parameter: NodeParameter, why: str, hint: str | None = None) -> RobotError:
+    return RobotError("KG843", f"`{parameter.name}` of {parameter.node} cannot be set: {why}", hint=hint)
 
 
 def _is_server(connection: Any) -> TypeGuard[_Server]:

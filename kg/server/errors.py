@@ -162,7 +162,10 @@ def _page(members: Mapping[str, Any]) -> str:
         f'<meta name="viewport" content="width=device-width"><script src="{static}/theme.js"></script>'
         f'<link rel="icon" href="{static}/kg.svg" type="image/svg+xml"><link rel="stylesheet" href="{static}/kg.css">'
         f'<link rel="stylesheet" href="{static}/error.css">'
-        f'<header class="bar"><a class="brand" href="{start}">kg</a>'
+        f'<header class="bar"><a class="brand" href="{start}">'
+        f'<svg viewBox="0 0 32 32" aria-hidden="true"><use href="{static}/kg.svg#mark"></use></svg><span>kg</span></a>'
+        f'<form class="find" role="search" action="{url("/search")}"><label class="unseen" for="find">Search</label>'
+        '<input id="find" type="search" name="q" placeholder="Search"></form>'
         f'<nav aria-label="Pages"><ul>{pages}</ul></nav></header>'
         f"<main><h1>{escape(title)}</h1><p>{inline(members['message'])}</p>{place}<p>{inline(members['hint'])}</p>"
         f'<p><a href="{escape(members["docs"])}">What {escape(members["code"])} means</a> · '

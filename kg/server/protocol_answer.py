@@ -110,7 +110,11 @@ class _HeldResponse(Response):
 
 async def answer(request: Request, asked: Asked) -> Response:
     """Return the response to a query; raises KgError for failures before the first byte, and ClientLeftError."""
-    if request.method not in _SAFE or (header(request.scope, b"if-none-match") or "").strip() != "*":
+    anything = (header(request.scope, b"if-none-match") or "").strip() == "*"
+    if request.method not in _SAFE and (anything or _unchanged(request, asked)):
+        hint = "Send the query with GET, which is answered with 304, or without `If-None-Match`."
+        raise RequestError("KG536", "`If-None-Match` fails: the result exists", hint=hint)  # RFC 9110, section 13.1.2
+    if not anything:
         return await _answer(request, asked)
     # The condition fails if there is a response, so an error takes precedence (RFC 9110, section 13.2.1).
     found = await _answer(request, replace(asked, stream=False))

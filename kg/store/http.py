@@ -14,7 +14,7 @@ import time
 import urllib.request
 from contextlib import suppress
 from dataclasses import dataclass
-from http.client import HTTPException, IncompleteRead
+from http.client import HTTPException, HTTPResponse, IncompleteRead
 from tempfile import SpooledTemporaryFile
 from typing import IO, TYPE_CHECKING, Final, cast
 from urllib.error import HTTPError, URLError
@@ -102,6 +102,7 @@ class Endpoint:
                     if limit < 0:
                         raise StoreError("KG308", "the server sent more than it may", place=Place(self.shown))
                     target.write(chunk)
+                _check_complete(response)
         except HTTPError as error:
             raise self._refused(error) from error
         except (OSError, HTTPException) as error:
@@ -149,8 +150,7 @@ class Endpoint:
         with self._opener.open(request, timeout=timeout) as response:
             body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
             shutil.copyfileobj(response, body)
-            if response.length:  # reading in pieces ends quietly when the connection does
-                raise IncompleteRead(b"", response.length)
+            _check_complete(response)
             body.seek(0)
             return Answer(response.headers.get_content_type(), cast("IO[bytes]", body))
 
@@ -199,6 +199,12 @@ def _credentials(scheme: str, host: str) -> dict[str, str]:
     if token:
         return {"Authorization": f"Bearer {token}"}
     return {"Authorization": _basic(user or "", os.environ.get("KG_REMOTE_PASSWORD", ""))}
+
+
+def _check_complete(response: HTTPResponse) -> None:
+    """Raise IncompleteRead if the connection ended early, which reading in pieces does not report."""
+    if response.length:
+        raise IncompleteRead(b"", response.length)
 
 
 def _basic(user: str, password: str) -> str:

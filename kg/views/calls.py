@@ -59,6 +59,7 @@ def _fit(function: Callable[..., Any], given: BoundArguments) -> None:
 
 
 CALLS: Final[dict[str, View]] = {
+    "about": View("about", "about"),
     "blocks": View("rule_vocabulary", "blocks"),
     "blocks_check": View("rule_blocks", "blocks_check"),
     "blocks_open": View("rule_blocks", "blocks_open"),

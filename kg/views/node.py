@@ -262,7 +262,7 @@ def _classes(
                         "evidence": list(grade.evidence),
                     }
                 )
-        found[kind].sort(key=lambda one: (one["label"], one["iri"]))
+        found[kind].sort(key=lambda one: (graded.get(one["iri"], Grade()).rank, one["label"], one["iri"]))
     return found
 
 

@@ -57,11 +57,12 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     """Return the content of the start page.
 
     `snapshot` is the identity of the snapshot. `sources` has for each source `name`, `remote`, `branch`, `commit`,
-    `dirty`, `read` (ISO 8601), `version` (of `kg`), and the counts `packages`, `nodes`, `interfaces`, `unresolved`,
-    `files`, `problems`. `counts` maps lists (see `kg.views.lists.totals`) to how many rows they have; it is empty while
-    those of a large store have not been made. `systems` is how many launch configurations. `unresolved` and
-    `interfaces` are sums over the sources. `questions` are objects of `stored` without their text, with `question` (as
-    people say it), and in `parameters` an `example` that this store has.
+    `dirty`, `read` (ISO 8601), `version` (of `kg`), `root` (its folder, None if it was not on this machine), and the
+    counts `packages`, `nodes`, `interfaces`, `unresolved`, `files`, `problems`. `counts` maps lists (see
+    `kg.views.lists.totals`) to how many rows they have; it is empty while those of a large store have not been made.
+    `systems` is how many launch configurations. `unresolved` and `interfaces` are sums over the sources. `questions`
+    are objects of `stored` without their text, with `question` (as people say it), and in `parameters` an `example`
+    that this store has.
     """
     states = sources(snapshot, counted=True)
     return {
@@ -85,6 +86,7 @@ def _source(state: SourceState) -> dict[str, Any]:
         "dirty": state.dirty,
         "read": state.read,
         "version": state.version,
+        "root": state.root,
         "packages": counts.packages,
         "nodes": counts.nodes,
         "interfaces": counts.interfaces,

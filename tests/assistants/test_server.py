@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import re
+import subprocess
 import sys
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
+
+from kg.resources import folder
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -138,6 +142,32 @@ def test_queries_are_read_only_and_bounded(connected: Connected) -> None:
     assert "KG501" in message
 
 
+def test_an_empty_result_names_terms_missing_from_the_store(connected: Connected) -> None:
+    """A misspelt class gives no rows, and the likely name."""
+    failed, text = asked(connected, "query", sparql="SELECT ?node { ?node a rnkg:NodeTyp }")
+    assert not failed
+    assert "no rows" in text
+    assert "`rnkg:NodeTyp` is not in the store. Did you mean `rnkg:NodeType`" in text
+
+
+def test_a_slow_query_is_told_to_ask_for_less(connected: Connected, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The advice is about the query, since a tool has no setting for the time limit."""
+    monkeypatch.setattr("kg.assistants.tools._QUERY_SECONDS", 0.2)
+    failed, text = asked(connected, "query", sparql="SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f . ?g ?h ?i }")
+    assert failed
+    assert "KG503" in text
+    assert "Narrow the patterns" in text
+    assert "timeout" not in text
+
+
+def test_changes_are_looked_up_in_the_source_of_the_store(connected: Connected, store: Path) -> None:
+    """Wherever the server runs, the checkout is that of the store's only source, here a folder without git."""
+    failed, text = asked(connected, "diff", commits="HEAD~1..HEAD")
+    assert failed
+    assert "not a git repository" in text
+    assert f"--> {store.parent}" in text
+
+
 def test_a_program_is_checked_with_hints(connected: Connected) -> None:
     """The error has the line and the suggested capability, and no path of this machine."""
     failed, message = asked(connected, "check_program", program="goingToPse x: 1 m", system=ROVER)
@@ -246,9 +276,47 @@ def test_lists_are_read_page_by_page(connected: Connected) -> None:
     assert len(names) == len(set(names)) > 50
 
 
+def test_a_long_rule_has_pages(connected: Connected) -> None:
+    """The pages of a resource are at most 3 KB, name the next one by its address, and make up the whole text."""
+
+    async def run() -> list[str]:
+        async with connected() as client:
+            pages = [(await client.read_resource("kg://rule/architecture/unknown-end")).contents[0].text]
+            while found := re.search(r"continue with (kg://\S+)", pages[-1]):
+                pages.append((await client.read_resource(found[1])).contents[0].text)
+            return pages
+
+    pages = asyncio.run(run())
+    assert len(pages) > 1
+    assert max(len(page.encode()) for page in pages) <= 3000
+    text = "\n".join(page.rpartition("\npage ")[0] for page in pages)
+    assert text.splitlines() == (folder("rules") / "architecture" / "unknown-end.srl").read_text("utf-8").splitlines()
+
+
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:
     """`kg mcp` responds to a client that starts it, and prints nothing else on standard output."""
     mcp = pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
     program = mcp.StdioServerParameters(command=sys.executable, args=["-m", "kg", "--store", str(store), "mcp"])
     failed, text = answered(mcp.Client(program), "query", {"sparql": "ASK { ?node a rnkg:NodeType }"})
     assert (failed, text) == (False, "yes")
+
+
+def test_a_client_that_ends_during_a_call_is_no_defect(store: Path) -> None:
+    """`kg mcp` ends quietly when nobody reads the response."""
+    pytest.importorskip("mcp", reason="the extra `mcp` is not installed")
+    start = {"protocolVersion": "2025-03-26", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}}
+    query = {"name": "query", "arguments": {"sparql": "SELECT (COUNT(*) AS ?n) { ?a ?b ?c . ?d ?e ?f }"}}
+    command = [sys.executable, "-m", "kg", "--store", str(store), "mcp"]
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen(command, **pipes, text=True) as program:  # type: ignore[call-overload]  # pipes
+        assert program.stdin
+        assert program.stdout
+        assert program.stderr
+        for number, (method, parameters) in enumerate((("initialize", start), ("tools/call", query)), 1):
+            message = {"jsonrpc": "2.0", "id": number, "method": method, "params": parameters}
+            print(json.dumps(message), file=program.stdin, flush=True)
+            if method == "initialize":
+                program.stdout.readline()
+        program.stdout.close()
+        program.stdin.close()
+        assert "KG900" not in program.stderr.read()

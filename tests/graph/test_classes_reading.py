@@ -18,16 +18,16 @@ INFERRED = f"""
 
 
 def test_classes_are_read_by_their_labels() -> None:
-    """Functions, hardware and devices of the node, each sorted, without language tags, with their grades."""
+    """Functions, hardware and devices of the node, sorted by grade and label, without language tags."""
     store = Store()
     store.load(INFERRED, RdfFormat.TURTLE)
     found = classes(store, NODE)
     assert found == Classes(
-        (Class("control"), Class("navigation", Grade("strong", ("name", "code")))),
+        (Class("navigation", Grade("strong", ("name", "code"))), Class("control")),
         (Class("laser scanner", Grade("certain")),),
         (Class("Hokuyo UTM-30LX"),),
     )
-    assert list(map(str, found.functions)) == ["control", "navigation (strong: name, code)"]
+    assert list(map(str, found.functions)) == ["navigation (strong: name, code)", "control"]
     assert str(found.hardware[0]) == "laser scanner (certain)"
 
 

@@ -57,7 +57,7 @@ def test_nodes_of_one_package_are_listed() -> None:
 
 
 def test_channels_have_their_types_and_the_nodes_at_their_ends() -> None:
-    """Ends without a type are listed; implicit ones only on request."""
+    """Ends without a type are listed; names that only frameworks use are listed on request."""
     store = stored(("a", (ROVER,)), ("b", (replace(ROVER, interfaces=ROVER.interfaces[3:]),)))
     odom = Channel("/odom", ("nav_msgs/Odometry",), ("a/rover",), (), 0)
     scan = Channel("/scan", (), (), ("a/rover", "b/rover"), 0)
@@ -65,3 +65,10 @@ def test_channels_have_their_types_and_the_nodes_at_their_ends() -> None:
     assert [one.name for one in channels(store, "topic", implicit=True)] == ["/odom", "/rosout", "/scan"]
     assert [one.name for one in channels(store, "action")] == ["/dock", "/drive"]
     assert channels(store, "service") == []
+
+
+def test_ends_that_frameworks_create_count_where_a_node_has_the_other() -> None:
+    """A client of a service that a framework offers has that server, and a subscriber of a log its publishers."""
+    log = replace(ROVER, interfaces=(*ROVER.interfaces, _end(Role.SUBSCRIBES, "rosout", "rosgraph_msgs/Log")))
+    listed = channels(stored(("a", (ROVER,)), ("b", (log,))), "topic")
+    assert listed[1] == Channel("/rosout", ("rosgraph_msgs/Log",), ("a/rover", "b/rover"), ("b/rover",), 0)

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Quad, QueryResultsFormat, RdfFormat, Triple, parse
 from rdflib.query import Result as RdflibResult
 
+from kg.cli.answers import format_for
 from kg.errors import QueryError
 from kg.query.core import run
 from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, plain, write, write_rows
@@ -295,3 +296,11 @@ def test_parquet_says_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(QueryError, match="pyarrow") as raised:
         write(Solutions(("x",), (), 0.0, "1", None), "parquet")
     assert "kg-ros[parquet]" in str(raised.value.hint)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"), [("ttl", "turtle"), ("nt", "ntriples"), ("n3", "turtle"), ("md", "markdown")]
+)
+def test_short_names_of_formats_are_known(name: str, meant: str) -> None:
+    """`kg query --format` accepts the names of files that `kg export` writes."""
+    assert format_for(name) == meant

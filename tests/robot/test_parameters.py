@@ -69,6 +69,13 @@ def test_what_is_no_value_is_refused(parameter: NodeParameter, text: str, why: s
     assert refused.value.code == "KG843"
 
 
+def test_a_parameter_that_cannot_change_names_the_way_out() -> None:
+    """The advice for a read-only parameter is not about its value."""
+    with pytest.raises(RobotError) as refused:
+        parsed(_of("string", read_only=True), "x")
+    assert refused.value.hint == "Start the node with another value."
+
+
 @given(st.sampled_from(["boolean", "integer", "double", "string", "string array", "not set"]), st.text(max_size=20))
 def test_any_text_is_a_value_or_refused(kind: str, text: str) -> None:
     """Any text is a value or KG843."""

@@ -295,7 +295,7 @@ def test_any_tag(client: TestClient) -> None:
         assert (again.status_code, again.content) == (304, b"")
     assert client.get("/sparql", params={"query": COUNT}, headers=anything).headers["etag"] == first.headers["etag"]
     assert client.get("/sparql", params={"query": "SELECT"}, headers=anything).status_code == 400
-    assert client.post("/sparql", data={"query": COUNT}, headers=anything).status_code == 200
+    assert client.post("/sparql", data={"query": COUNT}, headers=anything).status_code == 412
 
 
 def test_what_the_accepted_formats_cannot_represent(client: TestClient) -> None:
@@ -314,6 +314,9 @@ def test_tags(client: TestClient) -> None:
     assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
     weak = client.get("/sparql", params={"query": COUNT}, headers={"if-none-match": f'"x", W/{tag}'})
     assert weak.status_code == 304
+    posted = client.post("/sparql", data={"query": COUNT}, headers={"if-none-match": tag})
+    assert (posted.status_code, posted.json()["code"]) == (412, "KG536")
+    assert client.post("/sparql", data={"query": COUNT}, headers={"if-none-match": '"x"'}).status_code == 200
     for other in ({"query": COUNT + " #"}, {"query": COUNT, "format": "csv"}, {"query": COUNT, "limit": "1"}):
         answer = client.get("/sparql", params=other, headers={"if-none-match": tag})
         assert (answer.status_code, answer.headers["etag"] != tag) == (200, True)

@@ -140,6 +140,7 @@ def test_people_in_a_browser_see_a_page(client: TestClient) -> None:
     """A browser gets a page that links to the explanation of the code; the request is shown as text."""
     answer = client.get("/<script>alert(1)</script>", headers=BROWSER)
     assert answer.status_code == 404
+    assert 'action="/search"' in answer.text
     assert answer.headers["content-type"] == "text/html; charset=utf-8"
     assert "<script>alert" not in answer.text
     assert "/errors/KG521" in answer.text

@@ -52,6 +52,13 @@ def test_pages_are_followed_by_links(client: TestClient) -> None:
     assert re.findall(r'href="([^"]*)">Previous', second) == ["/topics?limit=5&amp;sort=-giving&amp;ends=both+ends"]
 
 
+@_EVERY
+def test_the_number_of_rows_has_a_plural(name: str) -> None:
+    """A list names several of its things by a plural, such as kinds of hardware."""
+    assert LISTS[name].called(1) == LISTS[name].one
+    assert LISTS[name].called(2).split()[0].endswith("s") or LISTS[name].called(2).endswith("s")
+
+
 def test_an_unknown_format_is_refused(client: TestClient) -> None:
     """A format that lists do not support, by name or by header, is 406."""
     assert client.get("/nodes?format=xml").status_code == 406

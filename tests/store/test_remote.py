@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 from http.server import BaseHTTPRequestHandler, HTTPServer
+from io import BytesIO
 from typing import TYPE_CHECKING, ClassVar
 
 import pytest
@@ -13,6 +14,7 @@ from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, QueryTriples, Rd
 from store.servers import oxigraph_server
 
 from kg.errors import Exit, StoreError
+from kg.store.http import Endpoint
 from kg.store.remote import RemoteStore
 
 if TYPE_CHECKING:
@@ -141,7 +143,7 @@ class _Told(BaseHTTPRequestHandler):
     seen: ClassVar[list[tuple[str, str | None]]] = []
 
     def do_POST(self) -> None:
-        self.rfile.read(int(self.headers["Content-Length"]))
+        self.rfile.read(int(self.headers["Content-Length"] or 0))
         self.seen.append((self.path, self.headers["Authorization"]))
         if self.path == "/flaky" and len(self.seen) == 1:
             return
@@ -162,6 +164,8 @@ class _Told(BaseHTTPRequestHandler):
             self.send_header("Content-Length", "1000")
         self.end_headers()
         self.wfile.write(body)
+
+    do_GET = do_POST  # noqa: N815 - the name that the base class calls
 
     def log_message(self, *_: object) -> None:
         """Log nothing."""
@@ -238,6 +242,12 @@ def test_user_and_password_are_sent(told: str) -> None:
     with pytest.raises(StoreError):
         RemoteStore(f"http://me:a%40b@{told}/secret").read().count()
     assert _Told.seen == [("/secret", "Basic bWU6YUBi")]
+
+
+def test_a_download_that_is_cut_off_is_an_error(told: str) -> None:
+    """A file that is shorter than its announced length is not taken for complete."""
+    with pytest.raises(StoreError, match="closed the connection before its response was complete"):
+        Endpoint(f"http://{told}/cut").get(BytesIO(), 10_000)
 
 
 def test_a_query_is_sent_again_when_the_connection_breaks_and_an_update_is_not(told: str) -> None:

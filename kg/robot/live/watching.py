@@ -148,9 +148,11 @@ class Watching:
             await ended(gone)
 
     async def _step(self, graph: ComputationGraph) -> AsyncIterator[Event]:
-        """Store a graph, and yield what was added and removed."""
+        """Yield what was added and removed, and store a graph; the ends come first, since writing can take seconds."""
         began = self._clock.now()
         before, known = self._graph or ComputationGraph(graph.ros), self._kept
+        for event in _changed("end", _explicit(before), _explicit(graph)):
+            yield event
         busy = False
         while True:
             try:
@@ -180,7 +182,6 @@ def _differences(before: ComputationGraph, graph: ComputationGraph, known: Kept 
     types = {name: str(match.type) for name, match in kept.matches.items()}
     nodes = {one.name: types.get(one.name, one.problem or one.address or "") for one in graph.nodes}
     yield from _changed("node", {one.name: "" for one in before.nodes}, nodes)
-    yield from _changed("end", _explicit(before), _explicit(graph))
     yield from _changed("capability", _names(known.held if known else {}), _names(kept.held))
     states = {one.name: one.state for one in before.nodes}
     for node in graph.nodes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.server.pages import lists, node, query, robot, rules, search, system, why
+from kg.server.pages import lists, node, query, resource, robot, rules, search, system, why
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -15,6 +15,7 @@ ROUTES: Final[list[BaseRoute]] = [
     *search.ROUTES,
     *lists.ROUTES,
     *node.ROUTES,
+    *resource.ROUTES,
     *system.ROUTES,
     *rules.ROUTES,
     *query.ROUTES,

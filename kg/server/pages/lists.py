@@ -60,10 +60,12 @@ class Listed:
     one: str
     lead: str
     columns: Sequence[Column]
+    many: str = ""
+    """The plural, where it is not the title."""
 
     def called(self, number: int) -> str:
         """Return the name for a number of things."""
-        return self.one if number == 1 else self.title[0].lower() + self.title[1:]
+        return self.one if number == 1 else self.many or self.title[0].lower() + self.title[1:]
 
 
 _NODE: Final = ("/node", {"iri": "iri"})
@@ -133,13 +135,13 @@ LISTS: Final[Mapping[str, Listed]] = {
     "topics": Listed(
         "Topics",
         "topic",
-        "Names in launched systems, after remapping, and of nodes started alone, without what frameworks create.",
+        "Names in launched systems, after remapping, and of nodes started alone; none that only frameworks use.",
         _channels("topic", "Publishers", "Subscribers"),
     ),
     "services": Listed(
         "Services",
         "service",
-        "Names in launched systems, after remapping, and of nodes started alone, without what frameworks create.",
+        "Names in launched systems, after remapping, and of nodes started alone; none that only frameworks use.",
         _channels("service", "Servers", "Clients"),
     ),
     "actions": Listed(
@@ -165,6 +167,7 @@ LISTS: Final[Mapping[str, Listed]] = {
         "kind of hardware",
         "Kinds of hardware and known devices that nodes work with, with the number of nodes by grade of evidence.",
         _classes("hardware"),
+        "kinds of hardware",
     ),
     "functions": Listed(
         "Functions",
@@ -213,8 +216,8 @@ LISTS: Final[Mapping[str, Listed]] = {
         "Problems in the wiring of launch files, as `kg lint` reports them.",
         (
             Column("Severity", "severity", "tags"),
-            Column("Code", "code", "mono", ("/resource", {"iri": "iri"})),
-            Column("Message", "message"),
+            Column("Code", "code", "mono", ("/findings", {"code": "code"})),
+            Column("Message", "message", to=("/resource", {"iri": "iri"})),
             Column("Launch file", "system", to=("/system", {"name": "system", "repository": "repository"})),
             _PLACE,
         ),
@@ -262,6 +265,19 @@ async def _list(request: Request) -> Response:
         last=url(address, **kept, offset=(found["total"] - 1) // most * most or "") if end < found["total"] else "",
         exports=[(label, url(address, **kept, format=key)) for key, label in _EXPORTS.items()],
     )
+
+
+async def related(request: Request, name: str, most: int, facets: Mapping[str, str]) -> dict[str, Any]:
+    """Return the first rows of a list that facets leave, for `list_table.html`, and the address of the whole list."""
+    found = await view(request, "list", of=name, limit=str(most), **facets)
+    columns = [(one, "", "") for one in LISTS[name].columns if one.key not in facets]
+    return {
+        "listed": LISTS[name],
+        "found": found,
+        "columns": columns,
+        "address": url(f"/{name}", **facets),
+        "link": _link,
+    }
 
 
 def _is_whole(text: str) -> bool:

@@ -1,7 +1,8 @@
-"""`/node?iri=` and `/resource?iri=`: all of one node, and the facts about anything without an own page."""
+"""`/node?iri=`: all of one node."""
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import RedirectResponse, Response
@@ -27,6 +28,14 @@ TAGS: Final = {
     "clients": "client",
     "action_servers": "action",
     "action_clients": "action",
+}
+_COUNTED: Final = {
+    "publishes": "publishes {} topic",
+    "subscribes": "subscribes to {} topic",
+    "services": "offers {} service",
+    "clients": "calls {} service",
+    "action_servers": "offers {} action",
+    "action_clients": "calls {} action",
 }
 _MANY: Final = 14  # above this number of channels, the picture shows fewer neighbours of each
 _NEAR: Final = (6, 2)
@@ -54,12 +63,23 @@ async def _node(request: Request) -> Response:
         twin=url("/api/node", iri=found["iri"]),
         node=found,
         explicit=explicit,
+        counted=_counted(explicit),
         implicit=[one for one in found["interfaces"] if one["implicit"]],
         parameters=[one for one in found["parameters"] if not one["implicit"]],
         more_parameters=[one for one in found["parameters"] if one["implicit"]],
         tags=TAGS,
         picture=_picture(found, explicit),
     )
+
+
+def _counted(explicit: list[dict[str, Any]]) -> list[str]:
+    """Return how many topics, services and actions the node publishes, offers, ..., in words."""
+    numbers = Counter(one["role"] for one in explicit)
+    return [
+        words.format(number) + ("" if number == 1 else "s")
+        for role, words in _COUNTED.items()
+        if (number := numbers[role])
+    ]
 
 
 def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
@@ -114,57 +134,4 @@ async def _graph(request: Request) -> Response:
     return Response(node_graph_svg(found["name"], node_relations(found)), media_type="image/svg+xml")
 
 
-_PAGES: Final = {
-    "node": ("/node", "iri", "All of this node on one page"),
-    "configuration": ("/system", "name", "The nodes that it starts, as a graph"),
-    **dict.fromkeys(("topic", "service", "action"), ("/channel", "name", "Who uses it, in every launch file")),
-}
-"""Kinds of things with pages of their own: path, parameter, and text of the link."""
-_LIMIT: Final = "25"
-
-
-async def _resource(request: Request) -> Response:
-    names = ("iri", "predicate", "direction", "offset", "limit")
-    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
-    iri = asked.setdefault("iri", "")
-    asked.setdefault("limit", "100" if "predicate" in asked else _LIMIT)
-    try:
-        found = await view(request, "resource", **asked)
-    except KgError as error:
-        if error.code not in ABSENT:
-            raise
-        name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
-        return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
-    own = _PAGES.get(found["kind"]) if "#" not in found["iri"] else None
-    return page(
-        request,
-        "resource.html",
-        title=found["label"],
-        twin=url("/api/resource", **asked),
-        found=found,
-        own=(url(own[0], **{own[1]: found["iri"]}), own[2]) if own else None,
-        sides=(("out", "Facts about it", found["out"]), ("in", "Facts that mention it", found["in"])),
-        chosen=asked.get("predicate", ""),
-        pages=_pages(found, asked),
-        address=lambda thing: url("/node" if thing["kind"] == "node" else "/resource", iri=thing["iri"]),
-    )
-
-
-def _pages(found: dict[str, Any], asked: dict[str, str]) -> dict[str, str]:
-    """Return the addresses of the previous and the next page of one property."""
-    groups = [*found["out"], *found["in"]]
-    if "predicate" not in asked or len(groups) != 1:
-        return {}
-    (group,) = groups
-    limit = int(asked["limit"]) if asked["limit"].isdigit() else len(group["facts"])
-    kept = {name: asked[name] for name in ("iri", "predicate", "direction", "limit") if name in asked}
-    around: dict[str, str] = {}
-    if group["offset"] > 0:
-        around["before"] = url("/resource", **kept, offset=max(0, group["offset"] - limit) or "")
-    following = group["offset"] + len(group["facts"])
-    if group["facts"] and following < group["count"]:
-        around["after"] = url("/resource", **kept, offset=following)
-    return around
-
-
-ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph), Route("/resource", _resource)]
+ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph)]

@@ -192,7 +192,9 @@ def _place(text: str, problem: dict[str, Any]) -> Place:
     """Return the place of a problem in the text of a program."""
     lines = text.split("\n")
     line = problem["line"] or 1
-    return Place("text", line, problem.get("column") or 1, lines[line - 1] if line <= len(lines) else "")
+    written = lines[line - 1] if line <= len(lines) else ""
+    first = len(written) - len(written.lstrip()) + 1
+    return Place("text", line, problem.get("column") or first, written)
 
 
 def _posted(

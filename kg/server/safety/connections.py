@@ -132,6 +132,8 @@ class Guarded(HttpToolsProtocol):
         self._whole = True
         self._refused = False
         self._answering = False
+        self._late: tuple[str, str] | None = None
+        """The refusal of a request, until all before it are answered."""
         self._timers: dict[str, asyncio.TimerHandle] = {}
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn does
@@ -219,7 +221,9 @@ class Guarded(HttpToolsProtocol):
         super().on_response_complete()
         if not self._answering and not self.transport.is_closing():
             self.crowd.wait(self, self._address)
-        if not self._whole and not self._in_head and not self.transport.is_closing():
+        if self._late and not self._answering:
+            self._refuse(*self._late)
+        elif not self._whole and not self._in_head and not self.transport.is_closing():
             self._start("rest", REST_SECONDS, self.transport.abort)
 
     def pause_writing(self) -> None:
@@ -242,6 +246,9 @@ class Guarded(HttpToolsProtocol):
         """Refuse a request without the application, and close the connection."""
         self._refused = True
         self._stop("head")
+        if self._answering and not self.cycle.more_body:
+            self._late = (code, message)
+            return
         if self.transport.is_closing() or (self._answering and not self._may_answer()):
             self.transport.abort()
             return
@@ -265,7 +272,7 @@ class Guarded(HttpToolsProtocol):
     def _may_answer(self) -> bool:
         """Take over the response to a request whose body is malformed; False if another one has begun."""
         cycle = self.cycle
-        if cycle.response_started or not cycle.more_body or self.pipeline:
+        if cycle.response_started or self.pipeline:
             return False
         cycle.disconnected = True  # the application is told that the client left, and sends nothing
         cycle.message_event.set()

@@ -84,6 +84,33 @@ def test_what_comes_and_goes_is_told_and_kept(bus: Bus, store: EmbeddedStore, se
     assert found.sighting.until is not None
 
 
+def test_ends_are_reported_before_the_store_is_written(
+    bus: Bus, store: EmbeddedStore, settings: Settings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first lines do not wait for a new store, which takes seconds."""
+    written, keep = threading.Event(), Keeper.keep
+
+    def late(self: Keeper, graph: ComputationGraph) -> Kept:
+        written.wait(patient(20))
+        return keep(self, graph)
+
+    async def run() -> tuple[list[Event], list[Event]]:
+        watching = Watching(store, settings, address=bus.address)
+        base = bus.join("/base")
+        await base.subscribe("/cmd_vel", "geometry_msgs/Twist")
+        monkeypatch.setattr(Keeper, "keep", late)
+        async with aclosing(watching.events()) as events:
+            before = await _until(events, lambda event: event.event == "end")
+            written.set()
+            after = await _until(events, _kept)
+        return before, after
+
+    before, after = asyncio.run(run())
+    assert before[-1].name == "/base subscribes /cmd_vel"
+    assert not _told(after, "end")
+    assert ("came", "/base") in _told(after, "node")
+
+
 def test_one_look_is_enough_for_a_snapshot(bus: Bus, store: EmbeddedStore, settings: Settings) -> None:
     """`once` writes the current system to the store."""
     watching = Watching(store, settings, address=bus.address)

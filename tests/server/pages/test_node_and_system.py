@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from html import unescape
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
 
 import pytest
+from listing import listed
 
 from kg.server.libraries import HELP, libraries
 from kg.server.pages import search
 from kg.server.pages import system as systems
-from kg.server.rendering import view
+from kg.server.rendering import environment, view
 
 if TYPE_CHECKING:
     from browsing import Chromium
@@ -72,7 +76,7 @@ def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str,
 
 
 def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, things: Shown) -> None:
-    """The first screen has function and hardware, and the page links take one line of it."""
+    """The first screen has function and hardware without weak ones, and the page links take one line of it."""
 
     async def look() -> tuple[list[str], set[float], float]:
         async with browser.visit(f"{site}/node?iri={things['node']}", viewport={"width": 390, "height": 800}) as visit:
@@ -82,7 +86,8 @@ def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, 
             return await about.all_text_contents(), set(heights), box["y"] if box else 800
 
     about, heights, end = browser.run(look())
-    assert {"data processing", "laser scanner", "arm"} <= set(about)
+    assert {"data processing", "laser scanner"} <= set(about)
+    assert "arm" not in about
     assert len(heights) == 1
     assert end < 500
 
@@ -203,6 +208,63 @@ def test_other_things_have_their_own_page(client: TestClient) -> None:
     answer = client.get("/node", params={"iri": "https://w3id.org/rnkg/topic/scan_filtered"})
     assert answer.status_code == 303
     assert answer.headers["location"].startswith("/resource?iri=")
+
+
+def _main(client: TestClient, address: str) -> str:
+    """Return a page from its heading on to its folded facts."""
+    text = client.get(address).text.partition("<h1>")[2]
+    assert '<summary id="facts">All facts' in text
+    return text.partition("<details>")[0].replace("<wbr>", "")
+
+
+def test_a_package_begins_with_what_it_has_and_needs(client: TestClient) -> None:
+    """Its nodes, launch files and types are lists, dependencies in the store are links, and facts are folded."""
+    found = listed(client, "packages", "rover_robot")
+    text = _main(client, f"/resource?iri={found['iri']}")
+    assert text.count('href="/node?iri=') == found["nodes"] == 6
+    assert 'href="/nodes?package=rover_robot&amp;repository=' in text
+    assert 'href="/system?name=' in text
+    (needed,) = re.findall(r"<dt>Needs</dt>\s*<dd>(.*)</dd>", text)
+    assert ">rover_core</a>" in needed
+    other = listed(client, "packages", "rover_core")
+    assert other["definitions"] == 3
+    assert ">rover_robot</a>" in _main(client, f"/resource?iri={other['iri']}")
+
+
+def test_a_type_begins_with_its_fields_and_users(client: TestClient) -> None:
+    """The definition in the store is a table with lines of code; nodes and topics of the type are lists."""
+    found = listed(client, "types", "rover_core/WheelSpeeds")
+    text = _main(client, f"/resource?iri={found['iri']}")
+    assert "WheelSpeeds.msg:" in text
+    assert text.count('href="/node?iri=') == found["nodes"] > 0
+    assert 'href="/channel?kind=topic' in text
+
+
+@pytest.mark.parametrize(("iri", "name"), [("hardware:laserScanner", "laser scanner"), ("function:control", "control")])
+def test_a_class_begins_with_its_nodes(client: TestClient, iri: str, name: str) -> None:
+    """Hardware and functions show their nodes, without the properties that select words and weights."""
+    text = _main(client, f"/resource?iri={iri}")
+    assert text.startswith(name)
+    assert 'href="/node?iri=' in text
+    assert "rnkg:least" not in text
+
+
+def test_a_finding_has_its_line_and_what_to_do(client: TestClient) -> None:
+    """The message is the title; launch file, code, rule and line follow."""
+    found = listed(client, "findings", "")
+    text = _main(client, f"/resource?iri={quote(found['iri'], safe='')}")
+    assert text.startswith(unescape(found["message"])[:20])
+    assert f'href="/errors/{found["code"]}"' in text
+    assert f'href="/rule?name={found["rule"].replace("/", "%2F")}"' in text
+    assert f"{found['file']}:{found['line']}" in text
+
+
+def test_the_name_of_a_link_to_the_editor_begins_with_its_text() -> None:
+    """A person who says the visible word to a browser chooses the link (WCAG 2.5.3)."""
+    macros: Any = environment().get_template("macros.html").module
+    place = dict.fromkeys(("repository", "commit")) | {"path": "src/a.cpp", "line": 3, "file": "/src/a.cpp"}
+    text = str(macros.evidence(place | {"web": "https://example.org/a.cpp", "vscode": "vscode://file/src/a.cpp:3"}))
+    assert 'aria-label="Edit src/a.cpp:3">edit</a>' in text
 
 
 def test_the_page_of_a_topic(client: TestClient) -> None:

@@ -35,6 +35,8 @@ def test_a_text_that_is_no_program_is_not_run(client: httpx.Client) -> None:
     """A syntax error is reported with its line; a body with both forms, or with none, is rejected."""
     found = client.post("/robot/run", json={"text": "wait 1 s\nif then\n"}).json()
     assert (found["code"], found["line"]) == ("KG830", 2)
+    unknown = client.post("/robot/run", json={"text": "forever\n  goingToPse x: 1 m\nend\n"}).json()
+    assert (unknown["code"], unknown["line"], unknown["column"]) == ("KG832", 2, 3)
     for body in ({}, {"text": TEXT, "program": {"body": []}}):
         assert client.post("/robot/run", json=body).json()["code"] == "KG520"
 

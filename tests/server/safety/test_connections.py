@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import sys
 import time
@@ -201,6 +202,14 @@ HALF = b"GET /health HTTP/1.1\r\nHost: localhost\r\n"
 CHEAP = b"GET /sparql?query=ASK{} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
 UNHURRIED = "from kg.server.safety import connections; connections.HEAD_SECONDS = 3600.0"
 """A server without timeouts for slow connections."""
+
+
+@pytest.mark.parametrize("before", [1, 2])
+def test_requests_before_a_malformed_one_are_answered(server: Serving, before: int) -> None:
+    """Responses to requests of one packet come in order; the malformed last one is refused (RFC 9112, 9.3.2)."""
+    complete = b"GET /sparql?query=ASK%7B%7D HTTP/1.1\r\nHost: localhost\r\n\r\n"
+    answer = heard(opened(server, complete * before + b"GET / HTTP/1.1\r\nHost localhost\r\n\r\n"))
+    assert re.findall(rb"HTTP/1.1 (\d+)", answer) == [b"200"] * before + [b"400"]
 
 
 def test_half_open_connections_keep_nobody_out(store: Path) -> None:

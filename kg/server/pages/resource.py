@@ -1,0 +1,121 @@
+"""`/resource?iri=`: packages, types, hardware, functions, capabilities, findings, and the facts about anything."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+from starlette.routing import Route
+
+from kg.errors import KgError
+from kg.server.addresses import url
+from kg.server.pages.lists import LISTS, related
+from kg.server.pages.missing import ABSENT, missing
+from kg.server.rendering import page, view
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+_PAGES: Final = {
+    "node": ("/node", "iri", "All of this node on one page"),
+    "configuration": ("/system", "name", "The nodes that it starts, as a graph"),
+    **dict.fromkeys(("topic", "service", "action"), ("/channel", "name", "Who uses it, in every launch file")),
+}
+"""Kinds of things with pages of their own: path, parameter, and text of the link."""
+_LIMIT: Final = "25"
+
+
+_OF_PACKAGE: Final = ("package", "repository")
+_TYPE: Final = ("types", {"nodes": ("type",), "topics": ("type",), "services": ("type",), "actions": ("type",)})
+_KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
+    "package": (
+        "packages",
+        {"nodes": _OF_PACKAGE, "systems": _OF_PACKAGE, "types": ("package",), "findings": _OF_PACKAGE},
+    ),
+    **dict.fromkeys(("message", "service-type", "action-type"), _TYPE),
+    "hardware": ("hardware", {"nodes": ("hardware",)}),
+    "function": ("functions", {"nodes": ("function",)}),
+    "capability": ("capabilities", {"nodes": ("capability",)}),
+}
+"""The list of a kind of thing (or prefix of its IRI), and the lists on its page with the facets that select rows."""
+_SHOWN: Final = 20
+"""Number of rows of each list."""
+
+
+async def _resource(request: Request) -> Response:
+    names = ("iri", "predicate", "direction", "offset", "limit")
+    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
+    iri = asked.setdefault("iri", "")
+    asked.setdefault("limit", "100" if "predicate" in asked else _LIMIT)
+    try:
+        found = await view(request, "resource", **asked)
+    except KgError as error:
+        if error.code not in ABSENT:
+            raise
+        name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
+        return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
+    own = _PAGES.get(found["kind"]) if "#" not in found["iri"] else None
+    first = {} if "predicate" in asked else await _first(request, found)
+    finding = first.get("finding")
+    return page(
+        request,
+        "resource.html",
+        title=finding["message"] if finding else found["label"],
+        twin=url("/api/resource", **asked),
+        found=found,
+        own=(url(own[0], **{own[1]: found["iri"]}), own[2]) if own else None,
+        first=first,
+        sides=(("out", "Facts about it", found["out"]), ("in", "Facts that mention it", found["in"])),
+        number=sum(group["count"] for group in (*found["out"], *found["in"])),
+        chosen=asked.get("predicate", ""),
+        pages=_pages(found, asked),
+        address=lambda thing: url("/node" if thing["kind"] == "node" else "/resource", iri=thing["iri"]),
+    )
+
+
+async def _first(request: Request, found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the page shows before the facts: a finding, or what is known of a thing and the lists about it."""
+    system, mark, _ = found["iri"].partition("#finding/")
+    if mark:
+        reported = (await view(request, "lint", system=system))["findings"]
+        finding = next((one for one in reported if one["iri"] == found["iri"]), None)
+        return {"finding": finding} if finding else {}
+    kind = found["kind"] or found["short"].partition(":")[0]
+    if kind not in _KINDS or (found["kind"] and "#" in found["iri"]):
+        return {}
+    of, lists = _KINDS[kind]
+    about = await view(request, "about", iri=found["iri"])
+    known = {"repository": about.get("repository", "")}
+    shown = [
+        await related(request, name, _SHOWN, {facet: known.get(facet, found["label"]) for facet in facets})
+        for name, facets in lists.items()
+    ]
+    return {
+        "about": about,
+        "repository": known["repository"],
+        "kind": kind,
+        "lists": [one for one in shown if one["found"]["rows"]],
+        "of": (of, LISTS[of].title),
+    }
+
+
+def _pages(found: dict[str, Any], asked: dict[str, str]) -> dict[str, str]:
+    """Return the addresses of the previous and the next page of one property."""
+    groups = [*found["out"], *found["in"]]
+    if "predicate" not in asked or len(groups) != 1:
+        return {}
+    (group,) = groups
+    limit = int(asked["limit"]) if asked["limit"].isdigit() else len(group["facts"])
+    kept = {name: asked[name] for name in ("iri", "predicate", "direction", "limit") if name in asked}
+    around: dict[str, str] = {}
+    if group["offset"] > 0:
+        around["before"] = url("/resource", **kept, offset=max(0, group["offset"] - limit) or "")
+    following = group["offset"] + len(group["facts"])
+    if group["facts"] and following < group["count"]:
+        around["after"] = url("/resource", **kept, offset=following)
+    return around
+
+
+ROUTES = [Route("/resource", _resource)]
