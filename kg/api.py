@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kg import settings
+from kg.lazily import lazily
 from kg.query import core
 from kg.store import opening
 
@@ -31,6 +32,22 @@ if TYPE_CHECKING:
     from kg.rules.reports import RunReport
     from kg.store.embedded import EmbeddedStore
     from kg.store.rdflib_view import SnapshotDataset
+
+with lazily():
+    from kg.graph.reading import node_records
+    from kg.graph.records import instance_object, node_object
+    from kg.lint.objects import as_object
+    from kg.lint.running import check_store, read_folders
+    from kg.pipeline.build import build as run
+    from kg.pipeline.inferring import run_on_store
+    from kg.pipeline.launching import chosen
+    from kg.query.evaluation import prepare
+    from kg.rules.engine.limits import Limits
+    from kg.search.compose import compose as composed
+    from kg.search.compose.results import composed_object
+    from kg.search.searching import hit_object, open_search
+    from kg.store.rdflib_view import SnapshotDataset as View
+    from kg.syntax.lexer import Kind, tokens
 
 __all__ = [
     "build",
@@ -71,8 +88,6 @@ def build(
         SourceError: KG101, KG102, KG103 if a source cannot be read at all.
         StoreError: KG301 without sources and store, KG302 while another process writes, KG304 if the disk is full.
     """
-    from kg.pipeline.build import build as run  # noqa: PLC0415 - only builds need it
-
     given = settings.load({"store": store, "jobs": jobs})
     with opening.writable(given, create=bool(sources)) as target:
         return run([str(source) for source in sources], target, given, report, "kg.build")
@@ -99,8 +114,6 @@ def compose(  # noqa: PLR0913 - the options of chains
         UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for a name in `using`.
     """
     from kg.search.compose import Question  # noqa: PLC0415 - only this function needs it
-    from kg.search.compose import compose as composed  # noqa: PLC0415 - the same
-    from kg.search.compose.results import composed_object  # noqa: PLC0415 - the same
 
     target = open_store(store)
     question = Question(tuple(sources), tuple(targets), tuple(using), ros, length, limit)
@@ -125,8 +138,6 @@ def find(
         StoreError: KG301 if there is no store.
         UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
     """
-    from kg.search.searching import hit_object, open_search  # noqa: PLC0415 - only this function needs it
-
     search = open_search(open_store(store))
     answer = search.find(text, filters, limit)
     return [hit_object(hit) for hit in answer.hits]
@@ -151,9 +162,7 @@ def findings(
         StoreError: KG301 without sources and store.
         UsageError: KG421 for the allow-list, KG422 for the launch file.
     """
-    from kg.lint.objects import as_object  # noqa: PLC0415 - only this function needs it
-    from kg.lint.question import Question  # noqa: PLC0415 - the same
-    from kg.lint.running import check_store, read_folders  # noqa: PLC0415 - the same
+    from kg.lint.question import Question  # noqa: PLC0415 - only this function needs it
 
     folders = [Path(source) for source in sources]
     given = settings.load({"store": store})
@@ -181,9 +190,6 @@ def infer(
         RuleError: KG2xx for rules that cannot be read or run, KG205 at the timeout; the store is unchanged.
         StoreError: KG301 if there is no store, KG302 while another process writes.
     """
-    from kg.pipeline.inferring import run_on_store  # noqa: PLC0415 - only rules need it
-    from kg.rules.engine.limits import Limits  # noqa: PLC0415 - the same
-
     given = settings.load({"store": store, "rules": None if rules is None else [str(folder) for folder in rules]})
     return run_on_store(given, full=full, dry_run=dry_run, limits=Limits(deadline=timeout))
 
@@ -207,9 +213,6 @@ def instances(
         UsageError: KG003 if the name is ambiguous, an argument is unknown, or there are arguments without a launch
             file.
     """
-    from kg.graph.records import instance_object  # noqa: PLC0415 - only this function needs it
-    from kg.pipeline.launching import chosen  # noqa: PLC0415 - the same
-
     given, target = settings.load({"store": store}), open_store(store)
     found = chosen(given, target, None if launch is None else str(launch), arguments or {}, environment or {})
     return [instance_object(system, one) for system in found for one in system.instances]
@@ -221,9 +224,6 @@ def nodes(*, package: str | None = None, store: str | Path | None = None) -> lis
     Raises:
         StoreError: KG301 if there is no store.
     """
-    from kg.graph.reading import node_records  # noqa: PLC0415 - only this function needs it
-    from kg.graph.records import node_object  # noqa: PLC0415 - the same
-
     with open_store(store).read() as snapshot:
         return [node_object(record) for record in node_records(snapshot, package=package)]
 
@@ -237,9 +237,6 @@ def rdflib_dataset(store: str | Path | None = None) -> SnapshotDataset:
     Raises:
         StoreError: KG301 if there is no store.
     """
-    from kg.query.evaluation import prepare  # noqa: PLC0415 - the same
-    from kg.store.rdflib_view import SnapshotDataset as View  # noqa: PLC0415 - the same
-    from kg.syntax.lexer import Kind, tokens  # noqa: PLC0415 - the same
     from kg.syntax.names import PREFIXES  # noqa: PLC0415 - rdflib takes a quarter of a second to load
 
     def prepared(text: str, values: Mapping[str, NamedNode | Literal]) -> str:

@@ -18,9 +18,15 @@ from typing import TYPE_CHECKING, Any, Final
 from kg import forms
 from kg.errors import Place, UsageError
 from kg.forms import Form, FormError
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+with lazily():
+    import tomllib
+
+    from kg.similar import did_you_mean
 
 
 __all__ = [
@@ -409,8 +415,6 @@ def _from_file(known: Mapping[str, Declaration], folder: Path) -> Iterator[tuple
             continue
         place = Place(str(file), _line_of(key, text, name))
         if key not in by_key:
-            from kg.similar import did_you_mean  # noqa: PLC0415 - start-up time
-
             hint = did_you_mean(key, by_key) or f"Valid settings: {', '.join(by_key)}."
             raise UsageError("KG002", f"unknown setting `{key}`", place=place, hint=hint)
         if not by_key[key].in_files:
@@ -430,8 +434,6 @@ def _parsed(file: Path) -> tuple[str, dict[str, Any]]:
 
 @cache
 def _parsed_at(file: Path, *_state: int) -> tuple[str, dict[str, Any]]:
-    import tomllib  # noqa: PLC0415 - takes 0.3 ms, only with a kg.toml
-
     try:
         text = file.read_text(encoding="utf-8")
         return text, tomllib.loads(text)

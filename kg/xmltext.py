@@ -5,8 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kg.lazily import lazily
+
 if TYPE_CHECKING:
     from lxml.etree import _Element
+
+with lazily():
+    from lxml import etree
 
 __all__ = ["XmlResult", "line_of", "parse_xml"]
 
@@ -26,8 +31,6 @@ def line_of(element: _Element) -> int:
 
 def parse_xml(text: bytes) -> XmlResult:
     """Parse UTF-8 `text`; the declaration of another encoding is overridden, entities are refused."""
-    from lxml import etree  # noqa: PLC0415  (the command line starts without it)
-
     if b"<!ENTITY" in text:
         line = text[: text.index(b"<!ENTITY")].count(b"\n") + 1
         return XmlResult(None, ("KG116", "defines entities, which are refused", line))
@@ -44,7 +47,5 @@ def parse_xml(text: bytes) -> XmlResult:
 
 
 def _parse(text: bytes, *, recover: bool) -> _Element | None:
-    from lxml import etree  # noqa: PLC0415  (as above)
-
     parser = etree.XMLParser(encoding="utf-8", recover=recover, resolve_entities=False, no_network=True, load_dtd=False)
     return etree.fromstring(text, parser)

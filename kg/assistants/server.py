@@ -10,6 +10,7 @@ from mcp.server.mcpserver import MCPServer
 from mcp.types import ToolAnnotations
 
 from kg.assistants.tools import Tools
+from kg.lazily import lazily
 from kg.query.readers.pool import Readers
 from kg.store.opening import layout_of
 
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable
 
     from kg.settings import Settings
+
+with lazily():
+    from importlib.metadata import version
 
 _INSTRUCTIONS: Final = """\
 kg is an index of the ROS nodes of this workspace: their topics, services, actions and parameters, their purpose, and
@@ -31,8 +35,6 @@ _SECONDS: Final = 30.0
 
 def create_server(settings: Settings) -> MCPServer:
     """Return the server of the store of the settings; StoreError KG301 when there is none."""
-    from importlib.metadata import version  # noqa: PLC0415 - searches the installation
-
     layout = layout_of(settings)
     tools = Tools(layout.address or str(layout.root), settings.timeout or _SECONDS, settings.robot)
 

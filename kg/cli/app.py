@@ -10,6 +10,13 @@ from kg.cli.options import Store, from_setting
 from kg.cli.output import json_lines, write
 from kg.cli.session import Session
 from kg.errors import Exit
+from kg.lazily import lazily
+
+with lazily():
+    from importlib.metadata import version
+
+    from kg.cli.commands.config import show
+    from kg.cli.reference import description
 
 EPILOGUE: Final = """
 Data goes to standard output, messages go to standard error. Exit codes:
@@ -228,8 +235,6 @@ app = typer.Typer(
 
 def _print_version(value: bool) -> None:  # noqa: FBT001 - the signature of typer's callbacks
     if value:
-        from importlib.metadata import version  # noqa: PLC0415 - start-up time
-
         write(f"kg {version('kg-ros')}")
         raise typer.Exit(Exit.OK)
 
@@ -249,8 +254,6 @@ Version = Annotated[
 
 def _print_description(context: typer.Context, value: bool) -> None:  # noqa: FBT001 - the signature of typer's callbacks
     if value:
-        from kg.cli.reference import description  # noqa: PLC0415 - start-up time
-
         json_lines([description(context)])
         raise typer.Exit(Exit.OK)
 
@@ -287,8 +290,6 @@ def kg(  # noqa: PLR0913 - the options before the command
 def _config(context: typer.Context) -> None:
     """Show settings and their origins."""
     if context.invoked_subcommand is None:
-        from kg.cli.commands.config import show  # noqa: PLC0415 - start-up time
-
         show(context)
 
 

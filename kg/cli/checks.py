@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import CATALOGUE, KgError, StoreError
 from kg.language.annotating import prepare
 from kg.language.loading import describe
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.resources import folder
 from kg.store.opening import layout_of
@@ -23,6 +24,11 @@ if TYPE_CHECKING:
 
     from kg.settings import Settings
     from kg.store.layout import Layout
+
+with lazily():
+    from kg.server.libraries import libraries
+    from kg.store.locks import busy
+    from kg.store.snapshot import EmbeddedSnapshot
 
 _DISTRIBUTION: Final = "kg-ros"
 _LEAST_FREE: Final = 200 << 20
@@ -93,7 +99,7 @@ def _data() -> Check:
 
 
 def _pages() -> Check:
-    from kg.server.libraries import HELP, libraries  # noqa: PLC0415 - start-up time
+    from kg.server.libraries import HELP  # noqa: PLC0415 - start-up time
 
     if not libraries():
         finding = "their libraries are missing: no pictures, and a plain text field as the editor"
@@ -133,7 +139,6 @@ def _store(settings: Settings) -> Iterator[Check]:
         yield Check("store", state, finding, CATALOGUE[error.code].way_out)
         return
     yield _content(layout)
-    from kg.store.locks import busy  # noqa: PLC0415 - start-up time
 
     holder = busy(layout)
     if holder is None:
@@ -143,8 +148,6 @@ def _store(settings: Settings) -> Iterator[Check]:
 
 
 def _content(layout: Layout) -> Check:
-    from kg.store.snapshot import EmbeddedSnapshot  # noqa: PLC0415 - start-up time
-
     try:
         with EmbeddedSnapshot(layout) as snapshot:
             quads, graphs = snapshot.count(), len(snapshot.graphs())

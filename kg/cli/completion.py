@@ -6,12 +6,23 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kg.errors import CATALOGUE, KgError
+from kg.lazily import lazily
 from kg.settings import load
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
     from kg.store.interface import Snapshot
+
+with lazily():
+    from kg.graph.overview import package_names
+    from kg.graph.parameters_reading import declared_names, set_names
+    from kg.graph.reading import node_names
+    from kg.graph.systems_reading import system_names
+    from kg.query.stored import discover
+    from kg.rules.authoring.library import Library
+    from kg.search.searching import open_search
+    from kg.store.opening import existing, reading
 
 
 def completing(names: Callable[[str], Iterable[str]]) -> Callable[[str], list[str]]:
@@ -28,8 +39,6 @@ def completing(names: Callable[[str], Iterable[str]]) -> Callable[[str], list[st
 
 @contextmanager
 def _snapshot() -> Iterator[Snapshot]:
-    from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-
     with reading(load()) as snapshot:
         yield snapshot
 
@@ -42,8 +51,6 @@ def codes(incomplete: str) -> list[tuple[str, str]]:
 @completing
 def nodes(_: str) -> Iterable[str]:
     """Return the names of nodes."""
-    from kg.graph.reading import node_names  # noqa: PLC0415 - start-up time
-
     with _snapshot() as snapshot:
         return node_names(snapshot)
 
@@ -51,8 +58,6 @@ def nodes(_: str) -> Iterable[str]:
 @completing
 def packages(_: str) -> Iterable[str]:
     """Return the names of packages."""
-    from kg.graph.overview import package_names  # noqa: PLC0415 - start-up time
-
     with _snapshot() as snapshot:
         return package_names(snapshot)
 
@@ -63,8 +68,6 @@ def features(kind: str) -> Callable[[str], list[str]]:
     @completing
     def complete(_: str) -> Iterable[str]:
         from kg.search.filters import known  # noqa: PLC0415 - start-up time
-        from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
-        from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
         whole = known(kind, open_search(existing(load())).names)
         return sorted({*whole, *(name.rpartition("/")[2] for name in whole)})
@@ -75,24 +78,18 @@ def features(kind: str) -> Callable[[str], list[str]]:
 @completing
 def queries(_: str) -> Iterable[str]:
     """Return the names of stored queries."""
-    from kg.query.stored import discover  # noqa: PLC0415 - start-up time
-
     return discover(load().queries)
 
 
 @completing
 def rules(_: str) -> Iterable[str]:
     """Return the names of rules."""
-    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-
     return Library.of(load()).entries
 
 
 @completing
 def launches(_: str) -> Iterable[str]:
     """Return the names of launch files."""
-    from kg.graph.systems_reading import system_names  # noqa: PLC0415 - start-up time
-
     with _snapshot() as snapshot:
         return [one.name for one in system_names(snapshot)]
 
@@ -122,7 +119,5 @@ def subjects(incomplete: str) -> list[str]:
 @completing
 def parameters(_: str) -> Iterable[str]:
     """Return the names of parameters declared in code, or set in launch and parameter files."""
-    from kg.graph.parameters_reading import declared_names, set_names  # noqa: PLC0415 - start-up time
-
     with _snapshot() as snapshot:
         return sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})

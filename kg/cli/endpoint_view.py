@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.output import Column, Linked, make_table
 from kg.cli.places import fitted
+from kg.lazily import lazily
 from kg.render.system_text import NOBODY
 from kg.render.text import count, printable
 
@@ -15,6 +16,11 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from kg.cli.links import Links
+
+with lazily():
+    from rich.text import Text
+
+    from kg.facts import Location
 
 _OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
 """Fields of a row for pages only; other fields have the same data."""
@@ -28,8 +34,6 @@ def endpoint_view(
 
     `every` gives each launch file a row, `via` adds the calls from a line to the framework.
     """
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     ends = found["endpoints"]
     qualities = {one["quality"] for one in ends}
     yield Text.assemble((printable(found["name"]), "bold"), f"  {found['kind']}  {', '.join(found['types'])}")
@@ -59,8 +63,6 @@ def parameter_view(
     found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
 ) -> Iterator[RenderableType]:
     """Yield the output for the view `parameter` at a width in columns; see `endpoint_view`."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     yield Text.assemble((printable(found["name"]), "bold"), "  parameter")
     place = _Places(links, columns, [*found["declared"], *found["values"]], ("evidence", "set_at", "launched"))
     if found["declared"]:
@@ -127,8 +129,6 @@ class _Places:
 
     def cell(self, evidence: Mapping[str, Any] | None, words: str = "") -> Linked | str:
         """Return a cell for a place, with `words` before it, or alone without a place."""
-        from kg.facts import Location  # noqa: PLC0415 - start-up time
-
         if evidence is None:
             return words
         address = self._links.to(evidence["repository"], Location(evidence["path"], evidence["line"] or 0))

@@ -6,16 +6,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.places import shortened
+from kg.lazily import lazily
 from kg.render.text import printable, width
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from rich.table import Table
-    from rich.text import Text
-
     from kg.cli.links import Links
     from kg.facts import Location
+
+with lazily():
+    from rich.table import Table
+    from rich.text import Text
 
 _GAP: Final = 3
 _LEAST_REMARK: Final = 16
@@ -47,8 +49,6 @@ class _Layout:
 def interface_table(groups: Sequence[tuple[str, Sequence[Row]]], repository: str, links: Links, columns: int) -> Table:
     """Return a rich table of groups with their titles, for a terminal of so many columns."""
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
-    from rich.table import Table  # noqa: PLC0415 - start-up time
-    from rich.text import Text  # noqa: PLC0415 - start-up time
 
     rows = [row for _, listed in groups for row in listed]
     layout = _layout(rows, columns)
@@ -75,8 +75,6 @@ def interface_table(groups: Sequence[tuple[str, Sequence[Row]]], repository: str
 
 def place_text(location: Location, repository: str, links: Links, shown: str | None = None) -> Text:
     """Return a place as rich text with a link to the file."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     address = links.to(repository, location)
     text = _where(location) if shown is None else shown
     return Text(printable(text), style=f"dim link {address}" if address else "dim")

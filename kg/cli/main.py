@@ -7,6 +7,11 @@ import os
 import sys
 from contextlib import suppress
 
+from kg.lazily import lazily
+
+with lazily():
+    from kg.cli.supervising import address_space, is_out_of_memory, supervise
+
 
 def run() -> None:
     """Run the command line of this process; even errors during imports end in a line or two."""
@@ -25,7 +30,7 @@ def _run() -> None:
     gc.set_threshold(100_000)
     # Before numpy is loaded: matrices are small here, and its threads would only spin.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from kg.cli.supervising import MemoryLimitError, address_space, is_out_of_memory, supervise  # noqa: PLC0415 - as below
+    from kg.cli.supervising import MemoryLimitError  # noqa: PLC0415 - as below
 
     try:
         if address_space():

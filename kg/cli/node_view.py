@@ -8,6 +8,7 @@ from kg.cli.interface_table import Row, interface_table, place_text
 from kg.facts import Description, Interface, NodeKind, NodeType, Parameter, PluginSlot
 from kg.graph.classes_reading import Class, Classes
 from kg.graph.records import how_to_start
+from kg.lazily import lazily
 from kg.render.text import printable
 from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups, quoted
 
@@ -15,11 +16,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from rich.console import RenderableType
-    from rich.text import Text
 
     from kg.cli.links import Links
     from kg.graph.reading import NodeRecord
     from kg.views.evidence import Places
+
+with lazily():
+    from rich.padding import Padding
+    from rich.text import Text
 
 _MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
 _NO_CLASSES: Final = Classes()
@@ -42,8 +46,6 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
 
     If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
     """
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     parts: list[RenderableType] = [*_header(record, links), *_inferred(classes)]
     said = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
     for one in said:
@@ -64,8 +66,6 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
 
 def node_lines(record: NodeRecord, where: Places, *, every: bool) -> tuple[Text, ...]:
     """Return the statements of a node, its interfaces and parameters, by place, each below its place."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     node = record.node
     locations = {node.location, *(one.location for one in node.slots)}
     locations.update(one.location for one in node.interfaces if every or not one.implicit)
@@ -83,8 +83,6 @@ def left_out(node: NodeType) -> int:
 
 
 def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     node = record.node
     language = LANGUAGES.get(node.language, node.language)
     yield Text.assemble((printable(node.name), "bold"), f"  {language} {node.kind} for ROS {node.ros}")
@@ -113,8 +111,6 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
 
 def _inferred(classes: Classes) -> Iterable[Text]:
     """Yield the node's functions and hardware; `kg why` explains both."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     yield Text.assemble(_field("function", ""), _listed(classes.functions) if classes.functions else "unknown")
     if classes.hardware or classes.devices:
         yield Text.assemble(_field("hardware", ""), _listed((*classes.hardware, *classes.devices)))
@@ -122,23 +118,16 @@ def _inferred(classes: Classes) -> Iterable[Text]:
 
 def _listed(held: Iterable[Class]) -> Text:
     """Return classes, the weak ones dimmed."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     return Text(", ").join(Text(str(one), "dim" if one.grade.grade == "weak" else "") for one in held)
 
 
 def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:
     """Yield the descriptions of a node and, dimmed, their places."""
-    from rich.padding import Padding  # noqa: PLC0415 - start-up time
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     yield Padding(Text(printable(said.text)), (0, 0, 0, 2))
     yield Text.assemble(("  ", "dim"), place_text(said.location, repository, links))
 
 
 def _field(name: str, value: str) -> Text:
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     return Text.assemble((f"  {name:<9} ", "dim"), printable(value))
 
 

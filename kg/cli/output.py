@@ -10,13 +10,18 @@ from typing import IO, TYPE_CHECKING, Any
 
 from kg.cli.diagnostics import colored, note
 from kg.errors import Place, UsageError
+from kg.lazily import lazily
 from kg.render.text import json_text, printable, width
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from rich.console import Console, RenderableType
+    from rich.console import RenderableType
+
+with lazily():
+    from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
 _GAP = 2  # spaces between two columns of a table
 _UNBOUNDED = 100_000
@@ -88,8 +93,6 @@ def json_line(record: Any) -> str:
 
 def console(stream: IO[str] | None = None) -> Console:
     """Return rich's console for a stream (default: standard output); lines are folded on terminals only."""
-    from rich.console import Console  # noqa: PLC0415 - start-up time
-
     stream = stream or sys.stdout
     is_terminal = stream.isatty()
     return Console(
@@ -145,7 +148,6 @@ def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, 
 def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:
     """Return a table of printable cells, without the spare columns that do not fit."""
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
-    from rich.table import Table  # noqa: PLC0415 - start-up time
 
     cells = [[_cell(value) for value in row] for row in rows]
     kept = _fitting(columns, cells)
@@ -174,8 +176,6 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
 
 
 def _drawn(cell: str | Linked) -> RenderableType:
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     if isinstance(cell, Linked):
         return Text(cell.text, style=f"link {cell.address}" if cell.address else "")
     return cell

@@ -8,10 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
-    from kg.query.stored import StoredQuery
     from kg.settings import Settings
+
+with lazily():
+    from kg.query.stored import QueryParameter, StoredQuery, TermText, find, read
 
 _PAIR: Final = re.compile(r"\s*[?$]?(?P<name>[^=:\s]+)\s*(?P<sign>:?=)(?P<value>.*)", re.DOTALL)
 _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
@@ -19,8 +22,6 @@ _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 def pairs(given: list[str]) -> dict[str, str]:
     """Return the values of parameters given as `name=value`, or as `name:=term`."""
-    from kg.query.stored import TermText  # noqa: PLC0415 - start-up time
-
     found: dict[str, str] = {}
     for pair in given:
         match = _PAIR.fullmatch(pair)
@@ -35,8 +36,6 @@ def pairs(given: list[str]) -> dict[str, str]:
 
 def query_meant(text: str | None, file: Path | None, settings: Settings) -> StoredQuery:
     """Return the query of the arguments: typed, from a file or standard input, or stored under a name."""
-    from kg.query.stored import find, read  # noqa: PLC0415 - start-up time
-
     if (text is None) == (file is None):
         raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")
     if text == "-" or str(file) == "-":
@@ -50,8 +49,6 @@ def query_meant(text: str | None, file: Path | None, settings: Settings) -> Stor
 
 def _typed(text: str, place: str) -> StoredQuery:
     """Return an ad-hoc query; each of its variables may be a parameter."""
-    from kg.query.stored import QueryParameter, StoredQuery  # noqa: PLC0415 - start-up time
-
     names = dict.fromkeys(re.findall(r"[?$](\w+)", text))
     parameters = tuple(QueryParameter(name, "string", "", "", None) for name in names)
     return StoredQuery("that was given", Path(place), "", "", parameters, text)

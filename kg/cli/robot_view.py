@@ -9,6 +9,7 @@ import msgspec
 
 from kg.cli.diagnostics import note, problem
 from kg.cli.output import Column, json_line, json_lines, listing, terminal, write
+from kg.lazily import lazily
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -18,6 +19,14 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph
     from kg.robot.live import Event, Watching
     from kg.robot.live.asking import Subject
+
+with lazily():
+    from kg.cli.trees import print_tree
+    from kg.graph.source_states import sources
+    from kg.robot.capabilities import added
+    from kg.rules.explain.export import proof_object
+    from kg.rules.explain.text import proof_lines
+    from kg.views.evidence import Places
 
 _COLUMNS: Final = (
     Column("kind", spare=3),
@@ -61,8 +70,6 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
 
 def show_added(subject: Capabilities, base: Capabilities, *, every: bool, json: bool) -> None:
     """Write the capabilities that a package would add."""
-    from kg.robot.capabilities import added  # noqa: PLC0415 - start-up time
-
     found = added(subject, base)
     if not json and found.capabilities:
         note(f"what {subject.of} would add to {base.of}")
@@ -74,14 +81,8 @@ def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
     """Write the proof of a capability for each node: trees, or one object each."""
     proofs = subject.why(name)
     if json:
-        from kg.rules.explain.export import proof_object  # noqa: PLC0415 - start-up time
-
         json_lines(proof_object(proof, subject.view) for proof in proofs)
         return
-    from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
-    from kg.views.evidence import Places  # noqa: PLC0415 - start-up time
 
     for proof in proofs:
         print_tree(proof_lines(proof, subject.view), Places.of(sources(subject.graph)))

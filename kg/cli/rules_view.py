@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.output import Column, make_table
+from kg.lazily import lazily
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from rich.console import RenderableType
-    from rich.table import Table
-    from rich.text import Text
 
     from kg.errors import RuleError
     from kg.rules.authoring.coverage import RuleCoverage
@@ -31,6 +30,14 @@ if TYPE_CHECKING:
     from kg.rules.files import Documentation
     from kg.rules.form import Term
     from kg.rules.reports import RunReport
+
+with lazily():
+    from pyoxigraph import NamedNode
+    from rich.padding import Padding
+    from rich.table import Table
+    from rich.text import Text
+
+    from kg.rules.authoring.spelling import spell_term, spell_triple
 
 _ITEM: Final = re.compile(r"(?:[-*]|\d+[.)]) ")
 COLUMNS: Final = (
@@ -69,9 +76,6 @@ def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) 
 
 def manual_lines(known: Manual) -> Iterator[RenderableType]:
     """Yield the lines about one rule: its description, documentation, dependencies and text."""
-    from rich.padding import Padding  # noqa: PLC0415 - start-up time
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     file = known.file
     since = f", since {file.documentation.since}" if file.documentation.since else ""
     severity = f", reports a {file.documentation.severity}" if file.documentation.severity else ""
@@ -115,8 +119,6 @@ def _notation(known: Manual) -> str:
 
 
 def _fields(known: Manual) -> Table:
-    from rich.table import Table  # noqa: PLC0415 - start-up time
-
     first, last = (known.strata[0], known.strata[-1]) if known.strata else (0, 0)
     strata = f"{first}" if first == last else f"{first} to {last}"
     fields = (
@@ -146,8 +148,6 @@ def _fields(known: Manual) -> Table:
 
 def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterator[Text]:
     """Yield the results of a rule's examples: a line for the rule, and one for each relevant example."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     found = list(results)
     failed = [result for result in found if not result.passed]
     ran = [result for result in found if result.title]
@@ -160,8 +160,6 @@ def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterat
 
 
 def _example_lines(result: Result) -> Iterator[Text]:
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     title = printable(result.title or "the rule and its examples")
     if result.passed:
         yield Text.assemble(("      ok    ", "green"), title)
@@ -187,8 +185,6 @@ def _line_of(line: int | None) -> str:
 
 def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> Text:
     """Return a line about something added (`+`) or removed (`-`)."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     style = "green" if sign == "+" else "red"
     line = Text.assemble(" " * indent, (f"{sign} ", f"bold {style}"), (printable(text), style))
     return line.append(f"  {about}", style="dim") if about else line
@@ -196,8 +192,6 @@ def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> T
 
 def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
     """Yield added or removed triples with labels of their parts, or names if labels are ambiguous."""
-    from kg.rules.authoring.spelling import spell_triple  # noqa: PLC0415 - start-up time
-
     texts = [" ".join(_called(term, change, view) for term in _terms(change)) for change in changes]
     signs = [change.sign for change in changes]
     alike = Counter(zip(texts, signs, strict=True))
@@ -214,8 +208,6 @@ def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
 
 def _placed(term: Term, change: Changed, view: View) -> str:
     """Return the label of a thing, with that of its parent."""
-    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
-
     name = _called(term, change, view)
     whole = NamedNode(term.value.partition("#")[0]) if isinstance(term, NamedNode) and "#" in term.value else None
     place = view.label(whole) if whole is not None and term != change.triple.predicate else ""
@@ -228,8 +220,6 @@ def _terms(change: Changed) -> tuple[Term, Term, Term]:
 
 def _called(term: Term, change: Changed, view: View) -> str:
     """Return the label of a thing, else its prefixed name; properties have prefixed names only."""
-    from kg.rules.authoring.spelling import spell_term  # noqa: PLC0415 - start-up time
-
     label = view.spelt(term) if term == change.triple.predicate else view.label(term)
     return spell_term(term, change.prefixes) if label == view.spelt(term) else label
 
@@ -249,8 +239,6 @@ def difference_words(found: Difference) -> Iterator[str]:
 
 def element_table(rule: RuleProfile) -> Iterator[RenderableType]:
     """Yield the elements of a rule's bodies with their rows and seconds, in the order of the text."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     several = any(element.part > 1 for element in rule.elements)
     columns = (
         Column("run", "number"),
@@ -280,9 +268,6 @@ def element_table(rule: RuleProfile) -> Iterator[RenderableType]:
 
 def coverage_lines(rule: RuleCoverage) -> Iterator[RenderableType]:
     """Yield the lines about a rule with unused parts."""
-    from rich.padding import Padding  # noqa: PLC0415 - start-up time
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     yield Text.assemble((rule.name, "bold"), f"  {rule.covered} of {count(rule.parts, 'part')}")
     yield from (Padding(Text(words), (0, 0, 0, 4), expand=False) for words in gap_words(rule))
 

@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING, Final
 from kg.cli.diagnostics import note
 from kg.cli.output import console, line_width, show
 from kg.facts import Location
+from kg.lazily import lazily
 from kg.render.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from rich.text import Text
-
     from kg.cli.links import Links
     from kg.search.searching import Answer, Hit
+
+with lazily():
+    from rich.text import Text
+
+    from kg.search.wording import understood, unknown
 
 _REASONS: Final = 3
 _MOST: Final = 4  # maximum number of copies and variants listed for a hit
@@ -30,8 +34,6 @@ def row(hit: Hit) -> tuple[object, ...]:
 
 def show_hits(hits: Iterable[Hit], links: Links) -> None:
     """Write hits for people: each with its reasons and the lines of code behind them, as links."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     for hit in hits:
         if hit.rank > 1:
             show("")
@@ -47,8 +49,6 @@ def show_hits(hits: Iterable[Hit], links: Links) -> None:
 
 def _folded(words: Text, place: Text) -> list[Text]:
     """Return the lines of a reason, folded; places are never broken."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     room = max(_NARROWEST, line_width() - len(_FIRST))
     parts = [words] if words.cell_len <= room else list(words.wrap(console(), room - 2))
     if place and parts[-1].cell_len + place.cell_len + 4 > room:
@@ -93,7 +93,7 @@ def _others(hit: Hit) -> list[str]:
 
 def tell(answer: Answer) -> None:
     """Report on standard error how the words were read, which ones describe no node, and whether anything fits."""
-    from kg.search.wording import NEAREST, understood, unknown  # noqa: PLC0415 - start-up time
+    from kg.search.wording import NEAREST  # noqa: PLC0415 - start-up time
 
     strict, rather = understood(answer.need)
     if strict:

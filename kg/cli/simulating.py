@@ -17,12 +17,19 @@ from kg.cli.diagnostics import say
 from kg.cli.numbers import factor, whole
 from kg.cli.numbers import seconds as number_of_seconds
 from kg.errors import StoreError, UsageError
+from kg.lazily import lazily
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from kg.robot.simulation.plan import Place
-    from kg.robot.simulation.running import Choice
     from kg.settings import Settings
+
+with lazily():
+    from kg.evaluate.exercises import exercises
+    from kg.resources import folder
+    from kg.robot.connecting import scheme_of
+    from kg.robot.simulation.running import Choice, simulate
+    from kg.store.opening import layout_of
 
 
 def chosen(  # noqa: PLR0913 - the options of a command
@@ -42,9 +49,7 @@ def chosen(  # noqa: PLR0913 - the options of a command
         UsageError: KG003 invalid options.
         RobotError: KG801 an invalid address of a master.
     """
-    from kg.robot.connecting import scheme_of  # noqa: PLC0415 - start-up time
     from kg.robot.simulation.plan import PLANS  # noqa: PLC0415 - start-up time
-    from kg.robot.simulation.running import Choice  # noqa: PLC0415 - the same
 
     if world not in PLANS:
         hint = did_you_mean(world, PLANS) or f"One of {', '.join(PLANS)}."
@@ -72,7 +77,7 @@ def chosen(  # noqa: PLR0913 - the options of a command
 
 def _start(world: str, number: int) -> Place | None:
     """Return the start of the robot in an exercise; UsageError KG003 for a world without exercises."""
-    from kg.evaluate.exercises import ROBOTS, exercises  # noqa: PLC0415 - start-up time
+    from kg.evaluate.exercises import ROBOTS  # noqa: PLC0415 - start-up time
 
     robot = next((one for one in ROBOTS if one == world), None)
     if robot is None:
@@ -86,8 +91,6 @@ async def simulated(choice: Choice, settings: Settings | None) -> None:
 
     Raises as `kg.robot.simulation.running.simulate`.
     """
-    from kg.robot.simulation.running import simulate  # noqa: PLC0415 - start-up time
-
     pages: list[asyncio.Task[None]] = []
 
     def begun(address: str) -> None:
@@ -115,8 +118,6 @@ async def simulated(choice: Choice, settings: Settings | None) -> None:
 
 def _example(world: str) -> str:
     """Return the path of an example program, as short as it can be typed here."""
-    from kg.resources import folder  # noqa: PLC0415 - start-up time
-
     path = next((folder("examples") / "programs").glob(f"{world}-1-*.kgp"))
     return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)
 
@@ -126,8 +127,6 @@ async def _shown(address: str, settings: Settings) -> None:
 
     Without a store, a temporary one with the robot is used.
     """
-    from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
-
     token = os.environ.get("KG_TOKEN") or secrets.token_urlsafe(12)
     say(f"token of the page, which moves the robot: {token}")
     robot = ("--robot", address)

@@ -9,12 +9,22 @@ import typer
 from kg.cli.completion import launches
 from kg.cli.diagnostics import note, report
 from kg.errors import KgError, Place, UsageError
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.facts import System
     from kg.settings import Settings
+
+with lazily():
+    from kg.cli.build_view import near
+    from kg.facts import LaunchProblemKind
+    from kg.pipeline.launch_names import assignments, check_given
+    from kg.pipeline.launching import chosen, unread
+    from kg.pipeline.variants import united, variants
+    from kg.store.opening import existing, reading
+    from kg.views.evidence import places
 
 Launch = Annotated[
     str | None,
@@ -71,8 +81,6 @@ def given(
     launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Return the arguments and environment variables of the options; KG003 for invalid ones."""
-    from kg.pipeline.launch_names import assignments, check_given  # noqa: PLC0415 - start-up time
-
     found = assignments(arguments or ()), assignments(environment or (), "=")
     check_given(launch, *found)
     return found
@@ -83,8 +91,6 @@ def chosen_systems(
 ) -> Sequence[System]:
     """Return the selected systems, all without `launch`; raises as `kg.pipeline.launching.chosen`."""
     values = given(launch, arguments, environment)
-    from kg.pipeline.launching import chosen  # noqa: PLC0415 - start-up time
-    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
     found = chosen(settings, existing(settings), launch, *values)
     if values[1]:
@@ -99,8 +105,6 @@ def with_variants(
     if launch is None:
         raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
     values = given(launch, arguments, environment)
-    from kg.pipeline.variants import united, variants  # noqa: PLC0415 - start-up time
-    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
 
     found = variants(settings, existing(settings), launch, *values)
     tell_left_out(found.left_out)
@@ -115,19 +119,12 @@ def tell_left_out(labels: Sequence[str]) -> None:
 
 def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:
     """Report given environment variables that no file of the systems reads."""
-    from kg.pipeline.launching import unread  # noqa: PLC0415 - start-up time
-
     for name in unread(settings, systems, environment):
         note(f"no file of {systems[0].configuration.name} reads the environment variable `{name}`")
 
 
 def tell_malformed(settings: Settings, system: System) -> bool:
     """Report each line of a system's files that launch refuses, as KG415; return whether there is any."""
-    from kg.cli.build_view import near  # noqa: PLC0415 - start-up time
-    from kg.facts import LaunchProblemKind  # noqa: PLC0415 - start-up time
-    from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-
     every = system.configuration.problems
     found = {(one.location, one.message): None for one in every if one.kind is LaunchProblemKind.MALFORMED}
     if not found:

@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Field, FileKind, InterfaceDefinition, Location
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 
     from kg.corpus.reading import Reader
     from kg.corpus.workspace import PackageFolder
+
+with lazily():
+    from rosbags.typesys.idl import IDLParser
 
 _SUFFIXES: Final = {
     "msg": {"": "message"},
@@ -53,7 +57,6 @@ def read_idl(reader: Reader, package: str, path: str) -> tuple[InterfaceDefiniti
 def _parse(text: str) -> list[Message]:
     """Raise `ValueError` where the grammar of rosbags does not know the text."""
     from rosbags.typesys import TypesysError  # noqa: PLC0415 - hardly any package has IDL files
-    from rosbags.typesys.idl import IDLParser  # noqa: PLC0415 - the same
 
     directives_blanked = "\n".join("" if line.lstrip().startswith("#") else line for line in text.splitlines())
     try:

@@ -22,9 +22,13 @@ from pyoxigraph import NamedNode, RdfFormat, Triple, parse
 from kg.errors import GraphError
 from kg.graph import vocabulary as v
 from kg.graph.ontology_files import default_ontologies, ontology_triples, shapes_file
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator
+
+with lazily():
+    from kg.graph.shacl import findings
 
 _IMPORTS: Final = b"<http://www.w3.org/2002/07/owl#imports>"
 _NOTHING: Final = v.OWL + "Nothing"
@@ -159,7 +163,6 @@ def validate(triples: bytes, shapes: Path | None = None) -> tuple[ShapeFinding, 
     """
     if find_spec("pyshacl") is None:
         raise _missing("pyshacl")
-    from kg.graph.shacl import findings  # noqa: PLC0415 - needs the optional part
 
     return findings(triples, ontology_triples([shapes or shapes_file()]))
 

@@ -8,9 +8,13 @@ from typing import TYPE_CHECKING, Any
 from kg import facts
 from kg.graph.chains import chain_text
 from kg.graph.texts import summary
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord
+
+with lazily():
+    import yaml
 
 
 def node_object(record: NodeRecord) -> dict[str, Any]:
@@ -93,8 +97,6 @@ def end_object(end: facts.InstanceInterface) -> dict[str, Any]:
 
 def _yaml(text: str | None) -> Any:
     """Return the value of a YAML text if JSON can represent it; else the text."""
-    import yaml  # noqa: PLC0415 - only who shows instances needs it
-
     if text is None:
         return None
     try:

@@ -11,9 +11,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from spacy.language import Language
+
+with lazily():
+    from importlib.metadata import version
+
+    import spacy
+
+    from kg.language.shipping import load
 
 SHIPPED: Final = Path(__file__).resolve().parent / "model"
 """Folder of the shipped model."""
@@ -46,7 +54,7 @@ def identity(model: str) -> str:
         files = sorted(path for path in folder.rglob("*") if path.is_file())
         stats = ((path, path.stat()) for path in files)
         return " ".join(f"{path.relative_to(folder)} {one.st_size} {one.st_mtime_ns}" for path, one in stats)
-    from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415 - start-up time
+    from importlib.metadata import PackageNotFoundError  # noqa: PLC0415 - start-up time
 
     try:
         return f"{model} {version(model)}"
@@ -82,8 +90,6 @@ def pipeline(model: str) -> Language:
 
 
 def _named(model: str) -> Language:
-    import spacy  # noqa: PLC0415 - takes a second, only for tagging
-
     try:
         return spacy.load(Path(model).expanduser() if "/" in model else model, exclude=list(_UNUSED))
     except (ImportError, OSError, TypeError, ValueError, KeyError, AttributeError) as problem:
@@ -93,6 +99,4 @@ def _named(model: str) -> Language:
 
 
 def _shipped() -> Language:
-    from kg.language.shipping import load  # noqa: PLC0415 - imports spaCy
-
     return load(SHIPPED)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg import resources
 from kg.errors import Place, UsageError
 from kg.facts.texts import Phrase
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
     from spacy.tokens import Doc, Token
     from spacy.vocab import Vocab
+
+with lazily():
+    from spacy.matcher import Matcher
 
 FILE_NAME: Final = "hardware-patterns.toml"
 
@@ -101,8 +105,6 @@ class PhraseFinder:
 
     def __init__(self, vocab: Vocab, patterns: Sequence[Pattern]) -> None:
         """Compile the patterns; `UsageError` KG143 if spaCy rejects one."""
-        from spacy.matcher import Matcher  # noqa: PLC0415 - spaCy is only loaded for tagging
-
         self._patterns = {pattern.name: pattern for pattern in patterns}
         self._always = Matcher(vocab)
         self._gated = Matcher(vocab)

@@ -16,6 +16,7 @@ from kg.errors import StoreError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.source_states import SourceState, sources
 from kg.graph.systems_reading import SystemName, included, system_names
+from kg.lazily import lazily
 from kg.lint import baseline as baselines
 from kg.lint.allowing import Comments, allowances
 from kg.lint.reading import read_findings
@@ -34,6 +35,11 @@ if TYPE_CHECKING:
     from kg.pipeline.report import BuildReport
     from kg.pipeline.report import Report as Progress
     from kg.store.embedded import EmbeddedStore
+
+with lazily():
+    from kg.pipeline.build import build
+    from kg.pipeline.launching import chosen, trial
+    from kg.pipeline.variants import variants
 
 
 _PATIENCE: Final = 300.0
@@ -75,8 +81,6 @@ def read_folders(
         SourceError: KG101 an unreadable folder.
         StoreError: KG302 the other check takes minutes, KG306 the cache is not writable.
     """
-    from kg.pipeline.build import build  # noqa: PLC0415 - who asks a store loads no reader of sources
-
     given = replace(settings, store=own_store(folders))
     end = time.monotonic() + _PATIENCE
     while True:
@@ -105,7 +109,6 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
     store = existing(settings)
     if question.variants:
         return _check_variants(settings, store, question, folder)
-    from kg.pipeline.launching import chosen, trial  # noqa: PLC0415 - few ask, and it loads the readers of sources
 
     (system,) = chosen(settings, store, question.launch, question.arguments, question.environment)
     with trial(settings, store, system) as transaction:
@@ -114,9 +117,6 @@ def check_store(settings: Settings, question: Question, folder: Path) -> Checked
 
 def _check_variants(settings: Settings, store: EmbeddedStore, question: Question, folder: Path) -> Checked:
     """Return the report on a launch file, with findings that only its variants have."""
-    from kg.pipeline.launching import trial  # noqa: PLC0415 - as above
-    from kg.pipeline.variants import variants  # noqa: PLC0415 - as above
-
     if question.launch is None:
         raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
     found = variants(settings, store, question.launch, question.arguments, question.environment)

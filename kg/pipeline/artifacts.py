@@ -22,6 +22,7 @@ from kg.corpus.files import FilePath, PackageFolder, Source
 from kg.corpus.reading import load, mark
 from kg.errors import Place, SourceError, UsageError
 from kg.facts import Known, Problem  # noqa: TC001 - results are read by these annotations
+from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.plan import listing
 from kg.pipeline.recording import Lookup, RecordingWorkspace, answer
@@ -30,6 +31,9 @@ from kg.pipeline.work import Job, Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
+
+with lazily():
+    from msgspec import msgpack
 
 _BYTES: Final = 16
 _JOBS: Final = "jobs"
@@ -245,14 +249,12 @@ def _digest(content: bytes) -> str:
 
 
 def _encode(content: Any) -> bytes:
-    from msgspec import msgpack  # noqa: PLC0415 - start-up time
-
     return msgpack.encode(content, enc_hook=str)
 
 
 def _decode(content: bytes, kind: type[_Content]) -> _Content | None:
     """Return the content of a file; None if it has another form, written by another version of `kg`."""
-    from msgspec import DecodeError, msgpack  # noqa: PLC0415 - start-up time
+    from msgspec import DecodeError  # noqa: PLC0415 - start-up time
 
     try:
         return msgpack.decode(content, type=kind, dec_hook=lambda wanted, value: wanted(value))

@@ -25,6 +25,7 @@ from kg.errors import SourceError
 from kg.facts import FileKind
 from kg.graph.iris import Iris
 from kg.graph.shared import SHARED
+from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
 from kg.pipeline.inferring import Inference
@@ -44,14 +45,23 @@ if TYPE_CHECKING:
     from kg.corpus.fetching_lock import Entry
     from kg.corpus.files import Pin
     from kg.corpus.workspace import PackageFolder, Source
-    from kg.pipeline.cluster import ClusterPool
     from kg.pipeline.corpus import Corpus
-    from kg.pipeline.pool import Pool, Task
     from kg.pipeline.work import Outcome
     from kg.pipeline.writing import Written
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
+
+with lazily():
+    from kg.language.annotating import prepare
+    from kg.pipeline.artifacts import Artifacts
+    from kg.pipeline.cluster import ClusterPool, batches
+    from kg.pipeline.corpus import connected
+    from kg.pipeline.extracting import Request
+    from kg.pipeline.pool import Pool, Task
+    from kg.pipeline.systems import update_systems
+    from kg.pipeline.work import Job
+    from kg.pipeline.writing import Writing, untouched
 
 _CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
 _GC_THRESHOLD = 100_000
@@ -111,7 +121,6 @@ def _cluster(settings: Settings, report: Report, pins: Mapping[str, Pin]) -> Abs
     """Return the cluster of the settings with the repositories that its workers fetch; None without a cluster."""
     if not settings.cluster:
         return nullcontext()
-    from kg.pipeline.corpus import connected  # noqa: PLC0415 - few builds have a cluster
 
     return connected(settings.cluster, report, pins)
 
@@ -217,9 +226,6 @@ class _Build:
         }
         if not changed and self._systems_hold():
             return self._state.systems, totals(self._state.systems)
-        # Late, as a build without changes wires nothing.
-        from kg.pipeline.systems import update_systems  # noqa: PLC0415 - see above
-
         iris = Iris(self._settings.base)
         return update_systems(
             self._transaction, self._cache, iris, packages, self._state.systems, now, touched=self._touched
@@ -268,7 +274,6 @@ class _Build:
         touched, iris = self._touched, Iris(self._settings.base)
         if touched is not None:
             return {name for name in names if iris.source_graph(name) not in touched}
-        from kg.pipeline.writing import untouched  # noqa: PLC0415 - a build without changes needs no graph
 
         return untouched(self._store, self._settings.base, {name: self._state.sources[name] for name in names})
 
@@ -305,9 +310,6 @@ class _Build:
         """Read the packages of the plan into `results`, and write the graphs of the `changed` sources."""
         with self._pool(workspace, plan, calls) as pool:
             self._jobs = pool.size if pool else self._jobs
-            # After the workers have started: they do not need these modules, and must not inherit an open engine.
-            from kg.pipeline.writing import Writing  # noqa: PLC0415 - see above
-
             trusted = self._trusted(workspace.sources, plan)
             if self._rules is not None:
                 self._inference.watch(self._transaction)
@@ -346,8 +348,6 @@ class _Build:
         """
         if not plan.read:
             return nullcontext()
-        from kg.pipeline.pool import Pool, Task  # noqa: PLC0415 - a build without changes imports no reader
-        from kg.pipeline.work import Job  # noqa: PLC0415 - the same
 
         workspace.prepare()
         model = self._settings.nlp_model
@@ -361,8 +361,6 @@ class _Build:
         if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
             # Once for all workers, which are forked. A single worker loads it with the first text that needs tagging;
             # if all packages were read before, most texts are already tagged.
-            from kg.language.annotating import prepare  # noqa: PLC0415 - a build without changes tags nothing
-
             prepare(model)
         job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache, calls)
         return Pool(job, tasks, self._jobs)
@@ -376,11 +374,7 @@ class _Build:
         calls: tuple[str, ...],
     ) -> ClusterPool:
         """Return the workers of the cluster in the settings; raises as `kg.pipeline.cluster.ClusterPool`."""
-        from kg.pipeline.artifacts import Artifacts  # noqa: PLC0415 - few builds have a cluster
-        from kg.pipeline.cluster import ClusterPool, batches  # noqa: PLC0415 - the same
-        from kg.pipeline.extracting import Request  # noqa: PLC0415 - the same
         from kg.pipeline.pool import PACKAGE_SECONDS  # noqa: PLC0415 - a build without changes imports no reader
-        from kg.pipeline.work import Job  # noqa: PLC0415 - the same
 
         settings = self._settings
         artifacts = Artifacts(settings.artifacts or str(self._cache / "artifacts"))

@@ -14,6 +14,7 @@ import json
 import zlib
 from typing import TYPE_CHECKING, Final
 
+from kg.lazily import lazily
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from kg.facts import Description, LaunchConfiguration
     from kg.graph.nodes import Stated
     from kg.pipeline.recording import Lookup
+
+with lazily():
+    from msgspec import msgpack
 
 _LEVEL: Final = 1
 _ENDING: Final = ".z"
@@ -42,8 +46,6 @@ def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
 
     It also contains the configurations of the package's launch files, its annotated descriptions, and its node types.
     """
-    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
-
     listed = json.dumps([[*lookup, answer] for lookup, answer in sorted(found.items())], separators=(",", ":"))
     encode = msgpack.encode
     parts = [
@@ -78,9 +80,7 @@ def lookups(folder: Path, name: str) -> dict[Lookup, str] | None:
 
 def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
     """Return the configurations of a package's launch files; None if the result is missing or damaged."""
-    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
-
-    from kg.facts import LaunchConfiguration  # noqa: PLC0415 - the same
+    from kg.facts import LaunchConfiguration  # noqa: PLC0415 - a build without changes opens no result
 
     part = _part(folder, name, _LAUNCHES)
     return None if part is None else msgpack.decode(part, type=tuple[LaunchConfiguration, ...])
@@ -88,8 +88,6 @@ def launches(folder: Path, name: str) -> tuple[LaunchConfiguration, ...] | None:
 
 def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
     """Return the annotated descriptions of a package; empty if the result is missing or damaged."""
-    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
-
     from kg.facts import Description  # noqa: PLC0415 - the same
 
     part = _part(folder, name, _DESCRIPTIONS)
@@ -98,8 +96,6 @@ def descriptions(folder: Path, name: str) -> tuple[Description, ...]:
 
 def nodes(folder: Path, name: str) -> tuple[Stated, ...]:
     """Return the node types of a package; empty if the result is missing or damaged."""
-    from msgspec import msgpack  # noqa: PLC0415 - a build without changes opens no result
-
     from kg.graph.nodes import Stated  # noqa: PLC0415 - the same
 
     part = _part(folder, name, _NODES)

@@ -6,10 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.errors import Place, SourceError
+from kg.lazily import lazily
 from kg.settings import Settings, user_paths
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+with lazily():
+    from kg.symbolic.checking import check
 
 
 def call_files(settings: Settings) -> list[Path]:
@@ -48,7 +52,6 @@ def checked_calls(settings: Settings) -> tuple[str, ...]:
     texts = read_calls(call_files(settings))
     if not texts:
         return ()
-    from kg.symbolic.checking import check  # noqa: PLC0415 - most builds have no descriptions of their own
 
     for error in check(texts):
         raise SourceError(

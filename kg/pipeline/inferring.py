@@ -25,6 +25,7 @@ from kg.errors import GraphError, KgError, Place, RuleError, UsageError
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
+from kg.lazily import lazily
 from kg.pipeline.reasoning import digest, ontology_digest, rules_in_force, rules_over, schema_of
 from kg.pipeline.report import Inferred
 from kg.rules.recording import Names
@@ -41,10 +42,15 @@ if TYPE_CHECKING:
     from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
-    from kg.rules.running import Runner
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
+
+with lazily():
+    from kg.rules.remote.running import run as run_remotely
+    from kg.rules.running import Runner, rdf_format, run_files
+    from kg.rules.written import Written
+    from kg.store.remote import RemoteStore
 
 _LAST: Final = "rules"
 """Cache file with the record of the last run; below, that with the ontologies written to the store."""
@@ -163,8 +169,6 @@ class Inference:
 
     def watch(self, transaction: EmbeddedTransaction) -> None:
         """Retain the triples that a transaction writes into an empty store, so the rules need not read them back."""
-        from kg.rules.written import Written  # noqa: PLC0415 - loads numpy
-
         if transaction.base is None and not transaction.changed:
             transaction.changes = Written(self._store.layout.cache)
 
@@ -275,8 +279,6 @@ class Inference:
 
 
 def _new_runner(store: EmbeddedStore, settings: Settings) -> Runner:
-    from kg.rules.running import Runner  # noqa: PLC0415 - loads numpy, not needed without changes
-
     return Runner(Names.of(settings.base, RNKG), store.layout.cache)
 
 
@@ -330,9 +332,6 @@ def run_on_server(
     settings: Settings, query_address: str, update_address: str | None = None, *, limits: Limits | None = None
 ) -> RemoteReport:
     """Run the rules on a SPARQL 1.1 server; raises as `run_on_store`, and KG225 if the server fails."""
-    from kg.rules.remote.running import run as run_remotely  # noqa: PLC0415 - loads HTTP
-    from kg.store.remote import RemoteStore  # noqa: PLC0415 - the same
-
     store = RemoteStore(query_address, update_address)
     rules = specialised(rules_in_force(settings), schema_of(store.read()))
     return run_remotely(store, rules, inferred_graph=Names.of(settings.base, RNKG).inferred, limits=limits)
@@ -345,8 +344,6 @@ def run_on_files(
 
     Raises as `run_files`, and UsageError KG003 before the run if `output` is not writable.
     """
-    from kg.rules.running import run_files  # noqa: PLC0415 - loads numpy
-
     if output is not None:
         _check_output(output)
     schema = [triple for file in files for triple in _schema(file)]
@@ -368,8 +365,6 @@ def _check_output(output: Path) -> None:
 
 def _schema(file: Path) -> Iterator[Triple]:
     """Yield the axioms of a file; for N-Triples, only candidate lines are parsed. Other errors are reported later."""
-    from kg.rules.running import rdf_format  # noqa: PLC0415 - loads numpy
-
     kind = rdf_format(file)
     plain = kind == RdfFormat.N_TRIPLES
     with opened(file) as content:

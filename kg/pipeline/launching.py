@@ -19,6 +19,7 @@ from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
 from kg.graph.systems_reading import SystemName, system_names, systems
 from kg.launch.wiring.systems import wire
+from kg.lazily import lazily
 from kg.pipeline.inferring import Inference
 from kg.pipeline.launch_names import check_given, find
 from kg.pipeline.sources import installed_folders
@@ -37,6 +38,10 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
+with lazily():
+    from kg.launch.files import read_configuration
+    from kg.rules.selecting import columns_of
+
 
 def chosen(
     settings: Settings,
@@ -51,8 +56,6 @@ def chosen(
     """
     check_given(launch, arguments, environment)
     if launch is None:
-        from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of one launch file
-
         with store.read() as snapshot:
             return systems(columns_of(snapshot), system_names(snapshot), settings.base)
     state = load(store.layout.cache)
@@ -98,8 +101,6 @@ class LaunchFile:
             SourceError: KG101 if it cannot be read.
             UsageError: KG003 for an undeclared argument.
         """
-        from kg.launch.files import read_configuration  # noqa: PLC0415 - the readers of code take long to load
-
         name = self._name
         configuration = read_configuration(self.reader, name.path, name.ros, arguments, environment)
         if configuration is None:

@@ -19,6 +19,7 @@ from kg.corpus.files import FilePath
 from kg.corpus.reading import load, mark
 from kg.corpus.workspace import INSTALLED, FileEntry, PackageFolder, Source, Workspace
 from kg.language.loading import identity
+from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.calls import call_files, read_calls
 from kg.pipeline.kept import installations, kept, states
@@ -30,11 +31,25 @@ if TYPE_CHECKING:
     from kg.pipeline.state import PackageState, State
     from kg.settings import Settings
 
+with lazily():
+    from importlib.metadata import version as installed_version
+
 Key = tuple[str, str]
 """Name of the source and path of the package in it."""
 
 CODE: Final = (
-    *("facts", "holes.py", "names.py", "xmltext.py", "yamltext.py", "corpus", "symbolic", "extract", "language"),
+    *(
+        "facts",
+        "holes.py",
+        "lazily.py",
+        "names.py",
+        "xmltext.py",
+        "yamltext.py",
+        "corpus",
+        "symbolic",
+        "extract",
+        "language",
+    ),
     *("launch", "graph", "syntax/__init__.py", "syntax/names.py"),
     *("pipeline/cache.py", "pipeline/known.py", "pipeline/recording.py", "pipeline/work.py"),
 )
@@ -83,8 +98,6 @@ def code_version(model: str, folder: Path | None = None) -> str:
 
 
 def _libraries() -> list[str]:
-    from importlib.metadata import version as installed_version  # noqa: PLC0415 - not needed without changes
-
     return [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
 
 

@@ -17,6 +17,7 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
+from kg.lazily import lazily
 from kg.pipeline.kept import State, installations, kept, settled, states
 from kg.rules import compiled
 from kg.rules.files import RuleSet
@@ -29,14 +30,21 @@ from kg.store.terms import cells
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from kg.rules.checks.finding import Context
     from kg.rules.columns import Tables
     from kg.rules.documents import Statement
-    from kg.rules.explain.proof import Evidence
-    from kg.rules.explain.view import Vocabulary
     from kg.rules.partitions import Parts
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from kg.query.stored import discover as discover_queries
+    from kg.query.terms import iris_of
+    from kg.rules.checks.finding import Context
+    from kg.rules.checks.firing import StoreOf, nothing
+    from kg.rules.documents import place_of, statements
+    from kg.rules.explain.proof import Evidence
+    from kg.rules.explain.view import View, Vocabulary
+    from kg.rules.partitions import parts_of
 
 _USES: Final = """
 SELECT ?term (COUNT(*) AS ?uses) WHERE { { ?s ?term ?o } UNION { ?s a ?term FILTER(ISIRI(?term)) } } GROUP BY ?term"""
@@ -177,13 +185,6 @@ def rule_folders(settings: Settings) -> tuple[Path, ...]:
 
 def check_context(settings: Settings, snapshot: EmbeddedSnapshot | None) -> Context:
     """Return the context of checks: the ontologies, the stored queries, and a store if there is one."""
-    # Builds do not need this.
-    from kg.query.stored import discover as discover_queries  # noqa: PLC0415 - see above
-    from kg.query.terms import iris_of  # noqa: PLC0415 - see above
-    from kg.rules.checks.finding import Context  # noqa: PLC0415 - see above
-    from kg.rules.checks.firing import StoreOf, nothing  # noqa: PLC0415 - see above
-    from kg.rules.explain.view import View  # noqa: PLC0415 - see above
-
     vocabulary = explained_vocabulary(settings)
     ontologies = _ontologies(settings)
     terms = _terms(ontologies.query(_VOCABULARY, prefixes=dict(PREFIXES)))
@@ -292,8 +293,6 @@ def division(settings: Settings, snapshot: EmbeddedSnapshot) -> tuple[Parts, Par
 
     The first counts all facts, the second only asserted ones.
     """
-    from kg.rules.partitions import parts_of  # noqa: PLC0415 - builds divide nothing
-
     start = f"{settings.base}graph/"
 
     def part(graph: str, subject: str) -> str | None:
@@ -323,8 +322,6 @@ def _terms(rows: Any) -> frozenset[str]:
 
 def explained_vocabulary(settings: Settings) -> Vocabulary:
     """Return the vocabulary of explanations for these settings."""
-    from kg.rules.explain.view import Vocabulary  # noqa: PLC0415 - builds explain nothing
-
     iris, ontologies = Iris(settings.base), ontologies_in_force(settings)
     path, line, repository, declared_by, seen_at, seen_since = (
         NamedNode(RNKG + name) for name in ("path", "line", "repository", "declaredBy", "seenAt", "seenSince")
@@ -336,15 +333,10 @@ def explained_vocabulary(settings: Settings) -> Vocabulary:
 
 def _ontology_line(ontologies: tuple[Path, ...], fact: Triple) -> Evidence | None:
     """Return the line of an ontology that states a fact."""
-    from kg.rules.documents import place_of  # noqa: PLC0415 - only explanations need it
-    from kg.rules.explain.proof import Evidence  # noqa: PLC0415 - the same
-
     found = place_of(fact, _ontology_statements(ontologies))
     return Evidence(*found) if found else None
 
 
 @lru_cache(maxsize=1)
 def _ontology_statements(ontologies: tuple[Path, ...]) -> dict[str, Statement]:
-    from kg.rules.documents import statements  # noqa: PLC0415 - the same
-
     return statements(ontologies)

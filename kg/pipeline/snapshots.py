@@ -27,6 +27,7 @@ from typing import IO, TYPE_CHECKING, Final
 from urllib.parse import unquote, urlsplit
 
 from kg.errors import Place, StoreError
+from kg.lazily import lazily
 from kg.pipeline.updating.restoring import restore
 from kg.store.backups import canonical
 from kg.store.failure import translated
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
 
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from msgspec import json
 
 _FORM: Final = 1
 _MANIFEST: Final = "manifest.json"
@@ -294,13 +298,11 @@ def _file_digest(path: Path) -> str:
 
 
 def _encoded(manifest: Manifest) -> bytes:
-    from msgspec import json  # noqa: PLC0415 - start-up time
-
     return json.format(json.encode(asdict(manifest))) + b"\n"
 
 
 def _decoded(content: bytes, address: str) -> Manifest:
-    from msgspec import DecodeError, json  # noqa: PLC0415 - start-up time
+    from msgspec import DecodeError  # noqa: PLC0415 - start-up time
 
     try:
         manifest = json.decode(content, type=Manifest)

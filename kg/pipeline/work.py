@@ -16,6 +16,7 @@ from kg.graph.iris import Iris
 from kg.graph.packages import package_parts
 from kg.graph.shared import split
 from kg.language.annotating import annotate
+from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.known import known_as
 from kg.pipeline.report import PackageResult
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
     from kg.pipeline.recording import Lookup, RecordingWorkspace
+
+with lazily():
+    from kg.launch.files import reading
 
 _UNKNOWN: Final = (Resolution.UNRESOLVED, Resolution.PARTIAL)
 _NO_REASON: Final = "no reason was noted"
@@ -111,8 +115,6 @@ def read_package(
     reader = Reader(workspace, source, package, max_file_bytes)
     facts = extract_package(reader, calls)
     if any(entry.kind is FileKind.LAUNCH for entry in package.files):
-        from kg.launch.files import reading  # noqa: PLC0415 - a quarter of all modules, needed by few packages
-
         nothing: tuple[LaunchConfiguration, ...] = ()
         known = facts.package
         launches = guard(reader, reading.read_launches, nothing, reader, package, known.ros, known.also)

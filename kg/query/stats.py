@@ -10,12 +10,16 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
+from kg.lazily import lazily
 from kg.query import stored
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.store.terms import Term
+
+with lazily():
+    from kg.query.connectivity import Neighbours, connectivity
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +74,6 @@ class Asked(Protocol):
 
 def statistics(snapshot: Asked) -> Statistics:
     """Return the figures of a store, from a snapshot or its columns."""
-    from kg.query.connectivity import Neighbours, connectivity  # noqa: PLC0415 - loads numpy
-
     kinds = {_text(row[0]): _text(row[1]) for row in snapshot.query(stored.internal("entities"))}
     numbers = {iri: number for number, iri in enumerate(sorted(kinds))}
     neighbours = Neighbours.of(len(numbers), _edges(snapshot, numbers))

@@ -9,8 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.lazily import lazily
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+with lazily():
+    import graphlay
 
 _OPTIONS: Final = {
     "direction": "leftright",
@@ -59,8 +64,6 @@ class Places:
 
 def lay_out(nodes: Sequence[Node], links: Sequence[tuple[str, str]]) -> Places:
     """Return places for `nodes`; `links` are pairs of their keys, from source to target, and may form cycles."""
-    import graphlay  # noqa: PLC0415 - start-up time
-
     numbers = {node.key: number for number, node in enumerate(nodes)}
     graph = {
         "nodes": [_described(node, numbers) for node in nodes],

@@ -5,6 +5,11 @@ from __future__ import annotations
 from typing import Final
 from unicodedata import category, east_asian_width
 
+from kg.lazily import lazily
+
+with lazily():
+    import json
+
 _UNSAFE: Final = frozenset({"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"})
 _SPACES = str.maketrans({"\n": " ", "\r": " ", "\t": " "})
 
@@ -21,8 +26,6 @@ def printable(text: str) -> str:
 
 def json_text(record: object) -> str:
     """Return a value as JSON on one line, without control and direction characters as they are."""
-    import json  # noqa: PLC0415 - start-up time
-
     return printable_json(json.dumps(record, ensure_ascii=False, separators=(", ", ": ")))
 
 

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, RuleError
+from kg.lazily import lazily
 from kg.rules.files import NOTATIONS, Documentation, RuleFile, RuleSet, family_of
 from kg.rules.header import parse_header
 
@@ -21,6 +22,14 @@ if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
     from kg.rules.form import Rule
+
+with lazily():
+    from importlib.metadata import entry_points
+    from inspect import getfile
+
+    from kg.rules.decompose import decompose
+    from kg.rules.notations import shacl, srl
+    from kg.syntax.parser import parse_rq, parse_srl
 
 ENTRY_POINTS: Final = "kg.rules"
 """The group of entry points that name packs of rules."""
@@ -80,17 +89,11 @@ def _read_rq(text: str, path: Path, name: str, documentation: Documentation) -> 
 @lru_cache(maxsize=_KEPT)
 def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Mapping[str, str]]:
     """Return the rules and prefixes of a text, which nothing else decides; builds that follow each other ask again."""
-    from kg.rules.decompose import decompose  # noqa: PLC0415 - a notation is loaded when a file has it
-    from kg.syntax.parser import parse_rq  # noqa: PLC0415 - the same
-
     unit = parse_rq(text, path)
     return decompose(unit.rules[0], name, path, text), MappingProxyType(dict(unit.prefixes))
 
 
 def _read_srl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
-    from kg.rules.notations import srl  # noqa: PLC0415 - a notation is loaded when a file has it
-    from kg.syntax.parser import parse_srl  # noqa: PLC0415 - the same
-
     unit = parse_srl(text, str(path))
     rules = list(srl.rules(unit, name, str(path), text))
     data = list(srl.data(unit, str(path), text))
@@ -103,8 +106,6 @@ def _read_srl(text: str, path: Path, name: str, documentation: Documentation) ->
 
 
 def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
-    from kg.rules.notations import shacl  # noqa: PLC0415 - a notation is loaded when a file has it
-
     found = shacl.rules(text, name, path)
     return RuleFile(name, path, text, documentation, found, prefixes=shacl.prefixes(text))
 
@@ -219,8 +220,6 @@ def packs() -> tuple[Pack, ...]:
 @lru_cache(maxsize=1)
 def _declared(_places: tuple[str, ...], _times: tuple[int, ...]) -> tuple[EntryPoint, ...]:
     """Return the entry points of packs, looked for again when something was installed: every package is opened."""
-    from importlib.metadata import entry_points  # noqa: PLC0415 - start-up time
-
     return tuple(entry_points(group=ENTRY_POINTS))
 
 
@@ -233,8 +232,6 @@ def _changed(place: str) -> int:
 
 
 def _pack(entry: EntryPoint) -> Pack:
-    from inspect import getfile  # noqa: PLC0415 - start-up time
-
     hint = f"Reinstall or remove the package that declares it: {entry.value}."
     try:
         loaded = entry.load()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kg.lazily import lazily
 from kg.search import cache
 from kg.search.filters import wishes
 from kg.search.names import Names
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
     from kg.search.index import Index
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from kg.search.index import build
+    from kg.search.reading import read
 
 _REASONS = 5
 _DIGITS = 4  # scores are compared to so many decimals, so that sums of floats in another order change nothing
@@ -127,9 +132,6 @@ def search_of(snapshot: EmbeddedSnapshot, folder: Path) -> Search:
 
 def _indexed(snapshot: EmbeddedSnapshot, folder: Path) -> Index:
     """Return the index of a snapshot, built now and cached."""
-    from kg.search.index import build  # noqa: PLC0415 - not needed with a cached index
-    from kg.search.reading import read  # noqa: PLC0415 - the same
-
     with cache.alone(folder):
         # Another process may have built it while this one waited.
         index = cache.load(folder, snapshot.identity) or build(read(snapshot))

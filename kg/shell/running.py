@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, Final
 from textual.keys import Keys
 
 from kg.errors import Place, StoreError, UsageError
+from kg.lazily import lazily
 from kg.shell.actions import ACTIONS, CONTEXTS, TOGETHER, Action, key_named, key_words
 from kg.similar import did_you_mean
 from kg.store.following import Following
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from kg.settings import Settings
+
+with lazily():
+    from kg.shell.app import Shell
 
 _TYPING: Final = frozenset({"everywhere", "main", "editor", "find", "list"})
 """Contexts with text input, where a single character cannot be a key."""
@@ -126,7 +130,6 @@ def run(settings: Settings) -> int:
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         hint = "In scripts ask with `kg shell --once 'QUERY'`, or with `kg query`."
         raise UsageError("KG550", "the shell needs a terminal, but standard input or output is not one", hint=hint)
-    from kg.shell.app import Shell  # noqa: PLC0415 - what was checked above needs no textual
 
     shell = Shell(settings, layout, actions=chosen_actions(keys_file()))
     shell.run()

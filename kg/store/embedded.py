@@ -14,6 +14,7 @@ from __future__ import annotations
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from kg.lazily import lazily
 from kg.store import layout as layouts
 from kg.store.failure import remote_refusal
 from kg.store.locks import remove_unused, writer
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.store.layout import Layout
+
+with lazily():
+    from kg.store.remote_reading import RemoteReading
 
 
 class EmbeddedStore:
@@ -51,8 +55,6 @@ class EmbeddedStore:
                 that cannot be used.
         """
         if self.layout.address is not None:
-            from kg.store.remote_reading import RemoteReading  # noqa: PLC0415 - most stores are folders
-
             return RemoteReading(self.layout)
         return EmbeddedSnapshot(self.layout)
 

@@ -10,6 +10,7 @@ from typing import IO, TYPE_CHECKING, Final, cast
 from pyoxigraph import RdfFormat, parse
 
 from kg.errors import GraphError, Place, SourceError
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
     from pyoxigraph import Quad
 
     Reopened: TypeAlias = Callable[[], AbstractContextManager[IO[bytes]]]
+
+with lazily():
+    import gzip
+    from xml.parsers import expat
 
 BYTE_ORDER_MARK: Final = b"\xef\xbb\xbf"
 _PLACE: Final = re.compile(r"Parser error (?:at|between) line [^:]*: ")
@@ -68,8 +73,6 @@ class _Unpacked:
     """A compressed file that reports damage as KG601."""
 
     def __init__(self, file: IO[bytes], path: Path) -> None:
-        import gzip  # noqa: PLC0415 - start-up time
-
         self._file = gzip.GzipFile(fileobj=file)
         self._path = path
 
@@ -150,8 +153,6 @@ def _line(rdf_format: RdfFormat, reopened: Reopened) -> int | None:
 
 def _cut_off(reopened: Reopened) -> int | None:
     """Return the last line of an XML document whose elements are not all closed, else None."""
-    from xml.parsers import expat  # noqa: PLC0415 - start-up time
-
     no_end = expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS]
     parser = expat.ParserCreate()
     with reopened() as file:

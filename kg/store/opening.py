@@ -7,14 +7,25 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.lazily import lazily
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.errors import UsageError
     from kg.settings import Settings
-    from kg.store.embedded import EmbeddedStore
-    from kg.store.layout import Layout
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    import atexit
+    import hashlib
+    import shutil
+    import tempfile
+
+    from kg.store.embedded import EmbeddedStore
+    from kg.store.failure import remote_refusal
+    from kg.store.layout import Layout, create, find, user_cache
+    from kg.store.union import union_of
 
 _SERVERS: Final[dict[str, Layout]] = {}
 """The layouts of servers, by their address; each has a folder of this process or of the one that started it."""
@@ -26,7 +37,7 @@ def layout_of(settings: Settings) -> Layout:
     No engine is loaded. That of a server has a folder of its own for its cache, which ends with the process;
     UsageError KG002 where a file of settings names it.
     """
-    from kg.store.layout import FOLDER, PATIENT, Layout, find  # noqa: PLC0415 - start-up time
+    from kg.store.layout import FOLDER, PATIENT  # noqa: PLC0415 - start-up time
 
     if settings.store is None:
         return find(Path.cwd())
@@ -53,10 +64,6 @@ def _on_server(address: str) -> Layout:
     """Return the layout for a server, the same each time; its folder is temporary."""
     if address in _SERVERS:
         return _SERVERS[address]
-    import atexit  # noqa: PLC0415 - most stores are folders
-    import tempfile  # noqa: PLC0415 - the same
-
-    from kg.store.layout import Layout  # noqa: PLC0415 - start-up time
 
     folder = tempfile.TemporaryDirectory(prefix="kg-")
     atexit.register(folder.cleanup)
@@ -80,18 +87,12 @@ def mirrored(settings: Settings) -> Settings:
 
     It is in the user's folder for caches, and made where it is missing.
     """
-    import hashlib  # noqa: PLC0415 - most stores are folders
-
-    from kg.store.layout import create, user_cache  # noqa: PLC0415 - start-up time
-
     name = hashlib.blake2b(str(settings.store).encode(), digest_size=8).hexdigest()
     return replace(settings, store=create(user_cache() / "servers" / name).root)
 
 
 def existing(settings: Settings) -> EmbeddedStore:
     """Return the selected store; StoreError KG301 if there is none."""
-    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
-
     return EmbeddedStore(layout_of(settings))
 
 
@@ -121,12 +122,9 @@ def reading_all(settings: Settings, stores: Sequence[str]) -> Iterator[EmbeddedS
         with reading(settings) as snapshot:
             yield snapshot
         return
-    from kg.store.union import union_of  # noqa: PLC0415 - most commands read one store
 
     for name in stores:
         if "://" in name:
-            from kg.store.failure import remote_refusal  # noqa: PLC0415 - start-up time
-
             raise remote_refusal(name)
     with ExitStack() as stack:
         opened = [stack.enter_context(reading(replace(settings, store=Path(name).expanduser()))) for name in stores]
@@ -150,9 +148,7 @@ def or_empty(settings: Settings) -> Iterator[Settings]:
     else:
         yield settings
         return
-    import tempfile  # noqa: PLC0415 - only in this branch
 
-    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
 
     with tempfile.TemporaryDirectory(prefix="kg-") as folder:
@@ -169,7 +165,6 @@ def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedSto
     A new store is deleted again if the body fails before writing. Without `create`, StoreError KG301 if there is none.
     """
     from kg.errors import StoreError  # noqa: PLC0415 - start-up time
-    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
     from kg.store.layout import FOLDER  # noqa: PLC0415 - start-up time
 
     folder = Path.cwd() / FOLDER if settings.store is None else Path(settings.store)
@@ -187,6 +182,4 @@ def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedSto
 
 
 def _remove(root: Path) -> None:
-    import shutil  # noqa: PLC0415 - start-up time
-
     shutil.rmtree(root, ignore_errors=True)

@@ -23,6 +23,7 @@ from kg.graph.channels_reading import every_name
 from kg.graph.overview import Channel, NodeSummary
 from kg.graph.reading import node_records
 from kg.graph.records import node_object
+from kg.lazily import lazily
 from kg.pipeline.kept import settled, states
 from kg.query.counting import Counted, counted
 from kg.query.stats import Statistics, statistics
@@ -34,6 +35,9 @@ if TYPE_CHECKING:
 
     from kg.rules.selecting import Columns
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from kg.rules.selecting import columns_of
 
 _FOLDER: Final = "answers"
 _CODE: Final = ("facts", "graph", "launch/wiring", "query", "render", "views")
@@ -120,8 +124,6 @@ def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None
 
 def _whole(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
     """Return what is asked about the whole store."""
-    from kg.rules.selecting import columns_of  # noqa: PLC0415 - start-up time of kept answers
-
     return columns_of(snapshot)
 
 

@@ -6,17 +6,22 @@ from typing import TYPE_CHECKING
 
 from kg.errors import UsageError
 from kg.graph.ntriples import literal
+from kg.lazily import lazily
 from kg.similar import unknown
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.graph.reading import NodeRecord, Queryable
 
+with lazily():
+    from kg.graph.overview import packages
+    from kg.graph.reading import loaded_as, node_names, node_records
+    from kg.graph.systems_reading import started_names, system_names
+    from kg.pipeline.launch_names import matching, unknown_launch
+
 
 def known_package(graph: Queryable, name: str) -> None:
     """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""
-    from kg.graph.overview import packages  # noqa: PLC0415 - start-up time
-
     repository, _, own = name.rpartition(":")
     owner = f"?r rnkg:contains ?p ; rnkg:name {literal(repository)} ." if repository else ""
     if graph.query(f"ASK {{ ?p a rnkg:Package ; rnkg:name {literal(own)} . {owner} }}", prefixes=dict(PREFIXES)):
@@ -33,8 +38,6 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
 
     KG001 with suggestions if there is none, KG003 with the full names if there are several.
     """
-    from kg.graph.reading import loaded_as, node_names, node_records  # noqa: PLC0415 - start-up time
-
     front, _, last = name.rpartition("/")
     found = [*node_records(graph, node=name)]
     if front and not found:
@@ -61,9 +64,6 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
 
     KG001 with suggestions when none does, KG003 with the launch files when there are several.
     """
-    from kg.graph.systems_reading import started_names, system_names  # noqa: PLC0415 - start-up time
-    from kg.pipeline.launch_names import matching, unknown_launch  # noqa: PLC0415 - start-up time
-
     found = started_names(graph, name).get(name, [])
     if launch is not None:
         starting = matching(system_names(graph, named=found), launch)
@@ -85,8 +85,6 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
 
 def _candidates(graph: Queryable, name: str, names: list[str]) -> list[str]:
     """Return suggestions: plain names, or those with their package when a package was given."""
-    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
-
     if "/" not in name:
         return names
     return [f"{one.package}/{one.node.name}" for one in node_records(graph)]

@@ -5,12 +5,16 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Final
 
+from kg.lazily import lazily
 from kg.query.result import Row, Solutions
 from kg.query.runner import in_thread
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from kg.rules.selecting import Columns, columns_of
 
 __all__ = ["answer"]
 
@@ -36,7 +40,5 @@ def answer(
 
 
 def _found(snapshot: EmbeddedSnapshot, text: str) -> tuple[tuple[str, ...], list[Row]] | None:
-    from kg.rules.selecting import Columns, columns_of  # noqa: PLC0415 - start-up time of other queries
-
     columns = columns_of(snapshot)
     return columns.answer(text, prefixes=PREFIXES) if isinstance(columns, Columns) else None

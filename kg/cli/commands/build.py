@@ -12,6 +12,7 @@ from kg.cli.options import Json, NoRules, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.supervising import supervise
 from kg.errors import Exit, UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import layout_of, mirrored, writable
@@ -19,7 +20,21 @@ from kg.store.opening import layout_of, mirrored, writable
 if TYPE_CHECKING:
     from kg.corpus.files import Pin
     from kg.graph.source_states import SourceState
+
+with lazily():
+    from kg.cli import fetching_view
+    from kg.cli.build_view import left_out, report_object, summary, volume_object, volume_row, volumes_in_words
+    from kg.cli.fetching_view import not_as_pinned
+    from kg.cli.progress import for_people, for_this_stream
+    from kg.corpus.fetching_lock import checkouts, read_lock, standing
+    from kg.graph.source_states import sources
+    from kg.pipeline.build import build as run
+    from kg.pipeline.estimating import estimate
+    from kg.pipeline.pending import pending, rules_changed
+    from kg.store.embedded import EmbeddedStore
     from kg.store.remote import RemoteStore
+    from kg.store.remote_reading import without_credentials
+    from kg.store.replacing import replace_on
 
 _SERVER_SECONDS: Final = 3600.0
 """Seconds for a server to replace graphs."""
@@ -112,9 +127,6 @@ def _checkouts(corpus: str, *, elsewhere: bool) -> "tuple[dict[str, Pin | None],
 
     With `elsewhere`, missing repositories that have a commit are included, with their pins.
     """
-    from kg.cli.fetching_view import not_as_pinned  # noqa: PLC0415 - start-up time
-    from kg.corpus.fetching_lock import checkouts, read_lock, standing  # noqa: PLC0415 - start-up time
-
     lock = read_lock(Path(corpus))
     found = standing(lock, elsewhere=elsewhere)
     not_as_pinned(lock, found)
@@ -128,8 +140,6 @@ def _server(settings: Settings, update_url: str | None) -> "RemoteStore | None":
             raise UsageError("KG003", "--update-url needs a server, but the store is a folder")
         return None
     layout_of(settings)  # refuses a server that a file of settings names
-    from kg.store.remote import RemoteStore  # noqa: PLC0415 - start-up time
-    from kg.store.remote_reading import without_credentials  # noqa: PLC0415 - start-up time
 
     for address in filter(None, (settings.store, update_url)):
         without_credentials(address)
@@ -147,18 +157,11 @@ def _build(  # noqa: PLR0913 - the options of the command
     json: bool,
 ) -> bool:
     """Build, report the results, and return whether all rules could be used and all repositories fetched."""
-    from kg.cli import fetching_view  # noqa: PLC0415 - start-up time
-    from kg.cli.build_view import left_out, report_object, summary  # noqa: PLC0415 - start-up time
-    from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
-    from kg.pipeline.build import build as run  # noqa: PLC0415 - start-up time
-
     with writable(settings, create=bool(named)) as target, for_this_stream() as progress:
         report = run(named, target, settings, progress, " ".join(["kg build", *named]), rules=infer, pins=pins)
     for line in summary(report, target.layout.root, every=problems):
         say(line)
     if server is not None:
-        from kg.store.replacing import replace_on  # noqa: PLC0415 - start-up time
-
         sent = replace_on(target.layout, server)
         removed = f", removed {sent.removed:,}" if sent.removed else ""
         say(f"wrote {count(sent.graphs, 'graph')} with {count(sent.triples, 'triple')}{removed} to {server.address}")
@@ -170,10 +173,6 @@ def _build(  # noqa: PLR0913 - the options of the command
 
 def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
     """List what a build would read of each source, and about how long that takes."""
-    from kg.cli.build_view import volume_object, volume_row, volumes_in_words  # noqa: PLC0415 - start-up time
-    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
-    from kg.pipeline.estimating import estimate  # noqa: PLC0415 - start-up time
-
     with for_people() as progress:
         found = estimate(named, settings, progress)
     columns = (
@@ -188,8 +187,6 @@ def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
 
 def _watch(settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool) -> None:
     """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
-    from kg.pipeline.pending import pending  # noqa: PLC0415 - start-up time
-
     layout = layout_of(settings)
     note("watching the sources; press Ctrl-C to stop")
     try:
@@ -209,10 +206,6 @@ def status(*, settings: Settings, json: Json = False) -> None:
     (`bounded`), and packages that a build would read again. Reports whether rules were added, edited or removed since
     they last ran.
     """
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.pipeline.pending import pending, rules_changed  # noqa: PLC0415 - start-up time
-    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
-
     layout = layout_of(settings)
     with EmbeddedStore(layout).read() as snapshot:
         states, quads, generation = sources(snapshot, counted=True), snapshot.count(), snapshot.generation
@@ -253,5 +246,4 @@ def _row(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> tu
 
 
 def _object(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> dict[str, Any]:
-
     return {**asdict(state), "changed": changed.get(state.name)}

@@ -10,9 +10,16 @@ from kg.cli.commands.lists import channel_rows
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, System, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
+
+with lazily():
+    from kg.cli.endpoint_view import endpoint_view, plain
+    from kg.cli.links import Links
+    from kg.views.channel import channel
+    from kg.views.evidence import places
 
 _MOST = 5  # so many names are listed in a note
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
@@ -71,11 +78,6 @@ def _show(  # noqa: PLR0913 - the options of a command
     via: bool,
     json: bool,
 ) -> None:
-    from kg.cli.endpoint_view import endpoint_view, plain  # noqa: PLC0415 - start-up time
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.views.channel import channel  # noqa: PLC0415 - start-up time
-    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
         others = [one["name"] for one in found["meant"]]

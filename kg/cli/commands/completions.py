@@ -1,5 +1,6 @@
 """`kg completions`: what lets a shell complete commands, options and names."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -25,8 +26,6 @@ def completions(shell: Shell = None) -> None:
         kg completions zsh > ~/.zfunc/_kg        # a folder of $fpath
         kg completions fish > ~/.config/fish/completions/kg.fish
     """
-    import os  # noqa: PLC0415 - start-up time
-
     known = ("bash", "zsh", "fish", "powershell", "pwsh")
     asked = shell or Path(os.environ.get("SHELL", "")).name
     if asked not in known:

@@ -10,12 +10,20 @@ from kg.cli.numbers import whole
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, terminal, write
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing
 
 if TYPE_CHECKING:
     from kg.search.compose.results import Composed
+
+with lazily():
+    from kg.cli.compose_view import chain_lines
+    from kg.search.compose import Question
+    from kg.search.compose import compose as composed
+    from kg.search.compose.launching import launch_text
+    from kg.search.compose.results import composed_object
 
 _LONGEST = 6
 From = Annotated[
@@ -85,9 +93,6 @@ def compose(  # noqa: PLR0913 - the options of a command
         kg compose --from sensor_msgs/Image --to sensor_msgs/PointCloud2 --using stereo
         kg compose --from LaserScan --to Twist --ros 1 --launch 1 > laserscan_to_twist.launch
     """
-    from kg.search.compose import Question  # noqa: PLC0415 - start-up time
-    from kg.search.compose import compose as composed  # noqa: PLC0415 - the same
-
     rank = whole(launch, "--launch", 1) if launch is not None else 0
     question = Question(
         tuple(source),
@@ -113,9 +118,6 @@ def compose(  # noqa: PLR0913 - the options of a command
 
 
 def _show(chains: "tuple[Composed, ...]", *, json: bool) -> None:
-    from kg.cli.compose_view import chain_lines  # noqa: PLC0415 - start-up time
-    from kg.search.compose.results import composed_object  # noqa: PLC0415 - the same
-
     if json:
         json_lines(composed_object(chain, rank) for rank, chain in enumerate(chains, 1))
         return
@@ -127,8 +129,6 @@ def _show(chains: "tuple[Composed, ...]", *, json: bool) -> None:
 
 
 def _write_launch(chains: "tuple[Composed, ...]", rank: int) -> None:
-    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - start-up time
-
     if rank > len(chains):
         hint = "Omit `--launch` to list the chains with their ranks."
         raise UsageError("KG003", f"no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)

@@ -10,12 +10,23 @@ from kg.cli.numbers import size, whole
 from kg.cli.options import Json
 from kg.cli.output import json_lines, listing, terminal, write
 from kg.errors import Exit, Place, UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from kg.corpus.fetching import Options
     from kg.corpus.fetching_list import Wanted
     from kg.corpus.selection import Selection
+
+with lazily():
+    from kg.cli import fetching_view
+    from kg.cli.corpus_view import figure_rows, selection_object, step_rows
+    from kg.corpus import fetching, selection
+    from kg.corpus.fetching import Options, pinned
+    from kg.corpus.fetching_git import Limits
+    from kg.corpus.fetching_list import read_wanted, wanted_among
+    from kg.corpus.selection_criteria import default_criteria, read_criteria
+    from kg.corpus.selection_data import read_dataset
+    from kg.corpus.selection_figures import paper_figures
 
 _MOST_JOBS: Final = 64  # no server is asked for more at a time
 
@@ -78,8 +89,6 @@ def select(
         kg corpus select repos_dataset_all.csv --output robots.txt
         kg corpus fetch robots.txt --into robots
     """
-    from kg.cli.corpus_view import selection_object  # noqa: PLC0415 - start-up time
-
     found = _selected(table, criteria)
     if json:
         json_lines([selection_object(found)])
@@ -90,17 +99,12 @@ def select(
 
 
 def _selected(table: str, criteria: str | None) -> "Selection":
-    from kg.corpus import selection  # noqa: PLC0415 - start-up time
-    from kg.corpus.selection_criteria import default_criteria, read_criteria  # noqa: PLC0415 - start-up time
-    from kg.corpus.selection_data import read_dataset  # noqa: PLC0415 - start-up time
-
     chosen = read_criteria(Path(criteria).expanduser() if criteria else default_criteria())
     return selection.select(read_dataset(Path(table).expanduser()), chosen)
 
 
 def _tables(found: "Selection") -> None:
-    from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS, figure_rows, step_rows  # noqa: PLC0415 - start-up time
-    from kg.corpus.selection_figures import paper_figures  # noqa: PLC0415 - start-up time
+    from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS  # noqa: PLC0415 - start-up time
 
     listing(STEP_COLUMNS, step_rows(found))
     write()
@@ -142,9 +146,6 @@ def fetch(  # noqa: PLR0913 - the options of a command
         kg corpus fetch --lock robots/corpus.lock.toml
         kg build --corpus robots/corpus.lock.toml
     """
-    from kg.cli import fetching_view  # noqa: PLC0415 - start-up time
-    from kg.corpus import fetching  # noqa: PLC0415 - start-up time
-
     folder, file = _places(into, lock)
     wanted = _wanted(repositories, file, criteria)
     options = _options(ros, jobs, max_size, retries, timeout, submodules=submodules, update=update)
@@ -166,9 +167,6 @@ def _places(into: str | None, lock: str | None) -> tuple[Path, Path]:
 
 
 def _wanted(named: str | None, lock: Path, criteria: str | None) -> "tuple[Wanted, ...]":
-    from kg.corpus.fetching import pinned  # noqa: PLC0415 - start-up time
-    from kg.corpus.fetching_list import read_wanted, wanted_among  # noqa: PLC0415 - start-up time
-
     if named is None:
         return pinned(lock)
     if named.lower().endswith(".csv"):
@@ -186,9 +184,7 @@ def _options(  # noqa: PLR0913 - the options of a command
     submodules: bool,
     update: bool,
 ) -> "Options":
-    from kg.corpus.fetching import Options  # noqa: PLC0415 - start-up time
     from kg.corpus.fetching_branches import VERSIONS  # noqa: PLC0415 - start-up time
-    from kg.corpus.fetching_git import Limits  # noqa: PLC0415 - start-up time
 
     if ros is not None and ros not in VERSIONS:
         raise UsageError("KG003", f"`--ros {ros}` is not a version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")

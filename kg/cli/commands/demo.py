@@ -12,15 +12,28 @@ from kg.cli.diagnostics import colored, say
 from kg.cli.output import write
 from kg.cli.session import session
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.resources import folder
 
 if TYPE_CHECKING:
-    from kg.cli.links import Links
     from kg.query.stored import StoredQuery
     from kg.settings import Settings
-    from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from tempfile import TemporaryDirectory
+
+    from kg.cli.answers import table
+    from kg.cli.commands.lint import lint
+    from kg.cli.commands.why import why
+    from kg.cli.links import Links
+    from kg.graph.source_states import sources
+    from kg.pipeline.build import build
+    from kg.query.ask import ask
+    from kg.query.result import Solutions
+    from kg.query.stored import find
+    from kg.store.embedded import EmbeddedStore
 
 QUESTIONS: Final = (
     "demo/laser-scans",
@@ -61,17 +74,11 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
 
 
 def _store(stack: ExitStack, kept: str | None) -> "EmbeddedStore":
-    from tempfile import TemporaryDirectory  # noqa: PLC0415 - start-up time
-
-    from kg.store.embedded import EmbeddedStore  # noqa: PLC0415 - start-up time
-
     root = Path(kept) if kept else Path(stack.enter_context(TemporaryDirectory(prefix="kg-demo-"))) / ".kg"
     return EmbeddedStore.create(root)
 
 
 def _build(target: "EmbeddedStore", workspace: Path, settings: "Settings") -> None:
-    from kg.pipeline.build import build  # noqa: PLC0415 - start-up time
-
     say(f"reading {workspace}")
     report = build([str(workspace)], target, settings, command="kg demo")
     found = [count(report.total(key), noun) for key, noun in (("nodes", "node"), ("interfaces", "interface"))]
@@ -79,10 +86,6 @@ def _build(target: "EmbeddedStore", workspace: Path, settings: "Settings") -> No
 
 
 def _ask_all(snapshot: "EmbeddedSnapshot", settings: "Settings", bold: tuple[str, str]) -> None:
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.query.stored import find  # noqa: PLC0415 - start-up time
-
     links = Links.of(sources(snapshot))
     for number, name in enumerate(QUESTIONS, 1):
         query = find(name)
@@ -91,10 +94,6 @@ def _ask_all(snapshot: "EmbeddedSnapshot", settings: "Settings", bold: tuple[str
 
 
 def _ask(snapshot: "EmbeddedSnapshot", query: "StoredQuery", settings: "Settings", links: "Links") -> None:
-    from kg.cli.answers import table  # noqa: PLC0415 - start-up time
-    from kg.query.ask import ask  # noqa: PLC0415 - start-up time
-    from kg.query.result import Solutions  # noqa: PLC0415 - start-up time
-
     for line in query.text.splitlines():
         if line and not line.startswith("#"):
             write(f"    {line}")
@@ -106,8 +105,6 @@ def _ask(snapshot: "EmbeddedSnapshot", query: "StoredQuery", settings: "Settings
 
 def _prove(settings: "Settings", bold: tuple[str, str]) -> None:
     """Show the proof of `FACT` as `kg why` does."""
-    from kg.cli.commands.why import why  # noqa: PLC0415 - start-up time
-
     title = "How is it known that a robot can measure distances with scan_filter?"
     write(f"\n{bold[0]}{len(QUESTIONS) + 1}. {title}{bold[1]}\n")
     write(f"    kg why {' '.join(FACT)}\n")
@@ -116,8 +113,6 @@ def _prove(settings: "Settings", bold: tuple[str, str]) -> None:
 
 def _check(settings: "Settings", bold: tuple[str, str]) -> None:
     """Show what `kg lint` finds in the launch files."""
-    from kg.cli.commands.lint import lint  # noqa: PLC0415 - start-up time
-
     write(f"\n{bold[0]}{len(QUESTIONS) + 2}. What is wrong in the launch files?{bold[1]}\n")
     write("    kg lint\n")
     with suppress(typer.Exit):

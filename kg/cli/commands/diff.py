@@ -10,17 +10,40 @@ from kg.cli.drawing import Output, Svg, deliver, form_of
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_line
 from kg.errors import Exit, UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.cli.links import Links
     from kg.graph.source_states import SourceState
     from kg.graph.systems_reading import SystemName
-    from kg.launch.comparison import Difference, Side, Sources
+    from kg.launch.comparison import Difference, Side
     from kg.store.embedded import EmbeddedStore
+
+with lazily():
+    from kg.cli.links import Links
+    from kg.cli.progress import for_people
+    from kg.graph.reading import node_records
+    from kg.graph.source_states import sources
+    from kg.graph.systems_reading import system_names, systems
+    from kg.launch.comparison import Sources, compare
+    from kg.launch.comparison.report import (
+        changed_keys,
+        changed_systems,
+        difference_lines,
+        difference_markdown,
+        difference_objects,
+    )
+    from kg.lint.reading import read_findings
+    from kg.pipeline.launch_names import matching, unknown_launch
+    from kg.pipeline.revisions import merge_base, resolve, revision_store
+    from kg.render.system_graph import SystemGraph, system_graph
+    from kg.render.system_svg import system_svg
+    from kg.render.system_views import collapsed, near_changes, overlaid
+    from kg.store.opening import existing
+    from kg.views.impact_changes import compared_finding
 
 
 _SHOWN: Final = 12
@@ -71,9 +94,6 @@ def diff(  # noqa: PLR0913 - the options of a command
         kg diff main...HEAD --launch rover.launch -o changes.svg
         kg diff before/.kg after/.kg
     """
-    from kg.launch.comparison import compare  # noqa: PLC0415 - start-up time
-    from kg.pipeline.launch_names import unknown_launch  # noqa: PLC0415 - start-up time
-
     form = form_of({"svg": svg, "markdown": markdown, "json": json}, output)
     asked = sides(named or (), repository)
     before, after = (known(store, settings, launch) for store in stores(asked, settings))
@@ -86,9 +106,6 @@ def diff(  # noqa: PLR0913 - the options of a command
 
 
 def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", form: str, *, every: bool) -> str:
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.launch.comparison.report import difference_lines, difference_markdown, difference_objects  # noqa: PLC0415 - as above
-
     if form == "svg":
         return _picture(found, asked, both, every=every)
     if form == "json":
@@ -100,11 +117,6 @@ def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", f
 
 
 def _picture(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", *, every: bool) -> str:
-    from kg.launch.comparison.report import changed_keys  # noqa: PLC0415 - start-up time
-    from kg.render.system_graph import SystemGraph, system_graph  # noqa: PLC0415 - start-up time
-    from kg.render.system_svg import system_svg  # noqa: PLC0415 - start-up time
-    from kg.render.system_views import collapsed, near_changes, overlaid  # noqa: PLC0415 - start-up time
-
     name = _one_system(found, both)
     title = f"{name} in {asked.title}"
     before, after = (
@@ -127,8 +139,6 @@ def _one_system(found: "Difference", both: "tuple[Known, Known]") -> str:
 
     KG003 where there are several, or none.
     """
-    from kg.launch.comparison.report import changed_systems  # noqa: PLC0415 - start-up time
-
     names = changed_systems(found)
     if not names:
         names = tuple(sorted({one.configuration.name for side in both for one in side.sources.systems}))
@@ -185,10 +195,6 @@ def sides(named: "Sequence[str]", repository: str | None) -> Sides:
 
 def stores(asked: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
     """Return both stores; commits without a store are built now. Raises as `kg.pipeline.revisions` does."""
-    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
-    from kg.pipeline.revisions import merge_base, resolve, revision_store  # noqa: PLC0415 - start-up time
-    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
-
     if asked.repository is None:
         first, second = (existing(replace(settings, store=Path(name))) for name in (asked.before, asked.after))
         return first, second
@@ -204,14 +210,6 @@ def stores(asked: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedSt
 
 def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Known:
     """Return the data of a side; with `launch` only that of the launch files it may name."""
-    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
-    from kg.launch.comparison import Sources  # noqa: PLC0415 - start-up time
-    from kg.lint.reading import read_findings  # noqa: PLC0415 - start-up time
-    from kg.pipeline.launch_names import matching  # noqa: PLC0415 - start-up time
-    from kg.views.impact_changes import compared_finding  # noqa: PLC0415 - start-up time
-
     with store.read() as snapshot:
         every = system_names(snapshot)
         names = every if launch is None else matching(every, launch)

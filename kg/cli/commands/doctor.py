@@ -9,8 +9,12 @@ from kg.cli.diagnostics import colored, say
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, write
 from kg.errors import Exit
+from kg.lazily import lazily
 from kg.render.text import count, printable
 from kg.settings import Settings
+
+with lazily():
+    from kg.cli.checks import checks
 
 
 @with_settings("store")
@@ -20,8 +24,6 @@ def doctor(*, settings: Settings, json: Json = False) -> None:
     Checks Python and the packages that kg needs, git, Java, the disk, the store and the settings. Exits with 1 if a
     check fails.
     """
-    from kg.cli.checks import checks  # noqa: PLC0415 - start-up time
-
     wrong = 0
     marks = {"ok": "32", "note": "36", "wrong": "1;31"}
     for check in checks(settings):

@@ -11,14 +11,25 @@ from kg.cli.numbers import whole
 from kg.cli.options import Json, with_settings
 from kg.cli.output import write_text
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import did_you_mean
 from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
-    from kg.evaluate.gathering import Choice
     from kg.evaluate.linking import Ground
+
+with lazily():
+    from kg.evaluate.code_check import check_code
+    from kg.evaluate.facts import Facts
+    from kg.evaluate.gathering import Choice
+    from kg.evaluate.judged_needs import read_needs
+    from kg.evaluate.keeping import forget, keep
+    from kg.evaluate.retrieval import retrieval
+    from kg.evaluate.sheet import as_sheet, drawn, score_sheet
+    from kg.evaluate.source_lines import SourceLines
+    from kg.search.searching import open_search
 
 References = Annotated[
     list[str] | None,
@@ -107,9 +118,6 @@ def completeness(  # noqa: PLR0913 - the options of a command
 def _code(  # noqa: PLR0913 - the options of a command
     settings: Settings, size: int, seed: int, *, tests: bool, missed: str | None, output: str | None, json: bool
 ) -> None:
-    from kg.evaluate.code_check import check_code  # noqa: PLC0415 - start-up time
-    from kg.evaluate.source_lines import SourceLines  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         found = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
     deliver(found.table, json=json, output=output)
@@ -170,13 +178,9 @@ def sample(  # noqa: PLR0913 - the options of a command
         kg eval sample --score sheet.csv
     """
     if score:
-        from kg.evaluate.sheet import score_sheet  # noqa: PLC0415 - the branch that needs it
-
         deliver(score_sheet(Path(score).expanduser()), json=json, output=tables)
         return
-    from kg.evaluate.facts import RELATIONS, Facts  # noqa: PLC0415 - start-up time
-    from kg.evaluate.sheet import as_sheet, drawn  # noqa: PLC0415 - start-up time
-    from kg.evaluate.source_lines import SourceLines  # noqa: PLC0415 - start-up time
+    from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
 
     number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
     chosen = [_known_relation(one) for one in relation] if relation else list(RELATIONS)
@@ -214,10 +218,6 @@ def search(
         kg eval search --queries needs.jsonl
         kg eval search --queries needs.jsonl --model ~/models/all-MiniLM-L6-v2 --output tables
     """
-    from kg.evaluate.judged_needs import read_needs  # noqa: PLC0415 - start-up time
-    from kg.evaluate.retrieval import retrieval  # noqa: PLC0415 - start-up time
-    from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
-
     needs = read_needs(Path(queries).expanduser())
     found = open_search(existing(settings))
     table = retrieval(found, needs, Path(model).expanduser() if model else None)
@@ -231,19 +231,13 @@ def _paths(reference: list[str] | None) -> list[Path]:
 
 
 def _choice(*, closed: bool = False, any_commit: bool = False, package: str | None = None) -> "Choice":
-    from kg.evaluate.gathering import Choice  # noqa: PLC0415 - start-up time
-
     return Choice(closed, any_commit, package)
 
 
 def _keep(settings: Settings, ground: "Ground") -> None:
-    from kg.evaluate.keeping import keep  # noqa: PLC0415 - the branch that needs it
-
     keep(settings, ground.triples)
     say(f"kept {count(len(ground.linked), 'reference')} in the store")
 
 
 def _forget(settings: Settings) -> None:
-    from kg.evaluate.keeping import forget  # noqa: PLC0415 - the branch that needs it
-
     say("forgot the references" if forget(settings) else "no references were kept")

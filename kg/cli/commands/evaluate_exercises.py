@@ -7,10 +7,18 @@ import typer
 from kg.cli.evaluation_view import deliver
 from kg.cli.options import Json, with_settings
 from kg.errors import Exit
+from kg.lazily import lazily
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.evaluate.tables import Table
+
+with lazily():
+    import asyncio
+
+    from kg.evaluate.exercise_tables import capabilities_of_robots, capabilities_table, exercises_table, runs_table
+    from kg.evaluate.exercises import perform_all
+    from kg.evaluate.study import read, table
 
 Capabilities = Annotated[
     bool, typer.Option("--capabilities", help="Print Table 1: the inferred capabilities of each simulated robot.")
@@ -51,24 +59,11 @@ def exercises(
 
 
 def _table(settings: Settings, *, capabilities: bool) -> "Table":
-    import asyncio  # noqa: PLC0415 - start-up time
-
-    from kg.evaluate.exercise_tables import (  # noqa: PLC0415 - start-up time
-        capabilities_of_robots,
-        capabilities_table,
-        exercises_table,
-    )
-
     found = asyncio.run(capabilities_of_robots(settings))
     return capabilities_table(found) if capabilities else exercises_table(found)
 
 
 def _run(settings: Settings, *, json: bool, output: str | None) -> None:
-    import asyncio  # noqa: PLC0415 - start-up time
-
-    from kg.evaluate.exercise_tables import runs_table  # noqa: PLC0415 - start-up time
-    from kg.evaluate.exercises import perform_all  # noqa: PLC0415 - start-up time
-
     outcomes = asyncio.run(perform_all(settings))
     deliver(runs_table(outcomes), json=json, output=output)
     if any(one.missed for one in outcomes):
@@ -89,6 +84,4 @@ def study(
         kg eval study alice.csv bob.csv
         kg eval study *.csv --output report
     """
-    from kg.evaluate.study import read, table  # noqa: PLC0415 - start-up time
-
     deliver(table([row for file in files for row in read(file)]), json=json, output=output)

@@ -10,16 +10,27 @@ from kg.cli.diagnostics import note, say
 from kg.cli.options import NoRules, with_settings
 from kg.cli.output import terminal, write_bytes
 from kg.errors import Exit, Place, QueryError, UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, reading, writable
 
 if TYPE_CHECKING:
-    from pyoxigraph import NamedNode, RdfFormat
-
     from kg.pipeline.report import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    import gzip
+
+    from pyoxigraph import NamedNode, RdfFormat, parse
+
+    from kg.cli.build_view import left_out
+    from kg.graph.iris import Iris
+    from kg.pipeline.forgetting import forget as drop
+    from kg.pipeline.inferring import Inference
+    from kg.pipeline.updating.ownership import protected_graphs
+    from kg.query.writing import parquet
 
 FORMATS: Final = ("nq", "trig", "nt", "ttl", "n3", "rdf", "jsonld")
 _PARQUET: Final = "parquet"
@@ -89,10 +100,6 @@ def export(
 
 def _table(snapshot: "EmbeddedSnapshot", graph: "NamedNode | None") -> bytes:
     """Return the quads of a graph, or of all, as Parquet."""
-    from pyoxigraph import RdfFormat, parse  # noqa: PLC0415 - start-up time
-
-    from kg.query.writing import parquet  # noqa: PLC0415 - the same
-
     chosen = RdfFormat.N_QUADS
     quads = snapshot.quads() if graph is None else parse(snapshot.dump(chosen, graph=graph), chosen)
     output = BytesIO()
@@ -119,12 +126,6 @@ def import_files(
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
     """
-    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
-
-    from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
-    from kg.pipeline.inferring import Inference  # noqa: PLC0415 - start-up time
-    from kg.pipeline.updating.ownership import protected_graphs  # noqa: PLC0415 - start-up time
-
     iris = Iris(settings.base)
     named = _named(settings.base, graph) if graph is not None else None
     if named in protected_graphs(settings):
@@ -156,8 +157,6 @@ def forget(sources: Sources, *, settings: Settings, no_rules: NoRules = False) -
 
         kg forget github.com/acme/rover
     """
-    from kg.pipeline.forgetting import forget as drop  # noqa: PLC0415 - start-up time
-
     target = existing(settings)
     with target.read() as snapshot:
         for name in sources:
@@ -169,22 +168,16 @@ def forget(sources: Sources, *, settings: Settings, no_rules: NoRules = False) -
 
 def _packed(data: bytes) -> bytes:
     """Return compressed data: the same bytes for the same data."""
-    import gzip  # noqa: PLC0415 - start-up time
-
     return gzip.compress(data, mtime=0)
 
 
 def _end(inferred: "Inferred | None") -> None:
-    from kg.cli.build_view import left_out  # noqa: PLC0415 - start-up time
-
     if left_out(inferred):
         raise typer.Exit(Exit.FOUND)
 
 
 def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     """Return the format of that name or of a file's ending; None when neither is given."""
-    from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
-
     ending = _ending(name, output)
     if not ending:
         return None
@@ -201,8 +194,6 @@ def _ending(name: str | None, output: Path | None) -> str:
 
 
 def _by_other_names(name: str) -> "RdfFormat | None":
-    from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
-
     others = {
         "nquads": RdfFormat.N_QUADS,
         "ntriples": RdfFormat.N_TRIPLES,
@@ -216,8 +207,6 @@ def _by_other_names(name: str) -> "RdfFormat | None":
 
 def _named(base: str, name: str) -> "NamedNode":
     """Return the graph of a short name or an IRI; UsageError KG003 if it is neither."""
-    from pyoxigraph import NamedNode  # noqa: PLC0415 - start-up time
-
     try:
         return NamedNode(name if ":" in name or not name else f"{base}graph/{name}")
     except ValueError as error:
@@ -227,8 +216,6 @@ def _named(base: str, name: str) -> "NamedNode":
 
 def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: str | None) -> "NamedNode | None":
     """Return the graph that the options name; KG001 when the store does not have it."""
-    from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
-
     if source and graph:
         raise UsageError("KG003", "--source and --graph are mutually exclusive", hint="Give one of them.")
     if not source and graph is None:

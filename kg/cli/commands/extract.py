@@ -11,8 +11,13 @@ from kg.cli.options import Json, takes
 from kg.cli.output import json_lines, write
 from kg.cli.session import session
 from kg.errors import Exit, KgError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import DECLARED
+
+with lazily():
+    from kg.pipeline.calls import call_files, read_calls
+    from kg.symbolic.checking import check as find
 
 Files = Annotated[
     list[str] | None,
@@ -30,9 +35,6 @@ def check(context: typer.Context, files: Files = None, *, json: Json = False, **
         kg extract check
         kg extract check calls/acme.toml
     """
-    from kg.pipeline.calls import call_files, read_calls  # noqa: PLC0415 - start-up time
-    from kg.symbolic.checking import check as find  # noqa: PLC0415 - start-up time
-
     named = [Path(file) for file in files] if files else call_files(session(context).settings(**given))
     errors = find(read_calls(named))
     if json:

@@ -22,12 +22,20 @@ from kg.cli.systems import (
     with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
+from kg.lazily import lazily
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
+
+with lazily():
+    from kg.graph.systems_reading import included, system_names
+    from kg.render.system_graph import system_graph
+    from kg.render.system_notations import system_object
+    from kg.render.system_text import system_lines, system_rows
+    from kg.render.system_views import around, collapsed
 
 _SHOWN: Final = 12
 _COLUMNS: Final = (Column("node", "name"), Column("does"), Column("name"), Column("type"), Column("with"))
@@ -81,9 +89,6 @@ def graph(  # noqa: PLR0913 - the options of a command
         kg graph rover_robot rover.launch camera:=false -o rover.svg
         kg graph --launch rover.launch --focus move_base --mermaid
     """
-    from kg.render.system_graph import system_graph  # noqa: PLC0415 - start-up time
-    from kg.render.system_views import around, collapsed  # noqa: PLC0415 - start-up time
-
     form = form_of({"svg": svg, "dot": dot, "mermaid": mermaid, "json": json}, output)
     if depth is not None and focus is None:
         raise UsageError("KG003", "--depth needs --focus", hint="Add `--focus NODE`.")
@@ -106,9 +111,8 @@ def graph(  # noqa: PLR0913 - the options of a command
 
 
 def _written(graph: "SystemGraph", form: str) -> str:
-    from kg.render.system_notations import system_dot, system_mermaid, system_object  # noqa: PLC0415 - start-up time
+    from kg.render.system_notations import system_dot, system_mermaid  # noqa: PLC0415 - start-up time
     from kg.render.system_svg import system_svg  # noqa: PLC0415 - start-up time
-    from kg.render.system_text import system_lines  # noqa: PLC0415 - start-up time
 
     if form == "json":
         return json_line(system_object(graph))
@@ -118,8 +122,6 @@ def _written(graph: "SystemGraph", form: str) -> str:
 
 
 def _table(graph: "SystemGraph") -> None:
-    from kg.render.system_text import system_rows  # noqa: PLC0415 - start-up time
-
     rows = [
         (row.node, row.verb, row.name, row.type, ", ".join(row.others) or f"({row.nobody})")
         for row in system_rows(graph)
@@ -129,8 +131,6 @@ def _table(graph: "SystemGraph") -> None:
 
 def _only(settings: Settings) -> str:
     """Return the only launch file of the store; KG003 with those that no other one includes where there are several."""
-    from kg.graph.systems_reading import included, system_names  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         names = sorted({one.name for one in system_names(snapshot)})
         inner = included(snapshot)

@@ -10,11 +10,28 @@ from kg.cli.drawing import Output, deliver, form_of
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_line
 from kg.errors import Exit, StoreError, UsageError
+from kg.lazily import lazily
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.impact.model import Impact
     from kg.views.evidence import Places
+
+with lazily():
+    from kg.cli.progress import for_people
+    from kg.impact.writing import (
+        broken_lines,
+        broken_markdown,
+        broken_objects,
+        impact_lines,
+        impact_markdown,
+        impact_object,
+    )
+    from kg.pipeline.revisions import beside, resolve
+    from kg.store.opening import existing, reading
+    from kg.views.evidence import places
+    from kg.views.impact import impact_of
+    from kg.views.impact_changes import broken_between
 
 Name = Annotated[
     str | None,
@@ -80,22 +97,12 @@ def impact(  # noqa: PLR0913 - the options of a command
 
 
 def _of_name(settings: Settings, name: str, kind: str, form: str) -> tuple[bool, str]:
-    from kg.store.opening import reading  # noqa: PLC0415 - start-up time
-    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-    from kg.views.impact import impact_of  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         found = impact_of(snapshot, settings, name, kind)
         return found.is_breaking, _written(found, form, places(snapshot))
 
 
 def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tuple[bool, str]:
-    from kg.cli.progress import for_people  # noqa: PLC0415 - start-up time
-    from kg.impact.writing import broken_lines, broken_markdown, broken_objects  # noqa: PLC0415 - start-up time
-    from kg.pipeline.revisions import beside, resolve  # noqa: PLC0415 - start-up time
-    from kg.store.opening import existing  # noqa: PLC0415 - start-up time
-    from kg.views.impact_changes import broken_between  # noqa: PLC0415 - start-up time
-
     try:
         store = existing(settings)
     except StoreError:
@@ -114,8 +121,6 @@ def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tupl
 
 
 def _written(found: "Impact", form: str, where: "Places") -> str:
-    from kg.impact.writing import impact_lines, impact_markdown, impact_object  # noqa: PLC0415 - start-up time
-
     if form == "json":
         return json_line(impact_object(found))
     if form == "markdown":

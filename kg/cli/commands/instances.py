@@ -7,6 +7,7 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, listing, terminal
 from kg.cli.systems import Arguments, Environment, File, Launch, Variants, chosen_systems, named, with_variants
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.facts import NodeInstance, System
+
+with lazily():
+    from kg.facts import Role, StartKind
+    from kg.graph.records import instance_object
 
 _COUNTS: Final = ("pub", "sub", "srv", "cli", "act", "par")
 _ONE: Final = (
@@ -58,8 +63,6 @@ def instances(  # noqa: PLR0913 - the options of a command
         kg instances rover_robot rover.launch camera:=false
         kg instances --launch rover_robot/launch/rover.launch --json
     """
-    from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
-
     launch, arg = named(file, launch, arg)
     found = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
     objects = (instance_object(system, one) for system in found for one in system.instances)
@@ -74,8 +77,6 @@ def instances(  # noqa: PLR0913 - the options of a command
 
 
 def _row(instance: "NodeInstance") -> tuple[object, ...]:
-    from kg.facts import Role, StartKind  # noqa: PLC0415 - start-up time
-
     roles = [one.declared.role for one in instance.interfaces if not one.declared.implicit]
     actions = roles.count(Role.ACTION_SERVERS) + roles.count(Role.ACTION_CLIENTS)
     counts = [roles.count(role) for role in (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES, Role.CLIENTS)]

@@ -1,5 +1,6 @@
 """`kg lint`: what is wrong in the wiring of launch files, before anything runs."""
 
+import sys
 from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
@@ -13,6 +14,7 @@ from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, require_known
 from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
 from kg.errors import Exit, UsageError
+from kg.lazily import lazily
 from kg.lint.question import DECLARED, Question
 from kg.render.text import count
 from kg.settings import Settings, load_table
@@ -20,6 +22,19 @@ from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.lint.running import Checked
+
+with lazily():
+    from kg.cli.build_view import left_out
+    from kg.cli.commands.why import why as prove
+    from kg.cli.links import Links
+    from kg.cli.lint_view import LintView, gone_sources, leftovers, summary
+    from kg.cli.progress import for_this_stream
+    from kg.lint.baseline import written
+    from kg.lint.objects import as_object, remark, spelled, suite_name, xunit
+    from kg.lint.report import merged
+    from kg.lint.running import check_store, read_folders
+    from kg.render.sarif import annotation, document
+    from kg.views.names import known_package
 
 _OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FILE`.")
 
@@ -101,8 +116,6 @@ def _require_provable(*, stored: bool, form: str) -> None:
 
 def _prove(checked: "Checked", settings: Settings) -> None:
     """Show the proof of each finding."""
-    from kg.cli.commands.why import why as prove  # noqa: PLC0415 - start-up time
-
     for finding in checked.report.findings:
         write("")
         prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)
@@ -110,11 +123,7 @@ def _prove(checked: "Checked", settings: Settings) -> None:
 
 def _checked(settings: Settings, folders: list[Path], question: "Question") -> "Checked":
     """Return what is found."""
-    from kg.lint.running import check_store  # noqa: PLC0415 - start-up time
-
     if question.package is not None:
-        from kg.views.names import known_package  # noqa: PLC0415 - start-up time
-
         with reading(settings) as snapshot:
             known_package(snapshot, question.package)
     return check_store(settings, question, _folder(folders))
@@ -127,12 +136,6 @@ def _folder(folders: list[Path]) -> Path:
 
 def _read(settings: Settings, folders: list[Path]) -> Settings:
     """Read folders, with a bar on a terminal and without a word elsewhere; return the settings for their store."""
-    import sys  # noqa: PLC0415 - start-up time
-
-    from kg.cli.build_view import left_out  # noqa: PLC0415 - start-up time
-    from kg.cli.progress import for_this_stream  # noqa: PLC0415 - start-up time
-    from kg.lint.running import read_folders  # noqa: PLC0415 - start-up time
-
     with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
         own, found = read_folders(folders, settings, progress)
     left_out(found.inferred)
@@ -141,13 +144,6 @@ def _read(settings: Settings, folders: list[Path]) -> Settings:
 
 def _write(checked: "Checked", form: str) -> None:
     """Write the findings to standard output."""
-    import sys  # noqa: PLC0415 - start-up time
-
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.cli.lint_view import LintView  # noqa: PLC0415 - start-up time
-    from kg.lint.objects import as_object, remark  # noqa: PLC0415 - start-up time
-    from kg.render.sarif import annotation, document  # noqa: PLC0415 - start-up time
-
     findings = checked.report.findings
     here = Path.cwd()
     if form == "json":
@@ -164,8 +160,6 @@ def _write(checked: "Checked", form: str) -> None:
 
 def _say(checked: "Checked") -> None:
     """Report the number of findings, and stale entries of the allow-list and the baseline."""
-    from kg.cli.lint_view import gone_sources, leftovers, summary  # noqa: PLC0415 - start-up time
-
     for words in (*gone_sources(checked), *leftovers(checked.report)):
         note(words)
     for words in summary(checked):
@@ -174,16 +168,11 @@ def _say(checked: "Checked") -> None:
 
 def _keep(checked: "Checked", file: Path) -> None:
     """Write a baseline, and say so; that findings are in it is no failure."""
-    from kg.lint.baseline import written  # noqa: PLC0415 - start-up time
-    from kg.lint.report import merged  # noqa: PLC0415 - start-up time
-
     _save(file, written(checked.report.raw))
     say(f"{count(len(merged(checked.report.raw)), 'finding')} written to {file}")
 
 
 def _write_xunit(checked: "Checked", file: Path, seconds: float) -> None:
-    from kg.lint.objects import spelled, suite_name, xunit  # noqa: PLC0415 - start-up time
-
     findings = checked.report.findings
     spots = [
         f"{spelled(one.place, checked.roots, Path.cwd())}:{one.line or 1}" if one.place else one.system

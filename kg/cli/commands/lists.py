@@ -11,10 +11,15 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, listing, terminal
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
+
+with lazily():
+    from kg.graph import overview
+    from kg.views.answers import channels
 
 _SORTS: Final = ("code", "both", "text", "other")
 
@@ -29,8 +34,6 @@ def packages(*, settings: Settings, json: Json = False) -> None:
 
     Counts the nodes, interface definitions and problems of each package.
     """
-    from kg.graph import overview  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         found = overview.packages(snapshot)
     columns = (
@@ -70,8 +73,6 @@ def files(
         kg files --package rover_robot
         kg files --sort text
     """
-    from kg.graph import overview  # noqa: PLC0415 - start-up time
-
     if sort is not None and sort not in _SORTS:
         raise UsageError("KG003", f"unknown sort `{sort}`", hint=f"Use one of {', '.join(_SORTS)}.")
     with reading(settings) as snapshot:
@@ -122,8 +123,6 @@ def actions(*, settings: Settings, every: All = False, json: Json = False) -> No
 
 
 def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
-    from kg.views.answers import channels  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         found = [asdict(one) for one in channels(snapshot, kind, implicit=every)]
     channel_rows(kind, found, json=json)

@@ -15,6 +15,7 @@ from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import Place, UsageError
+from kg.lazily import lazily
 from kg.render.text import count, printable
 from kg.settings import Settings
 from kg.store.opening import reading
@@ -25,13 +26,25 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from rich.console import RenderableType
-    from rich.text import Text
 
-    from kg.cli.links import Links
     from kg.facts import InstanceInterface, Location, NodeInstance, System
     from kg.graph.classes_reading import Classes
     from kg.graph.reading import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from rich.text import Text
+
+    from kg.cli.links import Links
+    from kg.cli.node_view import left_out, node_lines
+    from kg.graph.classes_reading import classes
+    from kg.graph.pictures import node_picture
+    from kg.graph.records import instance_object, node_object
+    from kg.graph.source_states import sources
+    from kg.graph.systems_reading import system_names, systems
+    from kg.render import node_graph
+    from kg.views.evidence import places
+    from kg.views.node_graph import node_relations
 
 
 _MOST_PARAMETERS: Final = 25
@@ -104,13 +117,6 @@ def node(  # noqa: PLR0913 - the options of a command
         kg node amcl --picture amcl.svg --graph
         kg node /rover1/patrol --launch rover.launch
     """
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.cli.node_view import node_lines  # noqa: PLC0415 - start-up time
-    from kg.graph.classes_reading import classes  # noqa: PLC0415 - start-up time
-    from kg.graph.pictures import node_picture  # noqa: PLC0415 - start-up time
-    from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
-    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-
     if name.startswith("/"):
         _instance(settings, name, launch, every=every, picture=picture, json=json)
         return
@@ -142,11 +148,6 @@ def _instance(  # noqa: PLR0913 - the options of the command
     settings: Settings, name: str, launch: str | None, *, every: bool, picture: str | None, json: bool
 ) -> None:
     """Show what one launch file makes of a node."""
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.graph.records import instance_object  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         chosen = starting_system(snapshot, name, launch)
         names = system_names(snapshot, named=[chosen])
@@ -166,7 +167,7 @@ def _instance(  # noqa: PLR0913 - the options of the command
 
 
 def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool, via: bool) -> None:
-    from kg.cli.node_view import left_out, node_view  # noqa: PLC0415 - start-up time
+    from kg.cli.node_view import node_view  # noqa: PLC0415 - start-up time
 
     most = _MOST_PARAMETERS if terminal() else None
     show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=found))
@@ -179,9 +180,7 @@ def _related(
     snapshot: "EmbeddedSnapshot", settings: Settings, record: "NodeRecord", picture: str | None, *, every: bool
 ) -> str:
     """Return the entities and relations of a node, in the form that is asked for."""
-    from kg.render import node_graph  # noqa: PLC0415 - start-up time
     from kg.views.node import node as node_view  # noqa: PLC0415 - start-up time
-    from kg.views.node_graph import node_relations  # noqa: PLC0415 - start-up time
 
     relations = node_relations(node_view(snapshot, settings, iri=record.iri), every=every)
     name = record.node.name
@@ -212,8 +211,6 @@ def instance_view(
     system: "System", instance: "NodeInstance", links: "Links", columns: int, *, every: bool
 ) -> "tuple[RenderableType, ...]":
     """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     repository = system.configuration.repository
     groups = [
         (
@@ -240,8 +237,6 @@ def _shown(end: "InstanceInterface", every: bool) -> bool:  # noqa: FBT001 - a f
 
 
 def _header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
-    from rich.text import Text  # noqa: PLC0415 - start-up time
-
     started = instance.started
     yield Text.assemble((printable(instance.name), "bold"), f"  {started.kind} of ROS {system.configuration.ros}")
     fields = (

@@ -8,6 +8,7 @@ from kg.cli.diagnostics import note
 from kg.cli.options import Json, PackageName, with_settings
 from kg.cli.output import Column, listing, terminal, write
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
@@ -16,6 +17,12 @@ from kg.views.names import known_package
 if TYPE_CHECKING:
     from kg.graph.overview import NodeSummary
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from kg.graph import overview
+    from kg.graph.reading import node_records
+    from kg.graph.records import node_object
+    from kg.views.answers import node_lines, node_summaries
 
 COLUMNS: Final = (
     Column("package"),
@@ -61,23 +68,16 @@ def nodes(
 
 def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     if package is None:
-        from kg.views.answers import node_lines  # noqa: PLC0415 - start-up time
-
         for one in node_lines(snapshot):
             if kind in {None, one.kind}:
                 write(one.text)
         return
-    from kg.graph.reading import node_records  # noqa: PLC0415 - start-up time
-    from kg.graph.records import node_object  # noqa: PLC0415 - start-up time
 
     records = [one for one in node_records(snapshot, package=package) if kind in {None, one.node.kind}]
     listing(COLUMNS, (), objects=map(node_object, records))
 
 
 def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
-    from kg.graph import overview  # noqa: PLC0415 - start-up time
-    from kg.views.answers import node_summaries  # noqa: PLC0415 - start-up time
-
     every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
     found = [one for one in every if kind in {None, one.kind}]
     listing(COLUMNS, [_row(one) for one in found])

@@ -10,12 +10,18 @@ from kg.cli.diagnostics import report, say
 from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal, write, write_text
 from kg.errors import Exit
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
     from kg.graph.ontology import OntologyCheck
+
+with lazily():
+    from pyoxigraph import RdfFormat, serialize
+
+    from kg.graph import ontology
 
 Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
 Entailed = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
@@ -33,8 +39,6 @@ def check(files: Files = None, *, json: Json = False) -> None:
         kg ontology check
         kg ontology check my-robot.ttl
     """
-    from kg.graph import ontology  # noqa: PLC0415 - start-up time
-
     verdicts = ontology.check([Path(file) for file in files] if files else None)
     if json:
         json_lines(_object(one) for one in verdicts)
@@ -60,9 +64,6 @@ def classify(files: Files = None, *, output: Entailed = None) -> None:
         kg ontology classify my-robot.ttl -o entailed.ttl
         kg import entailed.ttl
     """
-    from pyoxigraph import RdfFormat, serialize  # noqa: PLC0415 - start-up time
-
-    from kg.graph import ontology  # noqa: PLC0415 - start-up time
     from kg.syntax.names import PREFIXES  # noqa: PLC0415 - start-up time
 
     found = ontology.classify([Path(file) for file in files] if files else None)
@@ -77,10 +78,6 @@ def validate(*, settings: Settings, shapes: Shapes = None, json: Json = False) -
 
     Exits with 1 if the data does not conform. Needs `pip install 'kg-ros[ontology]'`. Large stores take minutes.
     """
-    from pyoxigraph import RdfFormat  # noqa: PLC0415 - start-up time
-
-    from kg.graph import ontology  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         triples = snapshot.dump(RdfFormat.N_TRIPLES)
     found = ontology.validate(triples, Path(shapes) if shapes else None)

@@ -9,9 +9,16 @@ from kg.cli.completion import parameters
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, System, with_settings
 from kg.cli.output import Column, json_lines, line_width, listing, show, terminal
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
+
+with lazily():
+    from kg.cli.endpoint_view import parameter_view, plain
+    from kg.cli.links import Links
+    from kg.views.evidence import places
+    from kg.views.parameter import parameter
 
 _HELP = "Name in the code (`rate`), in a parameter file (`FollowPath.speed`), `/node/rate`, or a part of one."
 Name = Annotated[str, typer.Argument(metavar="NAME", help=_HELP, autocompletion=parameters, show_default=False)]
@@ -36,11 +43,6 @@ def param(  # noqa: PLR0913 - the options of a command
         kg param /controller_server/controller_frequency
         kg param speed --system rover.launch --json
     """
-    from kg.cli.endpoint_view import parameter_view, plain  # noqa: PLC0415 - start-up time
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-    from kg.views.parameter import parameter  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         found = parameter(snapshot, settings, name=name, system=system or "")
         if json:

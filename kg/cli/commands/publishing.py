@@ -11,9 +11,16 @@ from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines
 from kg.errors import UsageError
 from kg.forms import FormError, size
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing, writable
+
+with lazily():
+    from kg.pipeline.snapshots import publish as write
+    from kg.pipeline.snapshots import pull as fetch
+    from kg.rules.folders import user_folders
+    from kg.search.searching import open_search
 
 Target = Annotated[
     str, typer.Argument(metavar="TARGET", help="A folder, or an address of a web server that accepts PUT.")
@@ -48,13 +55,8 @@ def publish(
         kg publish /srv/www/robots
         kg publish https://files.example.org/robots
     """
-    from kg.pipeline.snapshots import publish as write  # noqa: PLC0415 - start-up time
-    from kg.rules.folders import user_folders  # noqa: PLC0415 - start-up time
-
     opened = existing(settings)
     if not no_index:
-        from kg.search.searching import open_search  # noqa: PLC0415 - start-up time
-
         open_search(opened)
     with opened.read() as snapshot:
         index = None if no_index else opened.layout.cache / "search" / snapshot.identity
@@ -82,8 +84,6 @@ def pull(
         kg pull https://files.example.org/robots --store robots
         kg query --store robots --store .kg 'SELECT ?node { ?node a ros:Node }'
     """
-    from kg.pipeline.snapshots import pull as fetch  # noqa: PLC0415 - start-up time
-
     try:
         limit = size(max_bytes, Path())
     except FormError as error:

@@ -13,6 +13,7 @@ from kg.cli.options import Json, from_setting, takes
 from kg.cli.output import Column, json_lines, listing, terminal, write
 from kg.cli.query_text import pairs, query_meant
 from kg.cli.session import session
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import DECLARED, Settings
 from kg.store.opening import reading_all
@@ -20,9 +21,23 @@ from kg.store.opening import reading_all
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
-    from kg.cli.links import Links
     from kg.query.stored import StoredQuery
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from pyoxigraph import Literal
+
+    from kg.cli.answers import answer, format_for, is_empty
+    from kg.cli.links import Links
+    from kg.cli.progress import waiting
+    from kg.graph.source_states import sources
+    from kg.pipeline.on_demand import with_family
+    from kg.query.ask import ask, suggestion
+    from kg.query.evaluation import prepare
+    from kg.query.stored import TermText, discover
+    from kg.query.terms import unknown_terms
+    from kg.views import whole
+    from kg.views.stored import query_object
 
 
 Text = Annotated[
@@ -101,9 +116,6 @@ def query(  # noqa: PLR0913 - the options of a command
 
 
 def _list(settings: Settings, *, json: bool) -> None:
-    from kg.query.stored import discover  # noqa: PLC0415 - start-up time
-    from kg.views.stored import query_object  # noqa: PLC0415 - start-up time
-
     found = discover(settings.queries).values()
     listing(COLUMNS, list_rows(found), objects=map(query_object, found) if json else None)
     if terminal() and not json:
@@ -111,8 +123,6 @@ def _list(settings: Settings, *, json: bool) -> None:
 
 
 def _explain(asked: "StoredQuery", *, json: bool) -> None:
-    from kg.views.stored import query_object  # noqa: PLC0415 - start-up time
-
     if json:
         json_lines([query_object(asked)])
         return
@@ -129,10 +139,6 @@ def _answer(  # noqa: PLR0913 - the options of a query
     *,
     json: bool,
 ) -> None:
-    from kg.cli.answers import answer, format_for, is_empty  # noqa: PLC0415 - start-up time
-    from kg.query.ask import ask  # noqa: PLC0415 - start-up time
-    from kg.views import whole  # noqa: PLC0415 - start-up time
-
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
     with reading_all(settings, stores) as stored, _extended(stored, asked, values, settings, family) as snapshot:
@@ -159,9 +165,6 @@ def _extended(
     if family is None:
         yield snapshot
         return
-    from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
-    from kg.pipeline.on_demand import with_family  # noqa: PLC0415 - start-up time
-    from kg.query.evaluation import prepare  # noqa: PLC0415 - start-up time
 
     bound = prepare(asked.text, asked.bind(values), str(asked.path)).bound
     with ExitStack() as stack:
@@ -178,19 +181,12 @@ def _meant(
     snapshot: "EmbeddedSnapshot", asked: "StoredQuery", values: dict[str, str], timeout: float | None
 ) -> list[str]:
     """Return what may have been meant by a query that found nothing."""
-    from kg.query.ask import suggestion  # noqa: PLC0415 - start-up time
-    from kg.query.terms import unknown_terms  # noqa: PLC0415 - start-up time
-
     value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
     return [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
 
 
 def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
     """Yield a sentence for each text that is a term in Turtle, which may have been meant."""
-    from pyoxigraph import Literal  # noqa: PLC0415 - start-up time
-
-    from kg.query.stored import TermText  # noqa: PLC0415 - start-up time
-
     for name, value in values.items():
         term = asked.bind({name: value})[name]
         if isinstance(value, TermText) or not isinstance(term, Literal):
@@ -201,9 +197,6 @@ def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
 
 
 def _links(snapshot: "EmbeddedSnapshot") -> "Links":
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-
     return Links.of(sources(snapshot))
 
 

@@ -9,10 +9,20 @@ from kg.cli.completion import packages
 from kg.cli.options import Json, is_given, with_settings
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
+from kg.lazily import lazily
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.robot.live.asking import Subject
+
+with lazily():
+    import asyncio
+
+    from kg.cli.robot_view import follow, show_added, show_capabilities, show_proofs, tell_problems
+    from kg.robot.connecting import address_of, look
+    from kg.robot.live import Watching
+    from kg.robot.live.asking import launched, of_package, running
+    from kg.store.opening import writable
 
 Live = Annotated[bool, typer.Option("--live", help="Use the running robot (the default).")]
 Package = Annotated[
@@ -58,9 +68,6 @@ def capabilities(  # noqa: PLR0913 - the options of a command
         kg robot capabilities --package turtle_tf --launch rover.launch
         kg robot capabilities --why drivingAtVelocity
     """
-    from kg.cli.robot_view import show_added, show_capabilities, show_proofs  # noqa: PLC0415 - start-up time
-    from kg.robot.live.asking import launched, of_package  # noqa: PLC0415 - start-up time
-
     live = live or is_given(settings, "robot")
     if launch is not None and live:
         raise UsageError("KG003", "--launch conflicts with --live and --robot", hint="Remove --live and --robot.")
@@ -82,12 +89,6 @@ def capabilities(  # noqa: PLR0913 - the options of a command
 
 
 def _running(settings: Settings) -> "Subject":
-    import asyncio  # noqa: PLC0415 - start-up time
-
-    from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.connecting import address_of, look  # noqa: PLC0415 - start-up time
-    from kg.robot.live.asking import running  # noqa: PLC0415 - start-up time
-
     address = address_of(settings)
     graph = asyncio.run(look(address))
     tell_problems(graph)
@@ -113,13 +114,6 @@ def watch(
         kg robot watch --robot ros1://turtle:11311 --name turtle
         kg robot watch --once && kg lint --launch robot/localhost:11311
     """
-    import asyncio  # noqa: PLC0415 - start-up time
-
-    from kg.cli.robot_view import follow  # noqa: PLC0415 - start-up time
-    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
-    from kg.robot.live import Watching  # noqa: PLC0415 - start-up time
-    from kg.store.opening import writable  # noqa: PLC0415 - start-up time
-
     try:
         with writable(settings) as target:
             watching = Watching(target, settings, address=address_of(settings), name=name or "")

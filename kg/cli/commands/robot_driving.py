@@ -5,7 +5,11 @@ from typing import Annotated
 import typer
 
 from kg.cli.options import Exclusive, Json, with_settings
+from kg.lazily import lazily
 from kg.settings import Settings
+
+with lazily():
+    from kg.cli.driving import Doing, Reading, do_capability, read_capability
 
 CapabilityName = Annotated[
     str,
@@ -72,8 +76,6 @@ def read(  # noqa: PLR0913 - the options of a command
         kg robot read /odom --robot bag://drive.mcap
         kg robot read sensingBattery --once --json
     """
-    from kg.cli.driving import Reading, read_capability  # noqa: PLC0415 - start-up time
-
     asked = Reading.of(once=once, count=count, seconds=seconds, rate=rate, way=way, json=json)
     read_capability(settings, capability, asked)
 
@@ -104,7 +106,5 @@ def do(  # noqa: PLR0913 - the options of a command
         kg robot do goingToPose at=kitchen --timeout 60
         kg robot do takingOff --dry-run
     """
-    from kg.cli.driving import Doing, do_capability  # noqa: PLC0415 - start-up time
-
     asked = Doing.of(values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, exclusive=exclusive, json=json)
     do_capability(settings, capability, asked)

@@ -5,7 +5,11 @@ from typing import Annotated
 import typer
 
 from kg.cli.options import Json, with_settings
+from kg.lazily import lazily
 from kg.settings import Settings
+
+with lazily():
+    from kg.cli.parameters import set_parameter, show_parameters
 
 Node = Annotated[
     str | None, typer.Argument(metavar="NODE", help="A node, such as /amcl; in ROS 1, a node or a namespace.")
@@ -37,8 +41,6 @@ def params(  # noqa: PLR0913 - the options of a command
         kg robot params /controller_server FollowPath.min_vel_x -- -0.1
         kg robot params /move_base base_local_planner dwa_local_planner/DWAPlannerROS --dry-run
     """
-    from kg.cli.parameters import set_parameter, show_parameters  # noqa: PLC0415 - start-up time
-
     if node is not None and name is not None and value is not None:
         set_parameter(settings, node, name, value, dry_run=dry_run, json=json)
     else:

@@ -14,6 +14,7 @@ from kg.cli.options import (
 from kg.cli.output import json_lines, write
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
+from kg.lazily import lazily
 from kg.settings import Settings
 
 if TYPE_CHECKING:
@@ -21,6 +22,30 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph
     from kg.robot.programs.places import Places as PlacesByName
     from kg.robot.programs.runner import Execution
+
+with lazily():
+    import asyncio
+
+    from msgspec import to_builtins
+
+    from kg.cli.interruptible import interruptible
+    from kg.cli.numbers import seconds as number_of_seconds
+    from kg.cli.program_view import Log, error_at, read, show_problems
+    from kg.cli.robot_view import tell_problems
+    from kg.robot.connecting import address_of
+    from kg.robot.live.asking import launched
+    from kg.robot.live.asking import running as of_running
+    from kg.robot.live.inference import general
+    from kg.robot.programs.check import check as problems_of
+    from kg.robot.programs.check import doubts
+    from kg.robot.programs.converting import convert as code_of
+    from kg.robot.programs.files import encode, load, load_tree
+    from kg.robot.programs.metrics import code_metrics, foreign_types
+    from kg.robot.programs.metrics import metrics as program_metrics
+    from kg.robot.programs.places import placed, read_places
+    from kg.robot.programs.runner import execute, limited, seen
+    from kg.robot.programs.trees import behavior_tree
+    from kg.robot.programs.write import write as text_of
 
 _FORMS = ("text", "json", "rospy", "rclpy", "bt")
 _TREE = ".xml"
@@ -58,12 +83,6 @@ def run(  # noqa: PLR0913 - the options of a command
         kg robot run mail.kgp --dry-run
         kg robot run mail.kgp --robot ros1://turtle:11311 --seconds 60 --json
     """
-    from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
-    from kg.cli.numbers import seconds as number_of_seconds  # noqa: PLC0415 - start-up time
-    from kg.cli.program_view import Log, error_at, read, show_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.runner import execute, limited  # noqa: PLC0415 - start-up time
-
     loaded = read(program, json=json)
     wanted = limited(loaded.program, None if seconds is None else number_of_seconds(seconds, "--seconds"))
     outcome: list[Execution] = []
@@ -107,11 +126,6 @@ def check(  # noqa: PLR0913 - the options of a command
         kg robot check mail.kgp --robot ros1://turtle:11311
         kg robot check mail.kgp --launch rover.launch --places office.toml
     """
-    from kg.cli.program_view import read, show_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.check import check as problems_of  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.check import doubts  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
-
     loaded = read(program, json=json)
     capabilities, told, graph = _known(settings, launch, arg, env)
     meant = placed(loaded.program, told)
@@ -157,13 +171,6 @@ def convert(  # noqa: PLR0913 - the options of a command
         kg robot convert mail.kgp --to bt > mail.xml
         kg robot convert mail.xml > mail.kgp
     """
-    from msgspec import to_builtins  # noqa: PLC0415 - start-up time
-
-    from kg.robot.programs.files import encode, load, load_tree  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.metrics import code_metrics, foreign_types  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.metrics import metrics as program_metrics  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.write import write as text_of  # noqa: PLC0415 - start-up time
-
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown form `{to}` of a program", hint=f"One of {', '.join(_FORMS)}.")
     loaded = load_tree(program, _known(settings, launch, arg, env)[0]) if program.endswith(_TREE) else load(program)
@@ -173,9 +180,6 @@ def convert(  # noqa: PLR0913 - the options of a command
         else:
             write((text_of(loaded.program, ids=ids) if to == "text" else encode(loaded.program).decode()).rstrip())
         return
-    from kg.robot.programs.converting import convert as code_of  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.places import placed  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.trees import behavior_tree  # noqa: PLC0415 - start-up time
 
     if to == "bt":
         capabilities, told, _ = _known(settings, launch, arg, env)
@@ -201,16 +205,6 @@ def _known(
 
     A running robot is asked where the command line names one, or with `running`.
     """
-    import asyncio  # noqa: PLC0415 - start-up time
-
-    from kg.cli.robot_view import tell_problems  # noqa: PLC0415 - start-up time
-    from kg.robot.connecting import address_of  # noqa: PLC0415 - start-up time
-    from kg.robot.live.asking import launched  # noqa: PLC0415 - start-up time
-    from kg.robot.live.asking import running as of_running  # noqa: PLC0415 - start-up time
-    from kg.robot.live.inference import general  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.places import read_places  # noqa: PLC0415 - start-up time
-    from kg.robot.programs.runner import seen  # noqa: PLC0415 - start-up time
-
     running = running or is_given(settings, "robot")
     own = read_places(settings.places)
     if launch is not None:

@@ -6,6 +6,11 @@ import typer
 
 from kg.cli.options import Store
 from kg.cli.session import session
+from kg.lazily import lazily
+
+with lazily():
+    from kg.cli.interruptible import interruptible
+    from kg.cli.simulating import chosen, simulated
 
 World = Annotated[str, typer.Argument(metavar="WORLD", help="`office` (a wheeled robot), `drone` or `arm`.")]
 Master = Annotated[
@@ -50,9 +55,6 @@ def simulate(  # noqa: PLR0913 - the options of a command
         kg robot simulate drone --exercise 3
         kg robot simulate arm --page
     """
-    from kg.cli.interruptible import interruptible  # noqa: PLC0415 - start-up time
-    from kg.cli.simulating import chosen, simulated  # noqa: PLC0415 - start-up time
-
     choice = chosen(
         world,
         master=master,

@@ -5,7 +5,14 @@ from typing import Annotated
 import typer
 
 from kg.cli.options import Json, with_settings
+from kg.lazily import lazily
 from kg.settings import Settings
+
+with lazily():
+    from pathlib import Path
+
+    from kg.cli.numbers import seconds
+    from kg.cli.recording import list_nodes, list_topics, record_topics
 
 File = Annotated[
     str,
@@ -29,8 +36,6 @@ def nodes(*, settings: Settings, json: Json = False) -> None:
         kg robot nodes
         kg robot nodes --json
     """
-    from kg.cli.recording import list_nodes  # noqa: PLC0415 - start-up time
-
     list_nodes(settings, json=json)
 
 
@@ -43,8 +48,6 @@ def topics(*, settings: Settings, json: Json = False) -> None:
         kg robot topics
         kg robot topics --robot bag://drive.mcap
     """
-    from kg.cli.recording import list_topics  # noqa: PLC0415 - start-up time
-
     list_topics(settings, json=json)
 
 
@@ -65,9 +68,4 @@ def record(
         kg robot record drive.bag
         kg robot record drive.mcap /scan /odom --for 60
     """
-    from pathlib import Path  # noqa: PLC0415 - start-up time
-
-    from kg.cli.numbers import seconds  # noqa: PLC0415 - start-up time
-    from kg.cli.recording import record_topics  # noqa: PLC0415 - start-up time
-
     record_topics(settings, Path(file), names or (), keep=None if keep is None else seconds(keep, "--for"), json=json)

@@ -12,12 +12,22 @@ from kg.cli.options import Json, takes, with_settings
 from kg.cli.output import json_lines, listing, show, terminal, write
 from kg.cli.session import session
 from kg.errors import Exit, RuleError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import DECLARED, Settings
 
 if TYPE_CHECKING:
-    from kg.rules.authoring.library import Entry, Library
+    from kg.rules.authoring.library import Entry
+
+with lazily():
+    from kg.cli.rules_view import here, list_columns, list_row, manual_lines
+    from kg.pipeline.reasoning import ontology_schema
+    from kg.rules.authoring.library import Library
+    from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
+    from kg.rules.authoring.naming import choose, find_rule
+    from kg.rules.authoring.starting import start
     from kg.rules.files import Documentation
+    from kg.rules.folders import own_folder
 
 Name = Annotated[
     str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rule_names)
@@ -41,10 +51,6 @@ def new(context: typer.Context, name: NewName, *, notation: Notation = "rq", **g
         kg rules new wiring/listens-to
         kg rules new wiring/listens-to --notation srl
     """
-    from kg.cli.rules_view import here  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.starting import start  # noqa: PLC0415 - start-up time
-    from kg.rules.folders import own_folder  # noqa: PLC0415 - start-up time
-
     for path in start(name, own_folder(session(context).settings(**given)), notation):
         write(here(path))
     option = f" --rules {shlex.quote(given['rules'])}" if given["rules"] else ""
@@ -62,11 +68,6 @@ def list_rules(chosen: Chosen = None, *, settings: Settings, json: Json = False)
         kg rules list
         kg rules list capability
     """
-    from kg.cli.rules_view import list_columns, list_row  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.manual import entry_object  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
-
     library = Library.of(settings)
     found = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
     errors = [*library.problems, *(error for _, _, error in found if error)]
@@ -87,9 +88,6 @@ def list_rules(chosen: Chosen = None, *, settings: Settings, json: Json = False)
 
 def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError | None]":
     """Return what the header of a rule says, and the error for which the rule cannot be read."""
-    from kg.rules.authoring.manual import documentation  # noqa: PLC0415 - start-up time
-    from kg.rules.files import Documentation  # noqa: PLC0415 - start-up time
-
     try:
         return library.read(entry.name).documentation, None
     except RuleError as error:
@@ -101,12 +99,6 @@ def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError
 @with_settings("rules", "rule_families")
 def show_rule(name: Name, *, settings: Settings, json: Json = False) -> None:
     """Show one rule: documentation, text, inputs, results and dependencies."""
-    from kg.cli.rules_view import manual_lines  # noqa: PLC0415 - start-up time
-    from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.manual import manual, manual_object  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
-
     library = Library.of(settings)
     entry = find_rule(library, name)
     known = manual(library, entry, ontology_schema(settings))

@@ -1,5 +1,6 @@
 """`kg rules check`: what is wrong with rules before they run."""
 
+import sys
 from collections import Counter
 from contextlib import ExitStack
 from dataclasses import replace
@@ -14,6 +15,7 @@ from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, Level, require_known
 from kg.codes import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import unknown
@@ -24,6 +26,16 @@ if TYPE_CHECKING:
 
     from kg.rules.checks.finding import Finding
     from kg.rules.checks.run import Read
+
+with lazily():
+    from kg.pipeline.reasoning import check_context, rule_folders
+    from kg.render.sarif import annotation
+    from kg.resources import folder
+    from kg.rules.checks.run import check as run
+    from kg.rules.checks.run import read_all
+    from kg.rules.checks.sarif import as_object, remark, sarif
+    from kg.rules.folders import families_in_force
+    from kg.rules.reading import packs
 
 Names = Annotated[list[str] | None, typer.Argument(metavar="[NAME]...", help="Rules, families, files or folders.")]
 Every = Annotated[bool, typer.Option("--all", "-a", help="Check your rules, packs and the rules that kg ships.")]
@@ -62,12 +74,6 @@ def check(  # noqa: PLR0913 - the options of a command
 
 
 def _found(settings: Settings, names: list[str], seconds: float | None, *, every: bool) -> "tuple[list[Finding], int]":
-    from kg.pipeline.reasoning import check_context, rule_folders  # noqa: PLC0415 - start-up time
-    from kg.rules.checks.run import check as run  # noqa: PLC0415 - start-up time
-    from kg.rules.checks.run import read_all  # noqa: PLC0415 - start-up time
-    from kg.rules.folders import families_in_force  # noqa: PLC0415 - start-up time
-    from kg.rules.reading import packs  # noqa: PLC0415 - start-up time
-
     folders, installed = rule_folders(settings), packs()
     families = families_in_force(settings)
     found = read_all(folders, installed, families)
@@ -85,8 +91,6 @@ def _found(settings: Settings, names: list[str], seconds: float | None, *, every
 
 def _wanted(found: "Read", names: list[str], *, every: bool) -> list[str]:
     """Return the names of the rules that are meant by names, families and files."""
-    from kg.resources import folder  # noqa: PLC0415 - start-up time
-
     known = dict(found.paths)
     if not names:
         return (not every and list(dict.fromkeys(found.others_than(folder("rules"))))) or list(known)
@@ -100,9 +104,6 @@ def _wanted(found: "Read", names: list[str], *, every: bool) -> list[str]:
 
 
 def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
-    from kg.render.sarif import annotation  # noqa: PLC0415 - start-up time
-    from kg.rules.checks.sarif import as_object, remark, sarif  # noqa: PLC0415 - start-up time
-
     if form == "json":
         json_lines(map(as_object, findings))
     elif form == "sarif":
@@ -115,8 +116,6 @@ def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
 
 
 def _tell(findings: "Sequence[Finding]", checked: int) -> None:
-    import sys  # noqa: PLC0415 - start-up time
-
     for one in findings:
         error = RuleError(one.code, one.message, place=one.place, hint=one.hint)
         write(render(error, color=colored(sys.stdout), severity=one.severity))

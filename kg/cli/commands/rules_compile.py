@@ -8,7 +8,16 @@ from kg.cli.completion import rules as rule_names
 from kg.cli.options import with_settings
 from kg.cli.output import write
 from kg.errors import Place, RuleError, UsageError
+from kg.lazily import lazily
 from kg.settings import Settings
+
+with lazily():
+    from kg.cli.rules_view import here
+    from kg.pipeline.reasoning import ontology_schema
+    from kg.rules import printing
+    from kg.rules.authoring.library import Library
+    from kg.rules.authoring.manual import manual
+    from kg.rules.authoring.naming import find_rule
 
 _FORMS: Final = ("form", "rq", "srl", "ttl")
 
@@ -28,13 +37,6 @@ def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
         kg rules compile communication/feeds
         kg rules compile communication/feeds --to srl
     """
-    from kg.cli.rules_view import here  # noqa: PLC0415 - start-up time
-    from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
-    from kg.rules import printing  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.manual import manual  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.naming import find_rule  # noqa: PLC0415 - start-up time
-
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")
     library = Library.of(settings)

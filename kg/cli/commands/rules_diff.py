@@ -9,11 +9,17 @@ from kg.cli.diagnostics import note, say
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show
 from kg.errors import Exit
+from kg.lazily import lazily
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from kg.rules.authoring.differences import Difference
     from kg.rules.explain.view import View
+
+with lazily():
+    from kg.cli.rules_view import change_lines, difference_words
+    from kg.pipeline.authoring import attempt
+    from kg.rules.authoring.differences import difference, difference_objects
 
 
 @with_settings("rules", "rule_families", "limit", "timeout", "store")
@@ -26,9 +32,6 @@ def diff(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> No
         kg rules diff
         kg rules diff wiring/listens-to
     """
-    from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.differences import difference, difference_objects  # noqa: PLC0415 - start-up time
-
     with attempt(settings, chosen or ()) as trial:
         found = difference(trial.bench, trial.files, trial.chosen, trial.limits)
         if json:
@@ -41,8 +44,6 @@ def diff(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> No
 
 def show_difference(found: "Difference", view: "View", most: int) -> None:
     """Show what comes and goes, up to `most` triples (0: all), and how much of it by rule."""
-    from kg.cli.rules_view import change_lines, difference_words  # noqa: PLC0415 - start-up time
-
     shown = found.changes[: most or None]
     if shown:
         show(*change_lines(shown, view))

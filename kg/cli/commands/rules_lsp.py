@@ -9,7 +9,11 @@ import typer
 from kg.cli.options import Store, takes
 from kg.cli.session import session
 from kg.errors import GraphError
+from kg.lazily import lazily
 from kg.settings import DECLARED
+
+with lazily():
+    from kg.editors.source import Source
 
 
 @takes(DECLARED[one] for one in ("rules", "rule_families"))
@@ -26,7 +30,6 @@ def lsp(context: typer.Context, *, store: Store = None, **given: str | None) -> 
         from kg.editors.server import language_server  # noqa: PLC0415 - start-up time
     except ImportError as error:
         raise GraphError("KG605", f"{error.name} is not installed", hint="pip install 'kg-ros[lsp]'") from error
-    from kg.editors.source import Source  # noqa: PLC0415 - start-up time
 
     # The editor names the folder to work in later.
     store = store if store is None or "://" in store else str(Path(store).absolute())

@@ -11,6 +11,7 @@ from kg.cli.diagnostics import note, say
 from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_line, json_lines, listing, show, terminal
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import did_you_mean
@@ -19,6 +20,18 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from kg.rules.authoring.coverage import Coverage
     from kg.rules.authoring.profiling import Profile
+
+with lazily():
+    from kg.cli.rules_view import coverage_lines, element_table, gap_words
+    from kg.pipeline.authoring import attempt
+    from kg.pipeline.reasoning import division, ontology_schema, rules_over
+    from kg.rules.authoring.coverage import cover, coverage_objects
+    from kg.rules.authoring.graph import graph_objects, graph_picture, mermaid, rule_graph
+    from kg.rules.authoring.library import Library
+    from kg.rules.authoring.naming import choose
+    from kg.rules.authoring.profiling import profile as profiled
+    from kg.rules.authoring.profiling import profile_objects
+    from kg.rules.partitions import verdicts
 
 _FORMATS: Final = ("svg", "mermaid", "json")
 _ENDINGS: Final = {".svg": "svg", ".mmd": "mermaid", ".mermaid": "mermaid", ".json": "json", ".jsonl": "json"}
@@ -55,11 +68,6 @@ def graph(
         kg rules graph -o rules.svg
         kg rules graph communication --format mermaid
     """
-    from kg.pipeline.reasoning import ontology_schema  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.graph import graph_objects, graph_picture, mermaid, rule_graph  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
-
     form = _form("json" if json else form, output)
     library = Library.of(settings)
     entries = choose(library, chosen or ())
@@ -95,9 +103,6 @@ def plan(
         kg rules plan --cluster
         kg rules plan --json
     """
-    from kg.pipeline.reasoning import division, rules_over  # noqa: PLC0415 - start-up time
-    from kg.rules.partitions import verdicts  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         parts, asserted = division(settings, snapshot)
         found = verdicts(rules_over(settings, snapshot).rules, parts, asserted)
@@ -143,10 +148,6 @@ def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) ->
         kg rules profile
         kg rules profile communication/feeds
     """
-    from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.profiling import profile as profiled  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.profiling import profile_objects  # noqa: PLC0415 - start-up time
-
     with attempt(settings, chosen or ()) as trial:
         found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
     if json:
@@ -156,8 +157,6 @@ def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) ->
 
 
 def _show_profile(found: "Profile") -> None:
-    from kg.cli.rules_view import element_table  # noqa: PLC0415 - start-up time
-
     detailed = [rule for rule in found.rules if rule.elements]
     total = sum(rule.seconds for rule in found.rules) or 1.0
     rows = [
@@ -191,9 +190,6 @@ def coverage(chosen: Chosen = None, *, settings: Settings, json: Json = False) -
         kg rules coverage
         kg rules coverage capability
     """
-    from kg.pipeline.authoring import attempt  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.coverage import cover, coverage_objects  # noqa: PLC0415 - start-up time
-
     with attempt(settings, chosen or ()) as trial:
         found = cover(trial.bench, trial.files, trial.chosen, trial.limits)
     if json:
@@ -203,8 +199,6 @@ def coverage(chosen: Chosen = None, *, settings: Settings, json: Json = False) -
 
 
 def _show_coverage(found: "Coverage") -> None:
-    from kg.cli.rules_view import coverage_lines, gap_words  # noqa: PLC0415 - start-up time
-
     lacking = [rule for rule in found.rules if rule.gaps]
     if terminal():
         for rule in lacking:

@@ -10,14 +10,23 @@ from kg.cli.options import Json, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.supervising import supervise
 from kg.errors import UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
-    from kg.rules.engine.limits import Limits
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
+
+with lazily():
+    from kg.cli.progress import waiting
+    from kg.cli.rules_view import run_words, share_rows, work_words
+    from kg.pipeline import inferring
+    from kg.pipeline.inferring import unchanged
+    from kg.rules.authoring.runs import remote_objects, remote_strata, rule_runs, run_objects, shares
+    from kg.rules.engine.limits import Limits
+    from kg.rules.reports import nothing_changed
 
 _CHANGES: Final = (Column("rule", "name"), Column("added", "number"), Column("removed", "number"))
 _COLUMNS: Final = (
@@ -84,8 +93,6 @@ def run(  # noqa: PLR0913 - the options of a command
         return
     if settings.memory:
         supervise(settings.memory)
-    from kg.cli.progress import waiting  # noqa: PLC0415 - start-up time
-    from kg.pipeline import inferring  # noqa: PLC0415 - start-up time
 
     with waiting("running the rules"):
         if remote:
@@ -103,20 +110,15 @@ def run(  # noqa: PLR0913 - the options of a command
 
 def _nothing_to_do(settings: Settings) -> "RunReport | None":
     """Return the report of a run where nothing changed since the last one, without reading a rule."""
-    from kg.pipeline.inferring import unchanged  # noqa: PLC0415 - start-up time
-
     last = unchanged(settings, layout_of(settings))
     if last is None:
         return None
-    from kg.rules.reports import nothing_changed  # noqa: PLC0415 - start-up time
 
     return nothing_changed(last.asserted, last.inferred, last.strata)
 
 
 def limits_of(settings: Settings, max_triples: str | None = None) -> "Limits":
     """Return the limits of a run: a deadline only where one is set, for it is queries that the default is for."""
-    from kg.rules.engine.limits import Limits  # noqa: PLC0415 - start-up time
-
     if max_triples is not None and not (max_triples.isdecimal() and int(max_triples)):
         raise UsageError(
             "KG003", f"--max-triples is `{max_triples}`, but must be a number above 0", hint="Give a number."
@@ -143,9 +145,6 @@ def _agree(
 
 
 def _show(report: "RunReport", *, verbose: bool, json: bool) -> None:
-    from kg.cli.rules_view import run_words, share_rows  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.runs import run_objects, shares  # noqa: PLC0415 - start-up time
-
     changes = shares(report)
     if json:
         json_lines(run_objects(report, changes))
@@ -160,9 +159,6 @@ def _show(report: "RunReport", *, verbose: bool, json: bool) -> None:
 
 
 def _show_work(report: "RunReport") -> None:
-    from kg.cli.rules_view import work_words  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.runs import rule_runs  # noqa: PLC0415 - start-up time
-
     did = rule_runs(report.rules)
     if did:
         listing(_COLUMNS, [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did])
@@ -173,8 +169,6 @@ def _show_work(report: "RunReport") -> None:
 
 
 def _show_remote(report: "RemoteReport", *, json: bool) -> None:
-    from kg.rules.authoring.runs import remote_objects, remote_strata  # noqa: PLC0415 - start-up time
-
     if json:
         json_lines(remote_objects(report))
         return

@@ -12,6 +12,7 @@ from kg.cli.diagnostics import colored, note, render, report, say
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show, terminal, write
 from kg.errors import Exit, RuleError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 
@@ -21,6 +22,13 @@ if TYPE_CHECKING:
     from kg.pipeline.watching import Glance
     from kg.rules.authoring.library import Entry
     from kg.rules.authoring.testing import Result
+
+with lazily():
+    from kg.cli.rules_view import change_lines, difference_words, result_lines
+    from kg.pipeline.watching import glances
+    from kg.rules.authoring.library import Library
+    from kg.rules.authoring.naming import choose
+    from kg.rules.authoring.testing import parted, result_object, run_examples
 
 _FEW = 3  # so many rules without examples are named; of more, how many there are
 
@@ -40,8 +48,6 @@ def watch(chosen: Chosen = None, *, settings: Settings) -> None:
         kg rules watch
         kg rules watch wiring/listens-to
     """
-    from kg.pipeline.watching import glances  # noqa: PLC0415 - start-up time
-
     try:
         for glance in glances(settings, chosen or ()):
             _show(glance)
@@ -51,7 +57,6 @@ def watch(chosen: Chosen = None, *, settings: Settings) -> None:
 
 
 def _show(glance: "Glance") -> None:
-
     if terminal():
         sys.stdout.write(_CLEAR)
     names = ", ".join((*glance.names, *(f"{name} (gone)" for name in glance.gone))) or "no rules of your own yet"
@@ -68,8 +73,6 @@ def _show(glance: "Glance") -> None:
 
 
 def _show_difference(glance: "Glance") -> None:
-    from kg.cli.rules_view import change_lines, difference_words  # noqa: PLC0415 - start-up time
-
     if glance.difference is None or glance.view is None:
         return
     changes = glance.difference.changes
@@ -98,10 +101,6 @@ def try_rules(
         kg rules test wiring/listens-to
         kg rules test rules/wiring
     """
-    from kg.rules.authoring.library import Library  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.naming import choose  # noqa: PLC0415 - start-up time
-    from kg.rules.authoring.testing import parted, result_object, run_examples  # noqa: PLC0415 - start-up time
-
     begin = time.perf_counter()
     library = Library.of(settings)
     entries = choose(library, chosen or ())
@@ -123,8 +122,6 @@ def try_rules(
 
 def show_results(results: "Iterable[Result]", *, every: bool) -> "list[Result]":
     """Show results rule by rule as they come, and return them; `every`: also the examples that passed."""
-    from kg.cli.rules_view import result_lines  # noqa: PLC0415 - start-up time
-
     done: list[Result] = []
     for rule, group in groupby(results, key=lambda result: result.rule):
         found = list(group)

@@ -13,6 +13,7 @@ from kg.cli.options import Json, PackageName, with_options, with_settings
 from kg.cli.output import Column, listing, terminal
 from kg.cli.search_view import row, show_hits, tell
 from kg.errors import Exit, UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.search.options import FILTERS
 from kg.settings import Settings
@@ -21,8 +22,14 @@ from kg.store.opening import existing, reading, reading_with_cache
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.cli.links import Links
     from kg.search.searching import Search
+
+with lazily():
+    from kg.cli.links import Links
+    from kg.cli.narrowing import narrow
+    from kg.graph.source_states import sources
+    from kg.search.searching import hit_object, open_search, search_of
+    from kg.search.wording import near
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
 Words = Annotated[list[str] | None, typer.Argument(metavar="TEXT", help="What the node does, in words.")]
@@ -61,9 +68,6 @@ def search(  # noqa: PLR0913 - the options of a command
         kg search "follow a person" --hardware lidar --ros 1 --json
         kg search "camera driver" -i
     """
-    from kg.search.searching import hit_object  # noqa: PLC0415 - start-up time
-    from kg.search.wording import near  # noqa: PLC0415 - start-up time
-
     filters = {name: values for name, values in given.items() if values}
     if package:
         filters["package"] = [package]
@@ -74,8 +78,6 @@ def search(  # noqa: PLR0913 - the options of a command
     most = whole(limit, "--limit", 1)
     with _opened(settings) as found:
         if interactive:
-            from kg.cli.narrowing import narrow  # noqa: PLC0415 - start-up time
-
             filters = narrow(found, words, filters)
         answer = found.find(words, filters, most)
     if words:
@@ -94,8 +96,6 @@ def search(  # noqa: PLR0913 - the options of a command
 @contextmanager
 def _opened(settings: Settings) -> "Iterator[Search]":
     """Yield the search over the store in force; for a SPARQL server the index is built for this command alone."""
-    from kg.search.searching import open_search, search_of  # noqa: PLC0415 - start-up time
-
     if isinstance(settings.store, str):
         with reading_with_cache(settings) as (snapshot, cache):
             yield search_of(snapshot, cache)
@@ -105,9 +105,6 @@ def _opened(settings: Settings) -> "Iterator[Search]":
 
 def _links(settings: Settings) -> "Links":
     """Return the links to the lines of code."""
-    from kg.cli.links import Links  # noqa: PLC0415 - start-up time
-    from kg.graph.source_states import sources  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         return Links.of(sources(snapshot))
 

@@ -10,13 +10,23 @@ import typer
 
 from kg.cli.diagnostics import note
 from kg.cli.options import takes, with_settings
+from kg.lazily import lazily
 from kg.server.options import DECLARED
 from kg.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+
+with lazily():
+    import webbrowser
+
+    from kg.server.libraries import libraries
     from kg.server.options import Options
+    from kg.server.running import serve as run
+    from kg.server.safety.tokens import Tokens
+    from kg.settings import load_table
+    from kg.store.opening import layout_of, or_empty
 
 
 Open = Annotated[bool, typer.Option("--open", help="Open the start page in the browser.")]
@@ -36,9 +46,6 @@ def serve(*, settings: Settings, open_page: Open = False, **given: Any) -> None:
         KG_TOKEN=... kg serve --robot ros1://localhost:11311
         curl --data-urlencode 'query=SELECT * {?s ?p ?o} LIMIT 3' http://127.0.0.1:7878/sparql
     """
-    from kg.server.running import serve as run  # noqa: PLC0415 - start-up time
-    from kg.store.opening import or_empty  # noqa: PLC0415 - start-up time
-
     chosen = options(given)
     # A robot can be used without a store; changes are refused without one, for they would be lost.
     with or_empty(settings) if chosen.robot and not chosen.write else nullcontext(settings) as served:
@@ -52,8 +59,7 @@ def options(given: "Mapping[str, object]") -> "Options":
 
     Raises UsageError KG002 for an invalid value.
     """
-    from kg.server.options import DECLARED, Options  # noqa: PLC0415 - start-up time
-    from kg.settings import load_table  # noqa: PLC0415 - start-up time
+    from kg.server.options import DECLARED  # noqa: PLC0415 - start-up time
 
     return Options(token=os.environ.get("KG_TOKEN") or None, **load_table(DECLARED, given))
 
@@ -62,8 +68,7 @@ def announce(
     address: str, settings: Settings, options: "Options", *, say: "Callable[[str], None]", browse: bool
 ) -> None:
     """Report the address, the data and the access rules of the server; with `browse` open its start page."""
-    from kg.server.libraries import HELP, libraries  # noqa: PLC0415 - start-up time
-    from kg.store.opening import layout_of  # noqa: PLC0415 - start-up time
+    from kg.server.libraries import HELP  # noqa: PLC0415 - start-up time
 
     data = "unnamed graph" if options.no_union else "union of all graphs"
     say(f"serving {layout_of(settings).name} at {address}")
@@ -81,13 +86,9 @@ def announce(
     if not libraries():
         say(f"pages have no pictures and a plain editor: their libraries are not installed. {HELP}")
     if browse:
-        import webbrowser  # noqa: PLC0415 - with the branch that needs it
-
         webbrowser.open(address)
 
 
 def _token(options: "Options") -> str | None:
     """Return the token of a server, None without one."""
-    from kg.server.safety.tokens import Tokens  # noqa: PLC0415 - start-up time
-
     return Tokens(options.token, options.token_file).current

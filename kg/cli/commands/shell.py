@@ -8,7 +8,12 @@ from kg.cli.completion import queries as query_names
 from kg.cli.options import Store, takes
 from kg.cli.session import session
 from kg.errors import Exit
+from kg.lazily import lazily
 from kg.settings import DECLARED
+
+with lazily():
+    from kg.cli.commands.query import query
+    from kg.shell.running import run
 
 Once = Annotated[
     str | None,
@@ -33,11 +38,8 @@ def shell(context: typer.Context, *, once: Once = None, store: Store = None, **g
         kg shell --once 'SELECT ?node { ?node a rnkg:NodeType }' --format csv
     """
     if once is not None:
-        from kg.cli.commands.query import query  # noqa: PLC0415 - the branch that needs it
-
         query(context, once, store=[store] if store else None, **given)
         return
-    from kg.shell.running import run  # noqa: PLC0415 - start-up time
 
     code = run(session(context).settings(store=store, **given))
     if code != Exit.OK:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, json_lines, make_table, show, terminal, write
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
@@ -13,6 +14,13 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from kg.query.counting import Counted
     from kg.query.stats import Statistics
+
+with lazily():
+    from rich.columns import Columns
+
+    from kg.cli.corpus_view import compared, rnkg_rows
+    from kg.syntax.names import shorten
+    from kg.views.answers import figures
 
 _MOST: Final = 12
 
@@ -26,9 +34,6 @@ def stats(*, settings: Settings, json: Json = False) -> None:
     the entities. The figures of the RNKG paper are listed next to ours, counted the same way: repositories, packages,
     nodes, topics, services, messages, hardware, functions, and the relations between them.
     """
-    from kg.cli.corpus_view import compared, rnkg_rows  # noqa: PLC0415 - start-up time
-    from kg.views.answers import figures  # noqa: PLC0415 - start-up time
-
     with reading(settings) as snapshot:
         figured = figures(snapshot)
     found, ours = figured.graph, figured.rnkg
@@ -73,17 +78,13 @@ def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, l
 
 def _triples(found: "Statistics", most: int | None) -> list[tuple[str, int]]:
     """Return the number of triples by property, the rarer ones together when there are more than `most`."""
-    from kg.syntax.names import shorten  # noqa: PLC0415 - start-up time
-
     shown = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
     rest = found.triples[len(shown) :]
     return [*shown, *([(f"{len(rest)} other properties", sum(number for _, number in rest))] if rest else [])]
 
 
 def _tables(found: "Statistics", ours: "Counted") -> None:
-    from rich.columns import Columns  # noqa: PLC0415 - start-up time
-
-    from kg.cli.corpus_view import RNKG_COLUMNS, rnkg_rows  # noqa: PLC0415 - start-up time
+    from kg.cli.corpus_view import RNKG_COLUMNS  # noqa: PLC0415 - start-up time
 
     tables = [
         make_table((Column(section, "name"), Column("", "number")), rows)

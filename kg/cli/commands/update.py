@@ -11,12 +11,19 @@ from kg.cli.diagnostics import note, say
 from kg.cli.options import Json, NoRules, with_settings
 from kg.cli.output import Column, json_lines, listing
 from kg.errors import Exit, Place, UsageError
+from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing, layout_of, writable
 
 if TYPE_CHECKING:
     from kg.pipeline.updating.changes import Updated
+
+with lazily():
+    from kg.pipeline.updating.applying import apply
+    from kg.pipeline.updating.changes import Update
+    from kg.pipeline.updating.restoring import restore as put_back
+    from kg.store.backups import back_up
 
 
 Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
@@ -47,9 +54,6 @@ def update(  # noqa: PLR0913 - the options of a command
         kg update 'INSERT DATA { GRAPH <urn:notes> { <urn:rover> rdfs:comment "mine" } }'
         kg update -f cleaning.ru --dry-run
     """
-    from kg.pipeline.updating.applying import apply  # noqa: PLC0415 - start-up time
-    from kg.pipeline.updating.changes import Update  # noqa: PLC0415 - start-up time
-
     asked, place = _asked(text, file)
     updated = apply(existing(settings), settings, Update(text=asked, path=place), rules=not no_rules, dry_run=dry_run)
     show(updated, dry_run=dry_run, json=json)
@@ -67,8 +71,6 @@ def backup(target: Target, *, settings: Settings, json: Json = False) -> None:
         kg backup monday
         kg backup monday.nq.gz
     """
-    from kg.store.backups import back_up  # noqa: PLC0415 - start-up time
-
     found = back_up(layout_of(settings), Path(target))
     if json:
         json_lines([asdict(found)])
@@ -83,8 +85,6 @@ def restore(source: Source, *, settings: Settings) -> None:
 
         kg restore monday
     """
-    from kg.pipeline.updating.restoring import restore as put_back  # noqa: PLC0415 - start-up time
-
     with writable(settings) as target:
         found = put_back(target, Path(source))
     original = f", made of snapshot {found.original} of the backup" if found.original else ""

@@ -10,6 +10,7 @@ from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.errors import Exit, RuleError, UsageError
+from kg.lazily import lazily
 from kg.settings import Settings
 from kg.store.opening import existing, reading_with_cache
 
@@ -21,6 +22,19 @@ if TYPE_CHECKING:
     from kg.rules.explain.view import View
     from kg.rules.form import Rule, Term
     from kg.store.snapshot import EmbeddedSnapshot
+
+with lazily():
+    from kg.cli.trees import print_tree
+    from kg.graph.iris import Iris
+    from kg.query.ask import row as row_of
+    from kg.query.naming import facts
+    from kg.rules.explain.export import mermaid, proof_object, why_not_object
+    from kg.rules.explain.picture import picture
+    from kg.rules.explain.rows import why_row
+    from kg.rules.explain.text import proof_lines, why_not_lines
+    from kg.rules.explain.why import why_all
+    from kg.views.evidence import places
+    from kg.views.why import absent, explaining
 
 _FORMATS = ("text", "json", "mermaid", "svg")
 _FACT = "For example `kg why patrol subscribes scan_filtered`; quote names that have blanks in them."
@@ -81,7 +95,6 @@ def why(  # noqa: PLR0913 - the options of a command
         if query is not None:
             if words:
                 raise UsageError("KG003", "a fact and --query are mutually exclusive", hint="See `kg why --help`.")
-            from kg.query.ask import row as row_of  # noqa: PLC0415 - start-up time
 
             asked, number = query_meant(query, None, settings), whole(row, "--row", 1)
             text, found = row_of(snapshot, asked, pairs(param or []), number, timeout=settings.timeout or None)
@@ -107,10 +120,7 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
     every: bool,
     shortest: bool,
 ) -> "Iterable[Proof]":
-    from kg.query.naming import facts  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why import why as explained  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.why import why_all  # noqa: PLC0415 - start-up time
-    from kg.views.why import absent  # noqa: PLC0415 - start-up time
 
     found, held = facts(snapshot, *words, prefixes=view.prefixes)
     if not held:
@@ -125,8 +135,6 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
 def _matched(
     text: str, row: "Mapping[str, Term]", number: int, view: "View", known: "tuple[Rule, ...]"
 ) -> "tuple[Proof, ...]":
-    from kg.rules.explain.rows import why_row  # noqa: PLC0415 - start-up time
-
     note(f"row {number}: " + ", ".join(f"?{name} = {view.label(term)}" for name, term in row.items()))
     found = why_row(view, known, text, row)
     if found.remark:
@@ -153,9 +161,6 @@ def why_not(
 
         kg why-not listener rnkg:feeds talker
     """
-    from kg.query.naming import facts  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.export import why_not_object  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.text import why_not_lines  # noqa: PLC0415 - start-up time
     from kg.rules.explain.why_not import why_not as explained  # noqa: PLC0415 - start-up time
 
     kept = existing(settings)
@@ -169,10 +174,6 @@ def why_not(
         if json:
             json_lines([why_not_object(answer, view)])
         else:
-            from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
-            from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
-            from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-
             print_tree(why_not_lines(answer, view), places(snapshot), Iris(settings.base))
 
 
@@ -184,8 +185,6 @@ def _form(name: str) -> str:
 
 def _known(snapshot: "EmbeddedSnapshot", settings: Settings, cache: "Path") -> "tuple[tuple[Rule, ...], View]":
     """Return the rules in force, and the store as explanations with these rules see it; rules left out are named."""
-    from kg.views.why import explaining  # noqa: PLC0415 - start-up time
-
     broken: list[RuleError] = []
     rules, view = explaining(snapshot, settings, broken, cache=cache)
     for error in broken:
@@ -194,21 +193,12 @@ def _known(snapshot: "EmbeddedSnapshot", settings: Settings, cache: "Path") -> "
 
 
 def _show(proofs: "list[Proof]", view: "View", form: str, snapshot: "EmbeddedSnapshot", base: str) -> None:
-    from kg.rules.explain.export import mermaid, proof_object  # noqa: PLC0415 - start-up time
-    from kg.rules.explain.text import proof_lines  # noqa: PLC0415 - start-up time
-
     if form == "json":
         json_lines(proof_object(proof, view) for proof in proofs)
     elif form == "mermaid":
         write(mermaid(proofs, view).rstrip())
     elif form == "svg":
-        from kg.rules.explain.picture import picture  # noqa: PLC0415 - start-up time
-
         write(picture(proofs, view).rstrip())
     else:
-        from kg.cli.trees import print_tree  # noqa: PLC0415 - start-up time
-        from kg.graph.iris import Iris  # noqa: PLC0415 - start-up time
-        from kg.views.evidence import places  # noqa: PLC0415 - start-up time
-
         for proof in proofs:
             print_tree(proof_lines(proof, view), places(snapshot), Iris(base))

@@ -8,9 +8,13 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.manifests.cmake_run import BINARY, DEFINING, SOURCE, Run, macros_of
 from kg.extract.manifests.cmake_scope import keep_matching, replace_all, split_list
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+with lazily():
+    from kg.extract.python.evaluation import Dialect, evaluate_text
 
 
 _LARGEST: Final = 1 << 63
@@ -18,12 +22,7 @@ _LARGEST: Final = 1 << 63
 
 def compute(expression: str) -> int | None:
     """Return the value of an expression of whole numbers, which are Python's; None for anything else."""
-    from kg.extract.python.evaluation import (  # noqa: PLC0415 - few packages compute
-        Dialect,
-        ExpressionError,
-        UnsupportedError,
-        evaluate_text,
-    )
+    from kg.extract.python.evaluation import ExpressionError, UnsupportedError  # noqa: PLC0415 - few packages compute
 
     try:
         value = evaluate_text(expression, Dialect())

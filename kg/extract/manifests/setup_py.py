@@ -11,11 +11,15 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import EntryPoint, Script
 from kg.facts import Location
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
     from kg.extract.python.programs import Called
+
+with lazily():
+    from kg.extract.python.programs import calls_of, entries, lines
 
 _SETUP_CALLS: Final = frozenset({"setup", "generate_distutils_setup"})
 _ENTRY: Final = re.compile(r"^\s*([^\s=]+)\s*=\s*([\w.]+)\s*(?::\s*([\w.]+))?")
@@ -84,8 +88,6 @@ class _Found:
 
 
 def _setup_py(found: _Found, path: str, text: bytes) -> None:
-    from kg.extract.python.programs import calls_of, entries, lines  # noqa: PLC0415 - loads with the first setup.py
-
     written = text.decode().splitlines()
     for call in calls_of(found.reader, found.reader.file(path)):
         if call.name == "generate_parameter_module":
@@ -103,8 +105,6 @@ def _setup_py(found: _Found, path: str, text: bytes) -> None:
 
 def _scripts_of(call: Called) -> list[str]:
     """Return the console scripts of a call: those in a dictionary, or in a text that is written like an INI file."""
-    from kg.extract.python.programs import entries, lines  # noqa: PLC0415 - as above
-
     given = call.named.get("entry_points")
     section, found = "", lines(entries(given).get("console_scripts"))
     for line in lines(given):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Access, Location, Parameter, Resolution
 from kg.holes import is_partial
+from kg.lazily import lazily
 from kg.symbolic.values import Number, Text, Truth, TypeValue, Value
 
 if TYPE_CHECKING:
@@ -20,14 +21,15 @@ if TYPE_CHECKING:
     from kg.corpus.reading import Reader
     from kg.extract.python.programs import Called
 
+with lazily():
+    from kg.extract.python.programs import calls_of
+
 _TYPES: Final = {"int_t": "int", "double_t": "double", "bool_t": "bool", "str_t": "string"}
 _ADD_ARGUMENTS: Final = ("name", "paramtype", "level", "description", "default")
 
 
 def read_configuration(reader: Reader, file: FilePath) -> tuple[Parameter, ...]:
     """Return the parameters of the `.cfg` file; parts that do not parse are a problem KG115 of the `reader`."""
-    from kg.extract.python.programs import calls_of  # noqa: PLC0415 - few packages have such files
-
     calls = (call for call in calls_of(reader, file) if call.name == "add")
     return tuple({found.name: found for call in calls for found in _added(call, reader.repository)}.values())
 

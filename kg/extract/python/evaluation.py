@@ -34,12 +34,16 @@ from kg.extract.python.operations import (
     called,
     refuse_over,
 )
+from kg.lazily import lazily
 from kg.symbolic import form
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.symbolic.form import Expression
+
+with lazily():
+    from kg.extract.python.expressions import expression_of
 
 __all__ = [
     "HOLE",
@@ -150,8 +154,6 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
 
 @lru_cache(maxsize=1024)
 def _lowered(source: str) -> Expression:
-    from kg.extract.python.expressions import expression_of  # noqa: PLC0415 - few launch files need the parser
-
     return expression_of(source)
 
 

@@ -16,12 +16,16 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.files import FilePath
 from kg.extract.manifests.installing import Installed
 from kg.facts import FileKind, LaunchProblemKind, StartedNode
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.corpus.files import Place
     from kg.corpus.reading import Reader
+
+with lazily():
+    from pathspec import GitIgnoreSpec
 
 SCHEME: Final = "package://"
 """What the folder of a package begins with in texts; it stands for what `$(find NAME)` gives when it runs."""
@@ -179,8 +183,6 @@ class Files:
 
     def _is_ignored(self, file: FilePath) -> bool:
         """Return whether the nearest `.gitignore` with a pattern for a file leaves it out."""
-        from pathspec import GitIgnoreSpec  # noqa: PLC0415 - few launch files name absent files
-
         parts = file.path.split("/")
         for depth in range(len(parts) - 1, -1, -1):
             folder, inner = "/".join(parts[:depth]), "/".join(parts[depth:])

@@ -26,10 +26,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
+from kg.lazily import lazily
 from kg.query.readers.child import serve
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
+
+with lazily():
+    import ctypes
 
 ORDER: Final = struct.Struct(">cI")
 """An order, and the number of the reader."""
@@ -158,8 +162,6 @@ def _become_reader(files: list[int], private: list[socket.socket]) -> NoReturn:
 def _die_with_parent() -> None:
     """On Linux, have the system kill this process when its parent exits."""
     if sys.platform == "linux":
-        import ctypes  # noqa: PLC0415 - only for Linux
-
         ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
 
 

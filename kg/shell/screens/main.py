@@ -12,6 +12,7 @@ from textual.containers import Horizontal
 from textual.screen import Screen
 from textual.widgets import Footer, Static, TabbedContent, TextArea
 
+from kg.lazily import lazily
 from kg.query.formats import display
 from kg.query.result import Graph, Solutions
 from kg.query.statements import statements
@@ -39,6 +40,13 @@ if TYPE_CHECKING:
     from kg.shell.app import Shell
     from kg.shell.link import Link
     from kg.shell.state import State
+
+with lazily():
+    from kg.shell.screens.export import ExportScreen
+    from kg.shell.screens.jump import JumpScreen
+    from kg.shell.screens.listing import ChoiceScreen, HistoryScreen
+    from kg.shell.screens.page import PageScreen, row_page, thing
+    from kg.shell.screens.stored import StoredScreen
 
 _FOLLOW_SECONDS: Final = 2.0  # seconds between checks for a new generation of the store
 _RUNNING_SECONDS: Final = 0.2
@@ -249,20 +257,14 @@ class MainScreen(Screen[None]):
 
     def action_history(self) -> None:
         """Choose from the history."""
-        from kg.shell.screens.listing import HistoryScreen  # noqa: PLC0415 - start-up time
-
         self.app.push_screen(HistoryScreen(self.state.history()), self._take)
 
     def action_stored(self) -> None:
         """Choose a stored query."""
-        from kg.shell.screens.stored import StoredScreen  # noqa: PLC0415 - start-up time
-
         self.app.push_screen(StoredScreen(self.link), self._take)
 
     def action_jump(self) -> None:
         """Go to a panel by its letter."""
-        from kg.shell.screens.jump import JumpScreen  # noqa: PLC0415 - start-up time
-
         panels: dict[str, Any] = {"t": self.query_one(KnowledgeTree)}
         if self.buffers.current:
             panels |= {"e": self.buffers.current.editor, "r": self.buffers.current.results.table}
@@ -293,8 +295,6 @@ class MainScreen(Screen[None]):
 
     def action_open_row(self) -> None:
         """Open the proof of the row."""
-        from kg.shell.screens.page import PageScreen, row_page  # noqa: PLC0415 - start-up time
-
         view, buffer = self._view(), self.buffers.current
         row = view.row() if view else None
         if buffer is None or view is None or row is None or view.result is None:
@@ -307,8 +307,6 @@ class MainScreen(Screen[None]):
 
     def action_open_cell(self) -> None:
         """Open the thing in the cell."""
-        from kg.shell.screens.page import PageScreen, thing  # noqa: PLC0415 - start-up time
-
         cell = view.cell() if (view := self._view()) else None
         if isinstance(cell, NamedNode):
             self.app.push_screen(PageScreen(self.link, thing(cell.value, display(cell))))
@@ -332,8 +330,6 @@ class MainScreen(Screen[None]):
 
     def action_copy_as(self) -> None:
         """Copy the cell, or the rows in a format."""
-        from kg.shell.screens.listing import ChoiceScreen  # noqa: PLC0415 - start-up time
-
         view = self._view()
         if view is None or view.result is None:
             return
@@ -352,8 +348,6 @@ class MainScreen(Screen[None]):
 
     def action_export(self) -> None:
         """Write the whole answer to a file."""
-        from kg.shell.screens.export import ExportScreen  # noqa: PLC0415 - start-up time
-
         view, buffer = self._view(), self.buffers.current
         if buffer and view is not None and view.result is not None:
             self.app.push_screen(ExportScreen(self.link, view.result, buffer.asked))
@@ -364,8 +358,6 @@ class MainScreen(Screen[None]):
 
     def action_open_entry(self) -> None:
         """Open the page of the entry; folders expand and collapse."""
-        from kg.shell.screens.page import PageScreen, thing  # noqa: PLC0415 - start-up time
-
         tree = self.query_one(KnowledgeTree)
         entry = tree.entry
         if entry.get("iri"):

@@ -23,6 +23,7 @@ from kg.facts import (
 )
 from kg.holes import ANONYMOUS
 from kg.launch.files.access import SCHEME, Budget, Files
+from kg.lazily import lazily
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.actions import Text
     from kg.launch.files.ros2.parameters import Entry
     from kg.launch.files.ros2.substitute import Generated
+
+with lazily():
+    from kg.launch.files.ros2.substitute import perform
 
 HOLE: Final = ANONYMOUS
 """Stands in a text for a part that cannot be known."""
@@ -109,8 +113,6 @@ class Context:
 
     def perform(self, text: Text) -> str:
         """Return a text with its substitutions performed now; what cannot be known is `{}`, with a problem."""
-        from kg.launch.files.ros2.substitute import perform  # noqa: PLC0415  (which needs this module)
-
         return perform(self, text)
 
     def settled(self, text: Text) -> str | None:

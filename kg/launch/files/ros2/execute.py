@@ -29,6 +29,7 @@ from kg.launch.files.ros2.nodes import execute_process, load_components, start_n
 from kg.launch.files.ros2.parameters import given_parameter, without_others
 from kg.launch.files.ros2.substitute import described, holds, perform
 from kg.launch.wiring.similar_names import alike, alike_when_short
+from kg.lazily import lazily
 from kg.names import join, normalise
 
 if TYPE_CHECKING:
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath
     from kg.launch.files.access import Files
+
+with lazily():
+    from kg.launch.files.ros2.python.reading import read_python
 
 Tree = tuple["Sequence[Action]", "tuple[LaunchProblem, ...]"]
 
@@ -91,8 +95,6 @@ def _markup(context: Context, file: FilePath, content: bytes, dialect: LaunchDia
 
 
 def _python(context: Context, file: FilePath, content: bytes) -> Tree:
-    from kg.launch.files.ros2.python.reading import read_python  # noqa: PLC0415  (only files of Python need it)
-
     if context.files not in _PYTHON:
         _PYTHON.clear()
     trees = _PYTHON.setdefault(context.files, {})
