@@ -310,6 +310,7 @@ class _Build:
         """Read the packages of the plan into `results`, and write the graphs of the `changed` sources."""
         with self._pool(workspace, plan, calls) as pool:
             self._jobs = pool.size if pool else self._jobs
+            # The store is loaded after the workers have started, which must not inherit an open engine.
             trusted = self._trusted(workspace.sources, plan)
             if self._rules is not None:
                 self._inference.watch(self._transaction)
