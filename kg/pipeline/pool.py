@@ -3,7 +3,8 @@
 Workers are forked if the system supports it, so they share the indexes of the workspace. Of several workers, each
 receives its next package before it has finished the current one, so it never waits while the store is written. A single
 one alternates with the writing, so a build with one job occupies one processor. A worker exits when its pipe closes, so
-none outlives the build; one that has grown makes way for another.
+none outlives the build. One that has grown makes way for a spare one, which was forked with the first ones: later, the
+parent has an open store and its threads.
 """
 
 from __future__ import annotations
@@ -40,11 +41,15 @@ _FIRST_OWN_FILE: Final = 3
 _MOST_FILES: Final = 1 << 16
 """Upper bound for closing files: without a limit, macOS reports a number too large for a loop."""
 _MOST_MEMORY: Final = 160 << 20
-"""Bytes of its own with which a worker ends after a package, and another takes its place.
+"""Bytes of its own with which a worker makes way for a spare one.
 
-Freed memory is scattered, so little of it goes back to the system, and headers are kept for the next package. A new
-worker shares the memory of its parent.
+Freed memory is scattered, so little of it goes back to the system, and headers are kept for the next package. A spare
+worker shares the memory that its parent had.
 """
+_PACKAGES: Final = 12
+"""Number of packages for which one spare worker is kept."""
+_MOST_SPARES: Final = 40
+"""Largest number of spare workers; each takes about a megabyte."""
 _GC_THRESHOLD: Final = 500_000
 """Number of new objects that triggers a garbage collection; most objects live until their package is done."""
 
@@ -60,12 +65,16 @@ class Task(NamedTuple):
 
 @dataclass(slots=True)
 class _Worker:
-    """A process with its pipe and its tasks, oldest first; `since` is the start time of the oldest."""
+    """A process with its pipe and its tasks, oldest first; `since` is the start time of the oldest.
+
+    One with an `heir` gets no more tasks, and the heir takes its place.
+    """
 
     process: BaseProcess
     pipe: Connection
     given: deque[Task] = field(default_factory=deque)
     since: float = 0.0
+    heir: _Worker | None = None
 
 
 class Pool:
@@ -83,21 +92,26 @@ class Pool:
         self._size = max(1, min(jobs, len(self._queue)))
         self._deadline = deadline
         self._workers: list[_Worker] = []
+        self._spares: deque[_Worker] = deque()
 
     def __enter__(self) -> Self:
         gc.freeze()
         self._hand_out()
+        if self._context.get_start_method() == "fork":  # others share nothing with their parent
+            self._spares.extend(self._fork() for _ in range(min(_MOST_SPARES, len(self._queue) // _PACKAGES)))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for worker in self._workers:
+        workers = self._every()
+        for worker in workers:
             worker.process.kill()
-        for worker in self._workers:
+        for worker in workers:
             worker.process.join()
             worker.pipe.close()
         self._workers = []
+        self._spares.clear()
         gc.unfreeze()
 
     @property
@@ -119,12 +133,12 @@ class Pool:
     def _hand_out(self) -> None:
         """Give tasks to workers with free capacity; start workers while tasks remain."""
         while self._queue and len(self._workers) < self._size:
-            self._start()
+            self._workers.append(self._fork())
             self._give(self._workers[-1])
         ahead = _AHEAD if self._size > 1 else 1
         for _ in range(ahead):
             for worker in sorted(self._workers, key=lambda one: len(one.given)):
-                if self._queue and len(worker.given) < ahead:
+                if self._queue and len(worker.given) < ahead and worker.heir is None:
                     self._give(worker)
 
     def _collect(self) -> Iterator[Outcome]:
@@ -141,9 +155,13 @@ class Pool:
             elif worker.given and time.monotonic() - worker.since > self._deadline:
                 yield from self._reap(worker, f"the package took longer than {self._deadline:g} s and was left out")
 
-    def _start(self) -> None:
+    def _every(self) -> list[_Worker]:
+        """Return all processes: workers, those that take their places, and spare ones."""
+        return [*self._workers, *(worker.heir for worker in self._workers if worker.heir), *self._spares]
+
+    def _fork(self) -> _Worker:
         here, there = self._context.Pipe()
-        pipes = [worker.pipe for worker in self._workers]
+        pipes = [worker.pipe for worker in self._every()]
         forked = self._context.get_start_method() == "fork"
         process = self._context.Process(
             target=_serve, args=(self._job, there, [here, *pipes]), kwargs={"forked": forked}, daemon=True
@@ -151,7 +169,7 @@ class Pool:
         with _deferred_interrupts():
             process.start()
             there.close()
-            self._workers.append(_Worker(process, here))
+            return _Worker(process, here)
 
     def _give(self, worker: _Worker) -> None:
         if not worker.given:
@@ -162,7 +180,7 @@ class Pool:
 
     def _receive(self, worker: _Worker) -> Iterator[Outcome]:
         try:
-            outcome, ends = worker.pipe.recv()
+            outcome, memory = worker.pipe.recv()
         except (EOFError, OSError):
             worker.process.join()
             message = f"the process that read the package ended with {end_of(worker.process.exitcode or 0)}"
@@ -170,7 +188,9 @@ class Pool:
             return
         worker.given.popleft()
         worker.since = time.monotonic()
-        if ends:
+        if memory > _MOST_MEMORY and worker.heir is None and self._spares:
+            worker.heir = self._spares.popleft()
+        if worker.heir is not None and not worker.given:
             self._remove(worker)
         yield outcome
 
@@ -182,11 +202,13 @@ class Pool:
             yield failed(*culprit[:3], message)
 
     def _remove(self, worker: _Worker) -> None:
-        """End a worker, and queue its tasks again."""
+        """End a worker, and queue its tasks again; its heir takes its place."""
         worker.process.kill()
         worker.process.join()
         worker.pipe.close()
         self._workers.remove(worker)
+        if worker.heir is not None:
+            self._workers.append(worker.heir)
         self._queue.extendleft(reversed(worker.given))
 
 
@@ -223,11 +245,7 @@ def _serve(job: Job, pipe: Connection, others: list[Connection], *, forked: bool
     with contextlib.suppress(EOFError, OSError):
         while True:
             task: Task = pipe.recv()
-            outcome = attempt(job, task)
-            ends = own_memory() > _MOST_MEMORY
-            pipe.send((outcome, ends))
-            if ends:
-                break
+            pipe.send((attempt(job, task), own_memory()))
     os._exit(0)
 
 

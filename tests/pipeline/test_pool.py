@@ -51,12 +51,25 @@ def test_one_package_costs_itself_only(monkeypatch: pytest.MonkeyPatch, jobs: in
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
-def test_a_worker_with_too_much_memory_is_replaced(monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
-    """It ends after its package, and another reads the next one; no package is lost or read twice."""
+def test_a_worker_with_too_much_memory_makes_way_for_a_spare_one(monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    """No package is lost or read twice, whether there are spare workers or not."""
     monkeypatch.setattr(pool, "work", _identified)
     assert len(_processes(jobs)) <= jobs
     monkeypatch.setattr(pool, "_MOST_MEMORY", -1)
-    assert len(_processes(jobs)) == len(TASKS)
+    assert len(_processes(jobs)) <= jobs
+    monkeypatch.setattr(pool, "_PACKAGES", 2)
+    assert len(_processes(jobs)) > jobs
+
+
+def test_a_spare_worker_takes_the_place_of_one_that_died(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker that dies after it got an heir leaves its packages to it."""
+    monkeypatch.setattr(pool, "work", _work)
+    monkeypatch.setattr(pool, "_MOST_MEMORY", -1)
+    monkeypatch.setattr(pool, "_PACKAGES", 1)
+    tasks = [*TASKS[:5], *TASKS[6:]]
+    with Pool(Job(RecordingWorkspace([]), "https://example.org/", 1), tasks, 2) as workers:
+        outcomes = [outcome.result.path for outcome in workers.outcomes()]
+    assert sorted(outcomes) == [task.path for task in tasks]
 
 
 def _processes(jobs: int) -> set[bytes]:
