@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 JOIN = "Join them by a variable, or by a FILTER that compares them."
+MEANT = "Did you mean `rnkg:publishes`, `rnkg:publishesUpon` or `rnkg:neverPublishes`?"
 PIECES = [
     "SELECT ", "* ", "?x ", "a ", "ros:Topic ", "b:c ", "{ ", "} ", "( ", ") ", ". ", "'", '"', "\r\n", "\t",
     "\U0001f600", "#", "FILTER",
@@ -52,7 +53,7 @@ def mended(text: str, fix: dict[str, Any]) -> str:
         ("SELECT ?nod { ?node ?p ?o }", "KG514", "?nod", "Did you mean `?node`?"),
         ("SELECT * { ?a ?b ?c FILTER(?d > 1) }", "KG514", "?d", None),
         ("SELECT * { ?a ?b ?c . ?d ?e ?f }", "KG515", "?d ?e ?f", JOIN),
-        ("SELECT * { ?n rnkg:publshes ?t }", "KG513", "rnkg:publshes", "Did you mean `rnkg:publishes`?"),
+        ("SELECT * { ?n rnkg:publshes ?t }", "KG513", "rnkg:publshes", MEANT),
         ("SELECT * {\r\n ?n a ros:NodeType }", "KG513", "ros:NodeType", "Did you mean `rnkg:NodeType` or `ros:Node`?"),
     ],
 )  # fmt: skip

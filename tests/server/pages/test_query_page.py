@@ -417,7 +417,7 @@ def test_works_without_libraries(browser: Chromium, site: str) -> None:
             )
 
     problem, answer, editors = browser.run(plain())
-    assert "rnkg:publshes is not in the store. Did you mean rnkg:publishes?" in problem
+    assert "rnkg:publshes is not in the store. Did you mean rnkg:publishes" in problem
     assert (answer, editors) == ("No", 0)
 
 
