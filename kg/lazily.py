@@ -16,7 +16,7 @@ import sys
 from contextlib import contextmanager
 from importlib import import_module
 from threading import RLock
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -49,14 +49,17 @@ def lazily() -> Iterator[None]:
             builtins.__import__ = outer
 
 
-class _Source(NamedTuple):
+class _Source:
     """A module that names are imported from."""
 
-    module: str
+    __slots__ = ("_module",)  # with few attributes of its own: each would hide a name of the module
+
+    def __init__(self, module: str) -> None:
+        self._module = module
 
     def __getattr__(self, name: str) -> Lazy:
         """Return a name of the module, without importing it."""
-        return Lazy(self.module, name)
+        return Lazy(self._module, name)
 
 
 class Lazy:

@@ -27,13 +27,16 @@ class Base:
 
 def double(number):
     return 2 * number
+
+def count():
+    return 7
 """
 BORROWER = """
 from kg.lazily import lazily
 
 with lazily():
     from lender_of_tests import things
-    from lender_of_tests.things import Base, double as twice
+    from lender_of_tests.things import Base, count, double as twice
 
 def doubled(number):
     return twice(number)
@@ -70,7 +73,7 @@ def borrower(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
 def test_a_module_is_imported_when_a_name_is_used(borrower: Any) -> None:
     """Not before."""
     assert "lender_of_tests.things" not in sys.modules
-    assert borrower.doubled(4) == 8
+    assert (borrower.doubled(4), borrower.count()) == (8, 7)
     assert "lender_of_tests.things" in sys.modules
 
 

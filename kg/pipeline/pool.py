@@ -98,7 +98,8 @@ class Pool:
         gc.freeze()
         self._hand_out()
         if self._context.get_start_method() == "fork":  # others share nothing with their parent
-            self._spares.extend(self._fork() for _ in range(min(_MOST_SPARES, len(self._queue) // _PACKAGES)))
+            for _ in range(min(_MOST_SPARES, len(self._queue) // _PACKAGES)):
+                self._fork(self._spares)
         return self
 
     def __exit__(
@@ -133,7 +134,7 @@ class Pool:
     def _hand_out(self) -> None:
         """Give tasks to workers with free capacity; start workers while tasks remain."""
         while self._queue and len(self._workers) < self._size:
-            self._workers.append(self._fork())
+            self._fork(self._workers)
             self._give(self._workers[-1])
         ahead = _AHEAD if self._size > 1 else 1
         for _ in range(ahead):
@@ -159,7 +160,7 @@ class Pool:
         """Return all processes: workers, those that take their places, and spare ones."""
         return [*self._workers, *(worker.heir for worker in self._workers if worker.heir), *self._spares]
 
-    def _fork(self) -> _Worker:
+    def _fork(self, among: list[_Worker] | deque[_Worker]) -> None:
         here, there = self._context.Pipe()
         pipes = [worker.pipe for worker in self._every()]
         forked = self._context.get_start_method() == "fork"
@@ -169,7 +170,7 @@ class Pool:
         with _deferred_interrupts():
             process.start()
             there.close()
-            return _Worker(process, here)
+            among.append(_Worker(process, here))
 
     def _give(self, worker: _Worker) -> None:
         if not worker.given:

@@ -19,10 +19,9 @@ class Lexicon:
     """The tables of `ontology/search.toml`.
 
     `stop_words` are insignificant; `compounds` maps closed compounds to their words, `families` words to the one that
-    represents them; `synonyms` contains groups of phrases, `everyday` the
-    terms of the field by phrases of others, `types` the last parts of message types by phrase,
-    `directions` the phrases before them, `asides` the phrases that begin and end asides, and `weights` those of the
-    ranking (`fields`, `rank`, `wishes`, `down`).
+    represents them; `synonyms` contains groups of phrases, `everyday` what everyday phrases stand for, `types`
+    the last parts of message types by phrase, `directions` the phrases before them, `asides` the phrases that begin and
+    end asides, and `weights` those of the ranking (`fields`, `rank`, `wishes`, `down`).
     """
 
     stop_words: frozenset[str]
