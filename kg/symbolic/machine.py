@@ -380,7 +380,8 @@ class Machine:
             return self._unknown_times(loop, frame, ())
         before, begun = self.framework.progress(), self.steps
         for _ in range(self.most_turns):
-            held, writes = dict(frame.variables), self._outer_writes + self._counted
+            held = dict(frame.variables) if loop.step is None else {}
+            writes = self._outer_writes + self._counted
             counting, self.counting = self.counting, True
             holds = self.holds(condition, frame)
             self.counting = counting

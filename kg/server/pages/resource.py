@@ -26,7 +26,6 @@ _PAGES: Final = {
 """Kinds of things with pages of their own: path, parameter, and text of the link."""
 _LIMIT: Final = "25"
 
-
 _OF_PACKAGE: Final = ("package", "repository")
 _TYPE: Final = ("types", {"nodes": ("type",), "topics": ("type",), "services": ("type",), "actions": ("type",)})
 _KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
