@@ -76,10 +76,12 @@ def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) 
 
 def manual_lines(known: Manual) -> Iterator[RenderableType]:
     """Yield the lines about one rule: its description, documentation, dependencies and text."""
+    from kg.rules.files import NOTATIONS  # noqa: PLC0415 - start-up time
+
     file = known.file
     since = f", since {file.documentation.since}" if file.documentation.since else ""
     severity = f", reports a {file.documentation.severity}" if file.documentation.severity else ""
-    yield Text.assemble((file.name, "bold"), f"  {_notation(known)}{since}{severity}")
+    yield Text.assemble((file.name, "bold"), f"  {NOTATIONS[file.notation]}{since}{severity}")
     yield Text(printable(file.documentation.title))
     for heading, text in known.sections:
         yield Text()
@@ -110,12 +112,6 @@ def paragraphs(text: str) -> Iterator[str]:
             lines.append(line.strip())
     if lines:
         yield " ".join(lines)
-
-
-def _notation(known: Manual) -> str:
-    from kg.rules.files import NOTATIONS  # noqa: PLC0415 - start-up time
-
-    return NOTATIONS[known.file.notation]
 
 
 def _fields(known: Manual) -> Table:
