@@ -8,10 +8,10 @@ import typer
 from kg.cli import completion
 from kg.cli.commands.lists import channel_rows
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, System, with_settings
+from kg.cli.options import Json, System, Via, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, some
 from kg.settings import Settings
 from kg.store.opening import reading
 
@@ -24,9 +24,6 @@ with lazily():
 _MOST = 5  # so many names are listed in a note
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
 All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file instead of their number.")]
-Via = Annotated[
-    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
-]
 
 
 def _command(kind: str, example: str, text: str) -> Callable[..., None]:
@@ -95,5 +92,4 @@ def _show(  # noqa: PLR0913 - the options of a command
         return
     show(*endpoint_view(found, links, line_width(), every=every, via=via))
     if others:
-        more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""
-        note(f"`{name}` in the code is also {', '.join(others[:_MOST])}{more}")
+        note(f"`{name}` in the code is also {some(others, _MOST)}")

@@ -8,13 +8,12 @@ import typer
 from kg.cli.diagnostics import say
 from kg.cli.evaluation_view import deliver, misses_csv
 from kg.cli.numbers import whole
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, require_one_of, with_settings
 from kg.cli.output import write_text
 from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
-from kg.similar import did_you_mean
 from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
@@ -25,7 +24,8 @@ with lazily():
     from kg.evaluate.facts import Facts
     from kg.evaluate.gathering import Choice
     from kg.evaluate.judged_needs import read_needs
-    from kg.evaluate.keeping import forget, keep
+    from kg.evaluate.keeping import forget as drop
+    from kg.evaluate.keeping import keep as add
     from kg.evaluate.retrieval import retrieval
     from kg.evaluate.sheet import as_sheet, drawn, score_sheet
     from kg.evaluate.source_lines import SourceLines
@@ -104,12 +104,12 @@ def completeness(  # noqa: PLR0913 - the options of a command
         size, chance = whole(number, "--sample", 1), whole(seed, "--seed", 0)
         _code(settings, size, chance, tests=tests, missed=missed, output=output, json=json)
     elif forget:
-        _forget(settings)
+        say("forgot the references" if drop(settings) else "no references were kept")
     else:
         from kg.evaluate.completeness import completeness as measure  # noqa: PLC0415 - start-up time
 
         with reading(settings) as snapshot:
-            table, ground = measure(snapshot, _paths(reference), _choice(any_commit=any_commit, package=package))
+            table, ground = measure(snapshot, _paths(reference), Choice(False, any_commit, package))
         deliver(table, json=json, output=output)
         if keep:
             _keep(settings, ground)
@@ -148,7 +148,7 @@ def correctness(  # noqa: PLR0913 - the options of a command
     """
     from kg.evaluate.correctness import correctness as measure  # noqa: PLC0415 - start-up time
 
-    choice = _choice(closed=closed, any_commit=any_commit, package=package)
+    choice = Choice(closed, any_commit, package)
     with reading(settings) as snapshot:
         table, ground = measure(snapshot, _paths(reference), choice)
     deliver(table, json=json, output=output)
@@ -183,22 +183,14 @@ def sample(  # noqa: PLR0913 - the options of a command
     from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
 
     number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
-    chosen = [_known_relation(one) for one in relation] if relation else list(RELATIONS)
+    for name in relation or ():
+        require_one_of(name, RELATIONS, "relation")
     with reading(settings) as snapshot:
         facts = Facts(snapshot)
-        found = drawn(facts, chosen, number, chance)
+        found = drawn(facts, relation or list(RELATIONS), number, chance)
         text = as_sheet(facts, found, SourceLines(snapshot))
     write_text(text, output)
     say(f"{count(len(found), 'fact')} to judge")
-
-
-def _known_relation(name: str) -> str:
-    from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
-
-    if name not in RELATIONS:
-        hint = did_you_mean(name, RELATIONS) or f"One of {', '.join(RELATIONS)}."
-        raise UsageError("KG003", f"unknown relation `{name}`", hint=hint)
-    return name
 
 
 @with_settings("store")
@@ -230,14 +222,6 @@ def _paths(reference: list[str] | None) -> list[Path]:
     return [Path(one).expanduser() for one in reference]
 
 
-def _choice(*, closed: bool = False, any_commit: bool = False, package: str | None = None) -> "Choice":
-    return Choice(closed, any_commit, package)
-
-
 def _keep(settings: Settings, ground: "Ground") -> None:
-    keep(settings, ground.triples)
+    add(settings, ground.triples)
     say(f"kept {count(len(ground.linked), 'reference')} in the store")
-
-
-def _forget(settings: Settings) -> None:
-    say("forgot the references" if forget(settings) else "no references were kept")

@@ -13,7 +13,7 @@ from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show, terminal, write
 from kg.errors import Exit, RuleError
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, some
 from kg.settings import Settings
 
 if TYPE_CHECKING:
@@ -142,6 +142,4 @@ def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float
     say(f"{count(len(ran), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
     without = [entry for entry in without if entry.name not in broken]
     if without:
-        names = ", ".join(entry.name for entry in without[:_FEW])
-        more = f" and {len(without) - _FEW} more" if len(without) > _FEW else ""
-        note(f"without examples: {names}{more}")
+        note(f"without examples: {some([entry.name for entry in without], _FEW)}")
