@@ -170,7 +170,8 @@ def _chosen(
     counts: dict[str, Counter[str]] = {name: Counter() for name in kind.facets}
     found = []
     for row in rows:
-        if words and not _has(row, kind.words, words):
+        text = " ".join(str(row[key] or "") for key in kind.words).lower() if words else ""
+        if not all(word in text for word in words):
             continue
         values = {name: _texts(row[key]) for name, key in kind.facets.items()}
         failed = [name for name, value in given.items() if value not in values[name]]
@@ -181,11 +182,6 @@ def _chosen(
         elif len(failed) == 1:
             counts[failed[0]].update(values[failed[0]])
     return found, counts
-
-
-def _has(row: Row, keys: Sequence[str], words: Sequence[str]) -> bool:
-    text = " ".join(str(row[key] or "") for key in keys).lower()
-    return all(word in text for word in words)
 
 
 def _texts(value: Any) -> tuple[str, ...]:

@@ -98,7 +98,9 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
         if derivation is not None:
             found.append(Found(fact, derivation, match.known))
     fresh = sum(not match.known for match in facts.values())
-    return Tried(tuple(found), len(facts), fresh, whole, _recursive(file.rules))
+    heads = [head for rule in file.rules for head in rule.head]
+    recursive = any(depends(one.atom, head) for rule in file.rules for one in reads(rule) for head in heads)
+    return Tried(tuple(found), len(facts), fresh, whole, recursive)
 
 
 def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
@@ -133,11 +135,6 @@ def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
         fact = instance(head, {**solution, **made})
         if fact is not None:
             yield fact
-
-
-def _recursive(rules: Sequence[Rule]) -> bool:
-    heads = [head for rule in rules for head in rule.head]
-    return any(depends(one.atom, head) for rule in rules for one in reads(rule) for head in heads)
 
 
 def examples(file: RuleFile, found: Sequence[Found]) -> str:

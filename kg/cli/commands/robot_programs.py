@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import note, report
-from kg.cli.options import Exclusive, Json, is_given, require_one_of, with_settings
+from kg.cli.options import Exclusive, Json, is_given, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError
@@ -166,7 +166,8 @@ def convert(  # noqa: PLR0913 - the options of a command
         kg robot convert mail.kgp --to bt > mail.xml
         kg robot convert mail.xml > mail.kgp
     """
-    require_one_of(to, _FORMS, "form of a program")
+    if to not in _FORMS:
+        raise UsageError("KG003", f"unknown form `{to}` of a program", hint=f"One of {', '.join(_FORMS)}.")
     loaded = load_tree(program, _known(settings, launch, arg, env)[0]) if program.endswith(_TREE) else load(program)
     if to in {"text", "json"}:
         if metrics:
