@@ -18,7 +18,7 @@ from kg.render.system_style import NAME, SIGNS, SMALL, TERM, outline, wide
 from kg.render.text import width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
 
 _MARGIN: Final = 24
@@ -84,7 +84,8 @@ class _Drawing:
         hosts = {member.key: member.host for member in self.graph.members}
         for bundle in self.joining:
             across, down = _bundle_size(bundle)
-            found.append(Node(bundle.key, across, down, _within(bundle, hosts)))
+            around = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
+            found.append(Node(bundle.key, across, down, around.pop() if len(around) == 1 else None))
         return found
 
     def spread(self) -> list[tuple[str, str]]:
@@ -151,12 +152,6 @@ def system_svg(graph: SystemGraph) -> str:
         *([f'<text class="key" x="{_MARGIN}" y="{size_y - 14}">{escaped(notes)}</text>'] if notes else []),
     ]
     return document("system", (size_x, size_y), graph.title, _description(graph), lines)
-
-
-def _within(bundle: Bundle, hosts: Mapping[str, str | None]) -> str | None:
-    """Return the host that all ends of a bundle lie in."""
-    found = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
-    return found.pop() if len(found) == 1 else None
 
 
 def _loose(bundle: Bundle, channel: Channel, member: str) -> _Loose:

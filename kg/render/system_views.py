@@ -11,7 +11,7 @@ from kg.render.system_graph import Member, State, SystemGraph
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator
 
 _Thing = TypeVar("_Thing")
 
@@ -75,7 +75,11 @@ def _at_level(graph: SystemGraph, level: int, expand: Collection[str]) -> System
         host = into.get(member.host or "", member.host)
         single = replace(member, host=None if host == key else host)
         members[key] = single if key == member.key else _grown(members.get(key), key, member)
-    inner = _inner(graph, into)
+    ends: defaultdict[str, set[str]] = defaultdict(set)
+    for link in graph.links:
+        ends[link.channel].add(into[link.member])
+    # The channels whose ends are all in one group.
+    inner = {channel for channel, groups in ends.items() if len(groups) == 1 and next(iter(groups)).endswith("/*")}
     links = {
         (into[link.member], link.channel, link.outward): replace(link, member=into[link.member])
         for link in graph.links
@@ -100,14 +104,6 @@ def _grown(group: Member | None, key: str, member: Member) -> Member:
     size = (group.count if group else 0) + member.count
     state = member.state if group is None or group.state == member.state else State.CHANGED
     return Member(key, key, "namespace", count(size, "node"), count=size, state=state)
-
-
-def _inner(graph: SystemGraph, into: Mapping[str, str]) -> set[str]:
-    """Return the channels whose ends are all in one group."""
-    found: defaultdict[str, set[str]] = defaultdict(set)
-    for link in graph.links:
-        found[link.channel].add(into[link.member])
-    return {channel for channel, groups in found.items() if len(groups) == 1 and next(iter(groups)).endswith("/*")}
 
 
 def near_changes(graph: SystemGraph) -> SystemGraph:
