@@ -60,13 +60,12 @@ class _Side:
 
     @property
     def label_width(self) -> int:
-        shown = [
-            (text, size)
+        widths = [
+            int(width(short(text, _LONGEST)) * size) + 34
             for _, ports in self.groups
             for port in ports
             for text, size in ((port.name, _CHARACTER), (port.type, _SMALL))
         ]
-        widths = [int(width(short(text, _LONGEST)) * size) + 34 for text, size in shown]
         headings = [width(_TITLES[role]) * 7 for role, _ in self.groups]
         return max(*widths, *headings, 0, 0)
 
