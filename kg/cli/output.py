@@ -76,7 +76,8 @@ def save(path: str | Path, data: bytes) -> None:
     try:
         Path(path).expanduser().write_bytes(data)
     except OSError as error:
-        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(path))) from error
+        hint = "Check the path."
+        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(path)), hint=hint) from error
 
 
 def write_text(text: str, output: str | None) -> None:

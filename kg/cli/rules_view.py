@@ -188,6 +188,7 @@ def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> T
 
 def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
     """Yield added or removed triples with labels of their parts, or names if labels are ambiguous."""
+    # Labels are short, but may be shared: changes that read alike get the labels of parents too, then whole names.
     texts = [" ".join(_called(term, change, view) for term in _terms(change)) for change in changes]
     signs = [change.sign for change in changes]
     alike = Counter(zip(texts, signs, strict=True))

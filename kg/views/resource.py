@@ -142,6 +142,7 @@ class _About:
             terms = [
                 term for term, _ in self._terms(f"SELECT DISTINCT ?other {{ {where} }} LIMIT {most} OFFSET {offset}")
             ]
+            # VALUES cannot name blank nodes, so they are left out of such a page.
             listed = " ".join(str(term) for term in terms if not isinstance(term, BlankNode))
             return self._terms(f"SELECT ?other ?g {{ VALUES ?other {{ {listed} }} GRAPH ?g {{ {pattern} }} }}")
         found = self._terms(f"SELECT ?other ?g {{ {where} }}")

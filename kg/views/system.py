@@ -246,17 +246,12 @@ def _channels(
 
 def _shared(members: Iterable[str], spaces: Collection[str]) -> str | None:
     """Return the innermost namespace that contains all members of a channel; it closes with them."""
-    found = None
-    for number, member in enumerate(sorted(members)):
-        space = _within(member, spaces)
-        found = space if number == 0 else _common(found, space, spaces)
+    first, *others = [_within(member, spaces) or "" for member in members]
+    found: str | None = first or None
+    for other in others:
+        while found is not None and not f"{other}/".startswith(f"{found}/"):
+            found = _within(found, spaces)
     return found
-
-
-def _common(one: str | None, other: str | None, spaces: Collection[str]) -> str | None:
-    while one is not None and other != one and not (other or "").startswith(f"{one}/"):
-        one = _within(one, spaces)
-    return one
 
 
 def _unknown(member: str, those: Sequence[Bundle], group: str | None) -> dict[str, Any]:

@@ -41,7 +41,24 @@ def _command(kind: str, example: str, text: str) -> Callable[..., None]:
         via: Via = False,
         json: Json = False,
     ) -> None:
-        _show(settings, kind, name, system, every=every, via=via, json=json)
+        with reading(settings) as snapshot:
+            found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
+            others = [one["name"] for one in found["meant"]]
+            if json:
+                names = [found["name"], *others] if found["name"] else others
+                for one in names:
+                    ends = channel(snapshot, settings, kind=kind, name=one, system=system or "")["endpoints"]
+                    json_lines(map(plain, ends))
+                return
+            links = Links(places(snapshot))
+        if found["name"] is None:
+            channel_rows(kind, found["meant"])
+            if terminal():
+                note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
+            return
+        show(*endpoint_view(found, links, line_width(), every=every, via=via))
+        if others:
+            note(f"`{name}` in the code is also {some(others, _MOST)}")
 
     command.__doc__ = text
     return with_settings("store")(command)
@@ -63,33 +80,3 @@ topic = _command(
 )
 service = _command("service", "reset", "Show a service's servers and clients; works like `kg topic`.")
 action = _command("action", "dock", "Show an action's servers and clients; works like `kg topic`.")
-
-
-def _show(  # noqa: PLR0913 - the options of a command
-    settings: Settings,
-    kind: str,
-    name: str,
-    system: str | None,
-    *,
-    every: bool,
-    via: bool,
-    json: bool,
-) -> None:
-    with reading(settings) as snapshot:
-        found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
-        others = [one["name"] for one in found["meant"]]
-        if json:
-            names = [found["name"], *others] if found["name"] else others
-            for one in names:
-                ends = channel(snapshot, settings, kind=kind, name=one, system=system or "")["endpoints"]
-                json_lines(map(plain, ends))
-            return
-        links = Links(places(snapshot))
-    if found["name"] is None:
-        channel_rows(kind, found["meant"])
-        if terminal():
-            note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
-        return
-    show(*endpoint_view(found, links, line_width(), every=every, via=via))
-    if others:
-        note(f"`{name}` in the code is also {some(others, _MOST)}")

@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kg.cli.diagnostics import say
-from kg.cli.evaluation_view import deliver, misses_csv
+from kg.cli.diagnostics import note, say
 from kg.cli.numbers import whole
 from kg.cli.options import Json, require_one_of, with_settings
-from kg.cli.output import write_text
+from kg.cli.output import Column, listing, write_text
 from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
@@ -29,6 +28,8 @@ with lazily():
     from kg.evaluate.retrieval import retrieval
     from kg.evaluate.sheet import as_sheet, drawn, score_sheet
     from kg.evaluate.source_lines import SourceLines
+    from kg.evaluate.tables import Table, as_csv, as_objects, spelled
+    from kg.evaluate.writing import write
     from kg.search.searching import open_search
 
 References = Annotated[
@@ -122,7 +123,8 @@ def _code(  # noqa: PLR0913 - the options of a command
         found = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
     deliver(found.table, json=json, output=output)
     if missed:
-        write_text(misses_csv(found.missed), missed)
+        rows = tuple((one.measure, one.kind, one.address, one.text) for one in found.missed)
+        write_text(as_csv(Table("missed", "Missed", ("measure", "kind", "address", "source"), rows)), missed)
         say(f"{count(len(found.missed), 'miss', 'misses')} in {missed}")
 
 
@@ -214,6 +216,19 @@ def search(
     found = open_search(existing(settings))
     table = retrieval(found, needs, Path(model).expanduser() if model else None)
     deliver(table, json=json, output=output)
+
+
+def deliver(table: "Table", *, json: bool, output: str | None) -> None:
+    """Print a table (as JSON Lines with `json`), its notes to standard error, and write the requested files."""
+    numeric = {name for at, name in enumerate(table.columns) if not any(isinstance(row[at], str) for row in table.rows)}
+    columns = [Column(name, "number" if name in numeric else "text") for name in table.columns]
+    rows = [[spelled(cell) for cell in row] for row in table.rows]
+    listing(columns, rows, objects=as_objects(table) if json else None)
+    for sentence in table.notes:
+        note(sentence)
+    if output:
+        written = write(table, Path(output).expanduser())
+        say(f"wrote {', '.join(path.name for path in written)} to {output}")
 
 
 def _paths(reference: list[str] | None) -> list[Path]:

@@ -4,8 +4,7 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.commands.evaluate import Output
-from kg.cli.evaluation_view import deliver
+from kg.cli.commands.evaluate import Output, deliver
 from kg.cli.options import Json, with_settings
 from kg.errors import Exit
 from kg.lazily import lazily

@@ -1,7 +1,7 @@
 """`kg rules graph`, `profile` and `coverage`: how rules hang together, what they cost, which never fire."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -14,9 +14,6 @@ from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
-
-if TYPE_CHECKING:
-    from kg.rules.authoring.profiling import Profile
 
 with lazily():
     from kg.cli.rules_view import coverage_lines, element_table, gap_words
@@ -137,11 +134,7 @@ def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) ->
         found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
     if json:
         json_lines(profile_objects(found))
-    else:
-        _show_profile(found)
-
-
-def _show_profile(found: "Profile") -> None:
+        return
     detailed = [rule for rule in found.rules if rule.elements]
     total = sum(rule.seconds for rule in found.rules) or 1.0
     rows = [

@@ -67,21 +67,15 @@ def _show(glance: "Glance") -> None:
     show_results(glance.results, every=False)
     if glance.problem:
         report(glance.problem)
-    if glance.difference is not None:
-        _show_difference(glance)
+    if glance.difference is not None and glance.view is not None:
+        changes = glance.difference.changes
+        if changes:
+            show(*change_lines(changes[:_CHANGES], glance.view))
+        if len(changes) > _CHANGES:
+            write(f"  and {count(len(changes) - _CHANGES, 'more change')}; `kg rules diff` shows them")
+        for line in difference_words(glance.difference):
+            write(line)
     say(f"in {glance.seconds:.2f} s; watching; press Ctrl-C to stop")
-
-
-def _show_difference(glance: "Glance") -> None:
-    if glance.difference is None or glance.view is None:
-        return
-    changes = glance.difference.changes
-    if changes:
-        show(*change_lines(changes[:_CHANGES], glance.view))
-    if len(changes) > _CHANGES:
-        write(f"  and {count(len(changes) - _CHANGES, 'more change')}; `kg rules diff` shows them")
-    for line in difference_words(glance.difference):
-        write(line)
 
 
 @with_settings("rules", "rule_families")
