@@ -41,18 +41,15 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
         instances = count(report.systems.instances, "instance")
         yield f"wired {instances} of {count(report.systems.configurations, 'launch file')}"
         yield from (f"  KG121 {failed}" for failed in report.systems.failed)
-    if report.inferred:
-        yield _inferred(report.inferred)
+    inferred = report.inferred
+    if inferred and inferred.mode == "none":
+        yield "inferred nothing: the rules cannot run"
+    elif inferred:
+        changes = "" if inferred.mode == "full" else f" ({inferred.added:,} new, {inferred.removed:,} gone)"
+        yield f"inferred {count(inferred.triples, 'triple')}{changes} in {inferred.seconds:.2f} s"
     yield from _unresolved(report, every=every)
     yield from _problems(report, every=every)
     yield f"store {near(store)}"
-
-
-def _inferred(inferred: Inferred) -> str:
-    if inferred.mode == "none":
-        return "inferred nothing: the rules cannot run"
-    changes = "" if inferred.mode == "full" else f" ({inferred.added:,} new, {inferred.removed:,} gone)"
-    return f"inferred {count(inferred.triples, 'triple')}{changes} in {inferred.seconds:.2f} s"
 
 
 def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
-from kg.facts import Interface, NodeKind, NodeType, Parameter, PluginSlot
+from kg.facts import NodeKind, NodeType, Parameter, PluginSlot
 from kg.graph.classes_reading import Class, Classes
 from kg.graph.records import how_to_start
 from kg.lazily import lazily
@@ -133,7 +133,12 @@ def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[R
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         if chosen:
             chosen.sort(key=lambda one: one.implicit)
-            groups.append((title, [_interface(one, via=via) for one in chosen]))
+            rows = []
+            for one in chosen:
+                name = one.name if one.name is not None else "(not resolved)"
+                kind, calls = one.type or "(type not known)", one.via if via else ()
+                rows.append(Row(name, kind, how(one), one.location, one.implicit, calls))
+            groups.append((title, rows))
     return groups
 
 
@@ -145,11 +150,6 @@ def _slot(fact: PluginSlot, record: NodeRecord, *, via: bool) -> Row:
         shown.append(f"{named} ({known[0].package}/{known[0].node})" if known is not None else named)
     remark, calls = f"= {', '.join(shown)}" if shown else "", fact.via if via else ()
     return Row(fact.base_class or "(not known)", how_loaded(fact), remark, fact.location, dim=False, via=calls)
-
-
-def _interface(fact: Interface, *, via: bool) -> Row:
-    name = fact.name if fact.name is not None else "(not resolved)"
-    return Row(name, fact.type or "(type not known)", how(fact), fact.location, fact.implicit, fact.via if via else ())
 
 
 def _parameter(facts: Sequence[Parameter], *, via: bool) -> Row:

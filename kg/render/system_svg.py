@@ -83,7 +83,9 @@ class _Drawing:
             found.append(Node(member.key, across, down, member.host))
         hosts = {member.key: member.host for member in self.graph.members}
         for bundle in self.joining:
-            across, down = _bundle_size(bundle)
+            lines = _bundle_lines(bundle)
+            across = round(max(wide(line, TERM) for line in lines)) + 26
+            down = max(9 + _LINE * len(lines), _PORT * max(len(bundle.sources), len(bundle.targets)) + 8)
             around = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
             found.append(Node(bundle.key, across, down, around.pop() if len(around) == 1 else None))
         return found
@@ -210,12 +212,6 @@ def _bundle_lines(bundle: Bundle) -> list[str]:
     clashes = (f" ({len(one.types)} types!)" if len(one.types) > 1 else "" for one in bundle.channels)
     names = [f"{SIGNS[one.state]}{one.name}{clash}" for one, clash in zip(bundle.channels, clashes, strict=True)]
     return names if len(names) <= _MOST_LINES else [*names[: _MOST_LINES - 1], f"+ {len(names) - _MOST_LINES + 1} more"]
-
-
-def _bundle_size(bundle: Bundle) -> tuple[float, float]:
-    lines = _bundle_lines(bundle)
-    room = _PORT * max(len(bundle.sources), len(bundle.targets)) + 8
-    return round(max(wide(line, TERM) for line in lines)) + 26, max(9 + _LINE * len(lines), room)
 
 
 def _bundle(bundle: Bundle, where: Rectangle) -> Iterable[str]:

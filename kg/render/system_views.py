@@ -72,9 +72,14 @@ def _at_level(graph: SystemGraph, level: int, expand: Collection[str]) -> System
     members: dict[str, Member] = {}
     for member in graph.members:
         key = into[member.key]
-        host = into.get(member.host or "", member.host)
-        single = replace(member, host=None if host == key else host)
-        members[key] = single if key == member.key else _grown(members.get(key), key, member)
+        if key == member.key:
+            host = into.get(member.host or "", member.host)
+            members[key] = replace(member, host=None if host == key else host)
+            continue
+        grown = members.get(key)
+        size = (grown.count if grown else 0) + member.count
+        state = member.state if grown is None or grown.state == member.state else State.CHANGED
+        members[key] = Member(key, key, "namespace", count(size, "node"), count=size, state=state)
     ends: defaultdict[str, set[str]] = defaultdict(set)
     for link in graph.links:
         ends[link.channel].add(into[link.member])
@@ -98,12 +103,6 @@ def _group(member: Member, level: int) -> str | None:
     """Return the namespace of at most `level` names that a member is in, None for the root."""
     parts = member.name.split("/")[1:-1]
     return "/" + "/".join(parts[:level]) if len(parts) >= level else None
-
-
-def _grown(group: Member | None, key: str, member: Member) -> Member:
-    size = (group.count if group else 0) + member.count
-    state = member.state if group is None or group.state == member.state else State.CHANGED
-    return Member(key, key, "namespace", count(size, "node"), count=size, state=state)
 
 
 def near_changes(graph: SystemGraph) -> SystemGraph:

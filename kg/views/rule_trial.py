@@ -115,15 +115,12 @@ def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -
     for solution in view.stream(outer, bound_by(outer), {}):
         if time.monotonic() > until:
             return False
-        if all(_holds(view, one, {name: solution[name] for name in names if name in solution}) for one, names in asked):
+        seen = ((one, {name: solution[name] for name in names if name in solution}) for one, names in asked)
+        if all(bool(view.solutions(one.body, list(bound), bound, 1)) != one.negated for one, bound in seen):
             for fact in _facts(rule, solution):
                 if fact not in facts:
                     facts[fact] = _Match(rule, solution, bool(view.graphs(fact)))
     return True
-
-
-def _holds(view: View, element: Exists, seen: Solution) -> bool:
-    return bool(view.solutions(element.body, list(seen), seen, 1)) != element.negated
 
 
 def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:

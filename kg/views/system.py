@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.codes import CATALOGUE
-from kg.facts import LaunchArgument, LaunchInclude, LaunchProblem, Location, NodeInstance, System
+from kg.facts import LaunchArgument, LaunchInclude, Location, NodeInstance, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.systems_reading import SystemName
@@ -318,7 +318,15 @@ def system(
         "arguments": [_argument(one, source, where) for one in own.arguments],
         "includes": _includes(own.includes, snapshot, iris),
         "settings": [setting_row(one, source, where) for one in found.shared_parameters],
-        "problems": [_problem(one, source, where) for one in own.problems],
+        "problems": [
+            {
+                "kind": str(one.kind),
+                "message": one.message,
+                "subject": one.subject,
+                "evidence": where.evidence(source, one.location),
+            }
+            for one in own.problems
+        ],
         "instances": instance_rows(found, keys, graph, where, iris, every=bool(every)),
         "picture": picture(graph, keys, report.findings, iris),
         "findings": finding_objects(report.findings, where),
@@ -357,12 +365,3 @@ def _includes(those: Iterable[LaunchInclude], snapshot: EmbeddedSnapshot, iris: 
         {"name": named.get((repository, path), path), "iri": iris.configuration(repository, path), "path": path}
         for repository, path in found
     ]
-
-
-def _problem(one: LaunchProblem, source: str, where: Places) -> dict[str, Any]:
-    return {
-        "kind": str(one.kind),
-        "message": one.message,
-        "subject": one.subject,
-        "evidence": where.evidence(source, one.location),
-    }

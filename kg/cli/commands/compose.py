@@ -110,7 +110,13 @@ def compose(  # noqa: PLR0913 - the options of a command
     for one in answer.asked.notes:
         note(one)
     if rank:
-        _write_launch(answer.chains, rank)
+        chain = next(iter(answer.chains[rank - 1 :]), None)
+        if chain is None:
+            hint = "Omit `--launch` to list the chains with their ranks."
+            raise UsageError("KG003", f"no chain {rank}, only {count(len(answer.chains), 'chain')}", hint=hint)
+        write(launch_text(chain).removesuffix("\n"))
+        if terminal():
+            note(f"save it with `--launch {rank} > {chain.file_name}`")
         return
     if json:
         json_lines(composed_object(chain, number) for number, chain in enumerate(answer.chains, 1))
@@ -121,15 +127,6 @@ def compose(  # noqa: PLR0913 - the options of a command
         note(f"the best {count(len(answer.chains), 'chain')}; --limit shows more")
     if answer.cut_off:
         note("the search stopped early: too many chains; narrow it with --using or a shorter --length")
-
-
-def _write_launch(chains: "tuple[Composed, ...]", rank: int) -> None:
-    if rank > len(chains):
-        hint = "Omit `--launch` to list the chains with their ranks."
-        raise UsageError("KG003", f"no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)
-    write(launch_text(chains[rank - 1]).removesuffix("\n"))
-    if terminal():
-        note(f"save it with `--launch {rank} > {chains[rank - 1].file_name}`")
 
 
 def _chain_lines(chain: "Composed", rank: int) -> "Iterator[str]":

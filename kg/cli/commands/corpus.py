@@ -134,7 +134,11 @@ def fetch(  # noqa: PLR0913 - the options of a command
         kg corpus fetch --lock robots/corpus.lock.toml
         kg build --corpus robots/corpus.lock.toml
     """
-    folder, file = _places(into, lock)
+    if into is None and lock is None:
+        raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
+    # Either tells where the other is.
+    folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
+    file = Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
     if repositories is None:
         wanted = pinned(file)
     elif repositories.lower().endswith(".csv"):
@@ -149,14 +153,6 @@ def fetch(  # noqa: PLR0913 - the options of a command
         json_lines(map(fetching_view.entry_object, done.entries))
     if done.failed:
         raise typer.Exit(Exit.FOUND)
-
-
-def _places(into: str | None, lock: str | None) -> tuple[Path, Path]:
-    """Return the folder of the checkouts and the lock file: either tells where the other is."""
-    if into is None and lock is None:
-        raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
-    folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
-    return folder, Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
 
 
 def _options(  # noqa: PLR0913 - the options of a command

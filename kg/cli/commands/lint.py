@@ -93,7 +93,9 @@ def lint(  # noqa: PLR0913 - the options of a command
     own = load_table(DECLARED, chosen, folder=_folder(folders))
     question = Question(launch, package, arguments=arguments, environment=environment, variants=variants, **own)
     if folders:
-        settings = _read(settings, folders)
+        with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
+            settings, found = read_folders(folders, settings, progress)
+        left_out(found.inferred)
     if package is not None:
         with reading(settings) as snapshot:
             known_package(snapshot, package)
@@ -121,14 +123,6 @@ def lint(  # noqa: PLR0913 - the options of a command
 def _folder(folders: list[Path]) -> Path:
     """Return where `kg.toml` is looked for: the first of the folders, or the working folder."""
     return (folders[0] if folders and folders[0].is_dir() else Path.cwd()).absolute()
-
-
-def _read(settings: Settings, folders: list[Path]) -> Settings:
-    """Read folders, with a bar on a terminal and without a word elsewhere; return the settings for their store."""
-    with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
-        own, found = read_folders(folders, settings, progress)
-    left_out(found.inferred)
-    return own
 
 
 def _write(checked: "Checked", form: str) -> None:

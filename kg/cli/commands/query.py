@@ -139,7 +139,10 @@ def _answer(  # noqa: PLR0913 - the options of a query
         plain = not (family or values or asked.parameters or len(stores) > 1)
         found = whole.answer(snapshot, asked.text, timeout=timeout, limit=limit) if plain else None
         result = ask(snapshot, asked, values, timeout=timeout, limit=limit) if found is None else found
-        meant = _meant(snapshot, asked, values, timeout) if is_empty(result) else []
+        meant: list[str] = []
+        if is_empty(result):
+            value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
+            meant = [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
         links = Links.of(sources(snapshot)) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
     for sentence in meant:
@@ -168,14 +171,6 @@ def _extended(
         elif terminal():
             note(f"{count(len(derived.facts), 'triple')} derived by {family} in {derived.seconds:.2f} s")
         yield extended
-
-
-def _meant(
-    snapshot: "EmbeddedSnapshot", asked: "StoredQuery", values: dict[str, str], timeout: float | None
-) -> list[str]:
-    """Return what may have been meant by a query that found nothing."""
-    value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
-    return [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
 
 
 def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":

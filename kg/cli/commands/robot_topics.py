@@ -118,7 +118,12 @@ def topics(*, settings: Settings, json: Json = False) -> None:
     graph = asyncio.run(look(address_of(settings)))
     tell_problems(graph)
     found = _topics(graph)
-    listing(_TOPICS, map(_topic_row, found), objects=found if json else None)
+    rows = []
+    for one in found:
+        rate = None if one["rate"] is None else f"{one['rate']:.1f}"
+        ends = (", ".join(one["publishers"]), ", ".join(one["subscribers"]))
+        rows.append((one["name"], one["type"], *ends, one["messages"], rate))
+    listing(_TOPICS, rows, objects=found if json else None)
 
 
 def _topics(graph: "ComputationGraph") -> list[dict[str, Any]]:
@@ -137,11 +142,6 @@ def _topics(graph: "ComputationGraph") -> list[dict[str, Any]]:
             one["messages"] = told.count
             one["rate"] = round(told.count / told.seconds, 3) if told.seconds else None
     return [found[name] for name in sorted(found)]
-
-
-def _topic_row(one: dict[str, Any]) -> tuple[object, ...]:
-    rate = None if one["rate"] is None else f"{one['rate']:.1f}"
-    return one["name"], one["type"], ", ".join(one["publishers"]), ", ".join(one["subscribers"]), one["messages"], rate
 
 
 @with_settings("robot")
