@@ -42,6 +42,7 @@ def with_settings(*names: str) -> Callable[[Callable[..., None]], Callable[..., 
                 given["settings"] = session(context).settings(**flags)
             command(*words, **given)
 
+        # typer makes the options from the signature, which therefore has those of the settings in place of `settings`.
         signature = inspect.signature(command)
         own = [one for one in signature.parameters.values() if one.name != "settings"]
         rest = [own.pop()] if own and own[-1].kind is inspect.Parameter.VAR_KEYWORD else []

@@ -118,6 +118,7 @@ class Bundle:
 def system_graph(system: System, *, every: bool = False, title: str | None = None) -> SystemGraph:
     """Return the graph of a system; without `every` what frameworks make by themselves is left out, and counted."""
     keys = instance_keys(system.instances)
+    # Of instances with the same name, a host is the first: reversed, so that it is written last.
     named = {instance.name: key for key, instance in reversed(list(keys.items()))}
     channels: dict[str, Channel] = {}
     links: dict[tuple[str, str, bool], Link] = {}

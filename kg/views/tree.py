@@ -81,6 +81,7 @@ def tree(  # noqa: PLR0913 - the branch, and the part of it
     start, most = whole(offset, 0), min(whole(limit, 500), _MOST)
     found = _children(snapshot, Iris(settings.base), parent, kind)
     shown = found[start : start + most]
+    # Counting the ends of all topics of a large store is slow, so only those that are shown are counted.
     if parent in _CLASSES:
         _count(snapshot, shown, _AT)
     elif parent == "systems":
