@@ -1,4 +1,4 @@
-"""Every figure of docs/benchmarks.md is in the log, and each of the log is reproducible: its command and commit exist."""
+"""Every figure of docs/benchmarks.md is in the log, and those of the log have commands and commits that exist."""
 
 from __future__ import annotations
 
