@@ -18,11 +18,10 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import RuleError
 from kg.rules.blocks import tree as blocks
 from kg.rules.blocks.write import SECTIONS, inferred, namespace
-from kg.rules.decompose.expressions import bare
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.syntax import tree
-from kg.syntax.lexer import END, Kind, Token, as_operator, normalise, quoted, token_at, tokens_of, unescape
+from kg.syntax.lexer import END, Kind, Token, as_operator, bare, normalise, quoted, token_at, tokens_of, unescape
 from kg.syntax.names import PREFIXES, shorten
 from kg.syntax.parser import parse_rq
 from kg.syntax.printer import path_text, renamed

@@ -9,7 +9,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.syntax.lexer import Kind, Token, tokens_of
+from kg.syntax.lexer import Kind, Token, bare, partner, tokens_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Sequence
@@ -31,8 +31,6 @@ _GIVE_KNOWN_TERMS: Final = _TESTS | {
 }
 """Words whose value is a truth value, an operand or a part of one."""
 
-_OPENING: Final = frozenset("([{")
-_CLOSING: Final = frozenset(")]}")
 _TERMS: Final = frozenset({Kind.IRI, Kind.STRING, Kind.VARIABLE, Kind.NUMBER, Kind.NAME})
 
 
@@ -142,7 +140,7 @@ def conjuncts(text: str) -> list[str]:
     tokens = tokens_of(text)
     depth, start, parts = 0, 0, []
     for token in tokens:
-        depth += (token.text in _OPENING or token.text == "<<(") - (token.text in _CLOSING or token.text == ")>>")
+        depth += (token.text in {"(", "[", "{", "<<("}) - (token.text in {")", "]", "}", ")>>"})
         if depth == 0 and token.text == "||":
             return [text]
         if depth == 0 and token.text == "&&":
@@ -151,24 +149,6 @@ def conjuncts(text: str) -> list[str]:
     if not parts:
         return [text]
     return [piece for part in (*parts, text[start:].strip()) for piece in conjuncts(part)]
-
-
-def bare(text: str) -> str:
-    """Return an expression without brackets around all of it."""
-    tokens = tokens_of(text)
-    while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004 - both brackets and more
-        tokens = tokens[1:-1]
-    return text[tokens[0].start : tokens[-1].end] if tokens else text
-
-
-def _partner(tokens: Sequence[Token]) -> int:
-    """Return the index of the bracket that closes the first."""
-    depth = 0
-    for index, token in enumerate(tokens):
-        depth += (token.text in _OPENING) - (token.text in _CLOSING)
-        if depth == 0:
-            return index
-    return -1
 
 
 def new_node(text: str) -> str | None:
@@ -193,12 +173,12 @@ def existence(text: str) -> bool | None:
         if tokens[0].text == "!":
             negated = not negated
             tokens = tokens[1:]
-        elif _partner(tokens) == len(tokens) - 1:
+        elif partner(tokens) == len(tokens) - 1:
             tokens = tokens[1:-1]
         else:
             break
     if _word(tokens[0]) == "NOT":
         tokens = tokens[1:]
-    if _word(tokens[0]) != "EXISTS" or _partner(tokens[1:]) != len(tokens) - 2:
+    if _word(tokens[0]) != "EXISTS" or partner(tokens[1:]) != len(tokens) - 2:
         raise ValueError(text)
     return negated

@@ -28,9 +28,9 @@ from kg.rules import memory
 from kg.rules.columns import Tables, Wanted, lines, read_columns, stated, stored, wanted
 from kg.rules.demand.magic import Goal, demanded
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import EMPTY, Facts, Keys, absorb, distinct, lacking, union
+from kg.rules.engine.facts import EMPTY, Facts, Keys, absorb, gathered, lacking, union
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import Atom, Pattern, Rule, Term, TripleTerm, Values, Variable
+from kg.rules.form import Atom, Pattern, Rule, TripleTerm, Values, Variable
 from kg.rules.memory import Memory
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES
@@ -89,9 +89,9 @@ class _Reader:
             if isinstance(node, tree.TriplePattern):
                 self._triple(node, own)
             elif isinstance(node, tree.ValuesBlock):
-                rows = tuple(row for row in node.rows if None not in row)
-                if len(rows) == len(node.rows):
-                    own.append(Values(node.variables, _full(rows)))
+                rows = tuple(tuple(term for term in row if term is not None) for row in node.rows)
+                if all(len(row) == len(node.variables) for row in rows):
+                    own.append(Values(node.variables, rows))
             else:
                 before = tuple(own)
                 later += ((inner, joined, before) for inner, joined in self._inner(node))
@@ -147,10 +147,6 @@ class _Reader:
 
     def _fresh(self) -> Variable:
         return Variable(f".path {next(self.made)}")
-
-
-def _full(rows: Sequence[tuple[Term | None, ...]]) -> tuple[tuple[Term, ...], ...]:
-    return tuple(tuple(term for term in row if term is not None) for row in rows)
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,10 +254,7 @@ def _matching(facts: Facts, goals: Iterable[Goal], dictionary: Dictionary) -> Fa
         among = [dictionary.intern_term(predicate)] if isinstance(predicate, NamedNode) else list(facts.predicates)
         for one in among:
             parts.setdefault(one, []).append(_ends(facts, one, atom, dictionary))
-    found = Facts()
-    for one, keys in parts.items():
-        found.replace(one, distinct(np.concatenate(keys)))
-    return found
+    return gathered(parts)
 
 
 def _ends(facts: Facts, predicate: int, atom: Atom, dictionary: Dictionary) -> Keys:

@@ -17,7 +17,7 @@ from kg.rules.engine import matching
 from kg.rules.engine.facts import Facts, absorb, unpack
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.plan import Assign, Block, Grouped, Head, Match, Rows, RulePlan, Structure
-from kg.rules.engine.solve import Solver, View, Workshop
+from kg.rules.engine.solve import Solver, Workshop
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
 from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Pattern, Rule, TripleTerm, Variable
 from kg.rules.maintain.patterns import Delta, World, pattern
@@ -153,11 +153,6 @@ class MaintainedRule:
     def _pivots(self) -> tuple[Pivot, ...]:
         return pivots(self.plan, self._shop.dictionary)
 
-    @property
-    def _planned(self) -> bool:
-        """Whether the pivots are computed, so checking the text of the rule first saves nothing."""
-        return "_pivots" in self.__dict__
-
     @cached_property
     def _join(self) -> Join:
         dictionary = self._shop.dictionary
@@ -208,7 +203,9 @@ class MaintainedRule:
         Removed triples of the outer body are joined in the world before, added ones in the world after.
         """
         found = Facts()
-        if not (self._planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
+        # Once the pivots are computed, checking the text of the rule first saves nothing.
+        planned = "_pivots" in self.__dict__
+        if not (planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
             return found
         for pivot in self._pivots:
             for delta, readings in ((came, pivot.coming), (gone, pivot.going)):
@@ -238,7 +235,7 @@ class MaintainedRule:
             if depth == len(pivot.chain):
                 sources[pivot.number] = change
             names = frozenset(inner for inner, _ in link.shared)
-            tables = list(Solver(self._shop, View(sources)).solutions(link.body, names, seeds))
+            tables = list(Solver(self._shop, sources).solutions(link.body, names, seeds))
             if not any(table.rows for table in tables):
                 return Facts()
             inside = distinct_rows(concatenate(tables, names))
@@ -253,7 +250,7 @@ class MaintainedRule:
             return Facts()
         plan = self.plan
         collector = Collector(plan, self._shop.dictionary)
-        for table in Solver(self._shop, View(sources)).solutions(plan.body, plan.outputs, seeds):
+        for table in Solver(self._shop, sources).solutions(plan.body, plan.outputs, seeds):
             collector.add(table.keeping(plan.outputs), plan.heads)
         return collector.facts()
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.rules import sparql
-from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, Element, EngineBlock, Exists, Filter, Rule
 from kg.rules.printing.words import shortened
+from kg.syntax.lexer import bare
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
