@@ -118,10 +118,15 @@ def construct(rule: Rule, *, inferred: NamedNode | None = None) -> str:
     """
     head = " .\n".join(triple(atom) for atom in rule.head)
     text = indented(group(rule.body, inferred=inferred))
-    if any(has_blank(position) for atom in rule.head for position in atom.positions):
-        names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
-        text = indented(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{indented(text)}\n  }}\n}}")
+    if rule.creates_nodes:
+        text = indented(f"{{\n  {distinct_solutions(rule)} {{\n{indented(text)}\n  }}\n}}")
     return f"CONSTRUCT {{\n{indented(head)}\n}}\nWHERE {{\n{text}\n}}"
+
+
+def distinct_solutions(rule: Rule) -> str:
+    """Return the beginning of a sub-SELECT that has each solution of a body once, up to its group."""
+    names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
+    return f"SELECT DISTINCT {names} WHERE"
 
 
 def triple(atom: Atom) -> str:
@@ -147,7 +152,7 @@ class _Writer:
 
     def group(self, body: Sequence[Element], used: frozenset[Variable] = frozenset()) -> str:
         """Write a body; `used`: the variables that must have their values outside of it."""
-        lines: list[str] = list(self._values(body, used))
+        lines: list[str] = list(self._fixed_values(body, used))
         before: frozenset[Variable] = frozenset()
         for index, element in enumerate(body):
             late = bound_in(body[index + 1 :]) - before
@@ -164,7 +169,7 @@ class _Writer:
             return frozenset((element.variable,))
         return mentions(element) if isinstance(element, Filter | Exists) else frozenset()
 
-    def _values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
+    def _fixed_values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
         """Bind, before all else, the fixed variables that stay as they are in this group or are used outside."""
         kept = used.union(*(mentions(element) for element in body if not isinstance(element, Atom | Exists)))
         for variable in sorted(kept & self._fixed.keys(), key=str):

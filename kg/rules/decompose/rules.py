@@ -33,7 +33,11 @@ def finished(head: tuple[form.Atom, ...], body: tuple[form.Element, ...], names:
 
     IndivisibleError where a block may leave a variable unbound that another element mentions.
     """
-    body = _printable(body, names)
+    # Variables of blank nodes that are used in expressions or blocks get names that SPARQL can write.
+    written = set(_expressions(body))
+    hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
+    chosen = sorted((one for one in hidden if sparql.spelling(one)[1:] in written), key=str)
+    body = renamed(body, {variable: names.like(variable) for variable in chosen})
     head, body = _without_copies(head, body)
     _check_blocks(body)
     bound = form.bound_in(body)
@@ -50,14 +54,6 @@ def _expressions(body: Sequence[form.Element]) -> Iterator[str]:
             yield from (sparql.spelling(variable)[1:] for variable in element.variables)
         elif isinstance(element, form.Exists | form.Aggregate):
             yield from _expressions(element.body)
-
-
-def _printable(body: tuple[form.Element, ...], names: Names) -> tuple[form.Element, ...]:
-    """Give SPARQL names to variables of blank nodes that are used in expressions or blocks."""
-    written = set(_expressions(body))
-    hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
-    chosen = sorted((v for v in hidden if sparql.spelling(v)[1:] in written), key=str)
-    return renamed(body, {variable: names.like(variable) for variable in chosen})
 
 
 def _without_copies(head: tuple[form.Atom, ...], body: tuple[form.Element, ...]) -> Statement:
@@ -155,8 +151,7 @@ def _check_head(work: Work) -> None:
 def _statements(work: Work) -> list[Statement]:
     head = tuple(_atom(work, triple) for triple in work.rule.template)
     required = frozenset.intersection(*map(head_variables, work.rule.template)) if head else frozenset()
-    scope = Scope(required=required)
-    parts = Groups(work).group(work.rule.group, scope)
+    parts = Groups(work).group(work.rule.group, Scope(required=required))
     found = [finished(head, part.elements, work.names) for part in parts]
     return [statement for statement in found if statement is not None]
 

@@ -87,7 +87,11 @@ class _Reader:
         later: list[tuple[tree.Group, bool, Goal]] = []
         for node in nodes:
             if isinstance(node, tree.TriplePattern):
-                self._triple(node, own)
+                for atom, joined in self._path(node.subject, node.predicate, node.object):
+                    if joined:
+                        own.append(atom)
+                    else:
+                        self.goals.append((atom,))
             elif isinstance(node, tree.ValuesBlock):
                 rows = tuple(tuple(term for term in row if term is not None) for row in node.rows)
                 if all(len(row) == len(node.variables) for row in rows):
@@ -119,13 +123,6 @@ class _Reader:
             for exists in node.expression.exists:
                 self.exists += 1
                 yield exists.group, False
-
-    def _triple(self, node: tree.TriplePattern, own: list[Atom | Values]) -> None:
-        for atom, joined in self._path(node.subject, node.predicate, node.object):
-            if joined:
-                own.append(atom)
-            else:
-                self.goals.append((atom,))
 
     def _path(self, subject: Pattern, path: tree.Path, value: Pattern) -> Iterator[tuple[Atom, bool]]:
         """Yield the triples that a path may pass, each with whether all solutions pass it."""

@@ -170,8 +170,8 @@ class Rewritten:
 def demanded(rules: Iterable[form.Rule], goals: Iterable[Goal]) -> Rewritten:
     """Return rules that derive every triple that `rules` derive and that matches a pattern of `goals` within its goal.
 
-    They may derive other triples that `rules` derive, and triples of auxiliary predicates. None where no rule is
-    needed.
+    They may derive other triples that `rules` derive, and triples of auxiliary predicates. There are none where no rule
+    is needed.
     """
     return _Rewriting(tuple(rules), tuple(goals)).rewritten()
 
@@ -240,16 +240,18 @@ class _Rewriting:
     def _adorn_rule(self, rule: form.Rule, head: form.Atom, adornment: str) -> None:
         demand = _demand(head, adornment)
         self._add(replace(rule, head=(head,), body=(*rule.body, demand)))
-        self._pass_on(_conjuncts(rule.body), demand)
+        # What binds variables: atoms, those of positive EXISTS too, and rows.
+        rows = (element for element in rule.body if isinstance(element, form.Values))
+        self._pass_on([*(atom for _, atom in _atoms(rule.body)), *rows], demand)
 
     def _recursion(self, predicate: NamedNode) -> Recursion | None:
-        """Return the rules of a predicate, where all have the forms of `kg.rules.demand.magic`."""
+        """Return the rules of a predicate, where all have the forms of a recursion."""
         if predicate not in self._recursions:
             rules = self._deriving(predicate)
             own = {number for number, rule in enumerate(self._rules) if rule in rules}
 
             def recurs(body: Sequence[form.Element]) -> bool:
-                read = (read for read in reads(form.Rule(_QUERY, (), tuple(body), Place(_QUERY))))
+                read = reads(form.Rule(_QUERY, (), tuple(body), Place(_QUERY)))
                 feeding = (number for one in read for number in self._heads.matching(one))
                 return not own.isdisjoint(_closed(feeding, self._needs))
 
@@ -424,11 +426,6 @@ def _connected(head: form.Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunc
                 reached |= set(_variables(element))
                 grown = True
     return tuple(elements[index] for index in sorted(kept))
-
-
-def _conjuncts(body: tuple[form.Element, ...]) -> list[_Conjunct]:
-    """Return the elements of a body that bind variables: its atoms and rows, and the atoms of positive EXISTS."""
-    return [*(atom for _, atom in _atoms(body)), *(element for element in body if isinstance(element, form.Values))]
 
 
 def _atoms(
