@@ -106,7 +106,9 @@ class _Construct(Patterns):
         self.advance()
         short = not self.at("{")
         template = () if short else self.template()
-        self._refuse_dataset()
+        if self.at_word("FROM"):
+            hint = "Rules read all graphs; write GRAPH <...> { ... } for one of them."
+            raise self.error("FROM is not allowed in rules", self.token.start, code="KG209", hint=hint)
         if short:
             self.expect_word("WHERE")
             template, group = self._both()
@@ -137,11 +139,6 @@ class _Construct(Patterns):
         pattern = self.triples(Mode.PATTERN)
         self.expect("}")
         return template, Group(tuple(pattern), self.span(start), spelt)
-
-    def _refuse_dataset(self) -> None:
-        if self.at_word("FROM"):
-            hint = "Rules read all graphs; write GRAPH <...> { ... } for one of them."
-            raise self.error("FROM is not allowed in rules", self.token.start, code="KG209", hint=hint)
 
     def _refuse_modifiers(self) -> None:
         start = self.token.start

@@ -13,7 +13,7 @@ from pyoxigraph import BlankNode
 
 from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
 from kg.rules.notations.shacl.query import variables
-from kg.rules.notations.shacl.vocabulary import SH, sh
+from kg.rules.notations.shacl.vocabulary import SH, XSD, sh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -125,11 +125,8 @@ class Expressions:
 
     def _minus(self, node: Term, this: str) -> list[Branch]:
         taken = self.branches(self._graph.required(node, "minus"), this)
-        found = []
-        for branch in self._nodes(node, this):
-            absent = [_absent(branch.term, other) for other in taken]
-            found.append(branch.filtered(*absent))
-        return found
+        left = self._nodes(node, this)
+        return [branch.filtered(*(_absent(branch.term, other) for other in taken)) for branch in left]
 
     def _cut(self, node: Term, this: str) -> list[Branch]:
         del this
@@ -197,7 +194,7 @@ class Expressions:
             raise self._graph.error("a blank node is not a node expression", node, hint=hint)
         predicate, arguments = calls[0]
         given = [self.branches(member, this) for member in self._graph.members(arguments, node)]
-        if self._functions.cast(predicate) and len(given) == 1:
+        if predicate.value.startswith(XSD) and len(given) == 1:  # a cast of SPARQL
             return [self._bound(branch.pattern, f"{predicate}({branch.term})") for branch in given[0]]
         function = self._functions.find(predicate, node)
         optional = [flag for _, flag in function.parameters]
@@ -264,10 +261,9 @@ def _tested(branch: Branch) -> Branch:
 
 def _both(left: Branch, right: Branch) -> Branch:
     """Return the branch of the nodes that two branches give."""
-    if (joined := right.giving(left.term)) is not None:
-        return Branch(f"{left.pattern} {joined.pattern}".strip(), left.term, left.matched)
-    if (joined := left.giving(right.term)) is not None:
-        return Branch(f"{right.pattern} {joined.pattern}".strip(), right.term, right.matched)
+    for one, other in ((left, right), (right, left)):
+        if (joined := other.giving(one.term)) is not None:
+            return one.filtered(joined.pattern)
     same = f"FILTER(sameTerm({left.term}, {right.term}))"
     return Branch(" ".join(part for part in (left.pattern, right.pattern, same) if part), left.term)
 

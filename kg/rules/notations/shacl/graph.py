@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
-from kg.errors import Fix, Place, RuleError
+from kg.errors import Fix, RuleError
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
 from kg.similar import asked, similar
+from kg.syntax.cursor import declaring
 from kg.syntax.lexer import END, Kind, Token, normalise, quoted, token_at, unescape, unescape_local
-from kg.syntax.names import PREFIXES, WELL_KNOWN, shorten
+from kg.syntax.names import shorten
 from kg.syntax.position import place_at, place_of
-from kg.syntax.prologue import declaration, declared
+from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -127,16 +128,11 @@ class ShapesGraph:
         except SyntaxError as error:
             what = str(error.msg or error).partition(": ")[2] or str(error)
             place = place_of(self.text, error.lineno or 1, error.offset or 1, self.path)
-            fixes = self._declaring(place)
+            token = token_at(place.excerpt or "", (place.column or 1) - 1)
+            prefix = token.text.partition(":")[0]
+            missing = token.kind is Kind.NAME and prefix not in declared(self.text)
+            fixes = declaring(self.text, [prefix] if missing else [], self.path, turtle=True)
             raise RuleError("KG201", f"the file is not Turtle: {what}", place=place, fixes=fixes) from None
-
-    def _declaring(self, place: Place) -> Iterator[Fix]:
-        """Yield the declaration of the prefix at a place if only that is missing and it has a usual namespace."""
-        token = token_at(place.excerpt or "", (place.column or 1) - 1)
-        prefix, usual = token.text.partition(":")[0], {**WELL_KNOWN, **PREFIXES}
-        if token.kind is Kind.NAME and prefix in usual and prefix not in declared(self.text):
-            at, line = declaration(self.text, {prefix: usual[prefix]}, turtle=True)
-            yield Fix(line, place_at(self.text, at, self.path, at), f"Declare `{prefix}:`")
 
     def _check_names(self) -> None:
         for triple in self._triples:

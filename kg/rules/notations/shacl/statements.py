@@ -30,7 +30,7 @@ from kg.rules.notations.shacl.targets import targets
 from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, TYPE, sh
 from kg.syntax.lexer import Kind
 from kg.syntax.parser import parse_rq
-from kg.syntax.position import place_at
+from kg.syntax.position import offset_of, place_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -73,7 +73,7 @@ def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule
     """Return the rules of one query."""
 
     def moved(place: Place) -> Place:
-        offset = _offset(statement.text, place)
+        offset = offset_of(statement.text, place.line or 1, place.column or 1)
         return place_at(graph.text, statement.source(offset), graph.path)
 
     try:
@@ -84,14 +84,6 @@ def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule
         fixes = [each for each in error.fixes if each.place is None]
         raise RuleError(error.code, error.message, place=where, hint=error.hint, fixes=fixes) from None
     return tuple(replace(_with_places(rule, moved), order=statement.order) for rule in found)
-
-
-def _offset(text: str, place: Place) -> int:
-    """Return the offset of a place in a text."""
-    start = 0
-    for _ in range((place.line or 1) - 1):
-        start = text.find("\n", start) + 1
-    return start + (place.column or 1) - 1
 
 
 def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
@@ -106,15 +98,9 @@ def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
     return part
 
 
-def bind_inside(graph: ShapesGraph, owner: Term, words: Words, binder: str) -> Words:
-    """Return the inside of a group with `binder` at the beginning of each inner group that needs `$this`.
-
-    Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it.
-    """
-    return _Groups(graph, owner, binder).inside(words)
-
-
 class _Groups:
+    """Puts `binder` at the beginning of each inner group that needs `$this`."""
+
     def __init__(self, graph: ShapesGraph, owner: Term, binder: str) -> None:
         self._graph = graph
         self._owner = owner
@@ -122,7 +108,10 @@ class _Groups:
         self._once = plain(f"{{ SELECT DISTINCT ?this WHERE {{ {binder} }} }}")
 
     def inside(self, words: Words) -> Words:
-        """Handle the groups in `words`, which are between braces."""
+        """Return words, which are between braces, with the binder in their inner groups.
+
+        Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it.
+        """
         if words and words[0].text.upper() == "SELECT":
             return self._select(words)
         found: Words = []
@@ -136,13 +125,13 @@ class _Groups:
             inner = words[index + 1 : end]
             before = words[index - 1].text.upper() if index else ""
             found.append(words[index])
-            found += inner if before == "EXISTS" else self._group(inner)
+            if before == "EXISTS":
+                found += inner
+            else:
+                found += [self._binder] * _needs(inner) + self.inside(inner)
             found += words[end : end + 1]
             index = end + 1
         return found
-
-    def _group(self, inner: Words) -> Words:
-        return [self._binder, *self.inside(inner)] if _needs(inner) else self.inside(inner)
 
     def _select(self, words: Words) -> Words:
         opening = next((index for index, word in enumerate(words) if word.text == "{"), len(words))
@@ -230,10 +219,6 @@ def statements(graph: ShapesGraph) -> Iterator[Statement]:
     yield from found
 
 
-def _order(graph: ShapesGraph, shape: Term, rule: Term) -> float:
-    return graph.order(shape) * _SHAPES_APART + graph.order(rule)
-
-
 def _check_orders(graph: ShapesGraph) -> None:
     """Refuse orders that one number cannot distinguish."""
     pairs = {
@@ -263,7 +248,7 @@ class _Rule:
         self._graph = graph
         self._rule = rule
         self._offset = graph.offset(rule)
-        self._order = _order(graph, shape, rule)
+        self._order = graph.order(shape) * _SHAPES_APART + graph.order(rule)
         self._functions = Functions(graph)
 
     def statements(self, binders: list[str]) -> Iterator[Statement]:
@@ -312,7 +297,7 @@ class _Rule:
         target = names.fresh()
         binder = binder.replace("?target", target)
         _, cases = self._conditions(names, binder)
-        group = bind_inside(self._graph, self._rule, self._functions.inside(group, self._rule), binder)
+        group = _Groups(self._graph, self._rule, binder).inside(self._functions.inside(group, self._rule))
         if group and group[0].text.upper() == "SELECT":
             group = [plain("{"), *group, plain("}")]
         for case in cases:
