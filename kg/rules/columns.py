@@ -149,7 +149,7 @@ def read(
         # One query for everything wanted of a small graph, and of some predicates more than is wanted. With VALUES the
         # engine looks up each predicate; a FILTER would compare all triples with all predicates.
         listed = " ".join(sorted(map(str, what.names)))
-        together = _Query(among=f"SELECT ?s ?p ?o {{ VALUES ?p {{ {listed} }} ?s ?p ?o }} LIMIT {_SMALL}")
+        together = _Query(f"SELECT ?s ?p ?o {{ VALUES ?p {{ {listed} }} ?s ?p ?o }} LIMIT {_SMALL}")
         for _, graph, text in _texts(source, [together], list(found)):
             if text.count(b"\n") >= _SMALL:
                 large.append(graph)
@@ -179,21 +179,11 @@ def only(
 
 @dataclass(frozen=True, slots=True)
 class _Query:
-    """One SELECT: of everything, of a predicate, of a predicate with one object, or, as a text, of some predicates."""
+    """A SELECT of whole triples, or without the `predicate` that it names, and without its one object, the `target`."""
 
+    text: str
     predicate: NamedNode | None = None
     target: Term | None = None
-    among: str | None = None
-
-    @property
-    def text(self) -> str:
-        if self.among is not None:
-            return self.among
-        if self.predicate is None:
-            return "SELECT ?s ?p ?o { ?s ?p ?o }"
-        if self.target is None:
-            return f"SELECT ?s ?o {{ ?s {self.predicate} ?o }}"
-        return f"SELECT ?s {{ ?s {self.predicate} {spell(self.target).decode()} }}"
 
     def keys(self, text: bytes, dictionary: Dictionary) -> Iterator[tuple[int, NDArray[np.int64]]]:
         """Yield the predicates of the rows with their keys in any order."""
@@ -234,9 +224,14 @@ def by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int6
 
 def _queries(what: Wanted) -> list[_Query]:
     if what.predicates is None:
-        return [_Query()]
-    whole = sorted(what.predicates, key=str)
-    return [*map(_Query, whole), *(_Query(*pair) for pair in sorted(what.members, key=str))]
+        return [_Query("SELECT ?s ?p ?o { ?s ?p ?o }")]
+    return [
+        *(_Query(f"SELECT ?s ?o {{ ?s {one} ?o }}", one) for one in sorted(what.predicates, key=str)),
+        *(
+            _Query(f"SELECT ?s {{ ?s {one} {spell(target).decode()} }}", one, target)
+            for one, target in sorted(what.members, key=str)
+        ),
+    ]
 
 
 def _texts(

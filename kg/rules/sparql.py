@@ -188,7 +188,9 @@ class _Writer:
             inner = _Writer(self._inferred, seen).group(element.body)
             return f"FILTER {'NOT ' if element.negated else ''}EXISTS {_braces(inner)}"
         if isinstance(element, Values):
-            return _values(element)
+            names = " ".join(map(spelling, element.variables))
+            rows = "".join(f"\n  ({' '.join(map(term, row))})" for row in element.rows)
+            return f"VALUES ({names}) {{{rows}\n}}"
         if isinstance(element, EngineBlock):
             return _braces(element.text.strip("\n"))
         return self._aggregate(element)
@@ -223,12 +225,6 @@ class _Writer:
         columns = " ".join([*map(spelling, element.keys), *map(_column, element.columns)])
         grouped = f" GROUP BY {' '.join(map(spelling, element.keys))}" if keys else ""
         return _braces(f"SELECT {columns} WHERE {_braces(inner.group(element.body, used=keys))}{grouped}")
-
-
-def _values(element: Values) -> str:
-    names = " ".join(map(spelling, element.variables))
-    rows = "".join(f"\n  ({' '.join(map(term, row))})" for row in element.rows)
-    return f"VALUES ({names}) {{{rows}\n}}"
 
 
 def _column(column: Column) -> str:

@@ -219,18 +219,15 @@ class Patterns(Triples):
         self.aggregates_allowed = False
         argument = None if name == "COUNT" and self.accept("*") else self.expression()
         self.aggregates_allowed = True
-        separator = self._separator() if name == "GROUP_CONCAT" else " "
+        separator = " "
+        if name == "GROUP_CONCAT" and self.accept(";"):
+            self.expect_word("SEPARATOR")
+            self.expect("=")
+            separator = self.string()
         self.expect(")")
         text = self.spelling(self.consumed[first:])
         call = tree.AggregateCall(name, argument, distinct, separator, self.span(start), text)
         self._open[-1].aggregates.append(call)
-
-    def _separator(self) -> str:
-        if not self.accept(";"):
-            return " "
-        self.expect_word("SEPARATOR")
-        self.expect("=")
-        return self.string()
 
     def sub_select(self) -> tree.SubSelect:
         """Parse a sub-SELECT without its braces."""

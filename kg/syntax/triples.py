@@ -266,6 +266,13 @@ class Triples(Cursor):
             raise self.error(f"{what} is not a path of SPARQL RL", self.token.start, hint=hint)
         return True
 
+    def triples_in_braces(self, mode: Mode, what: str = "") -> list[TriplePattern]:
+        """Parse any number of triples in braces; `what` is what may be there instead of the first brace."""
+        self.expect("{", what)
+        triples = self.triples(mode)
+        self.expect("}", " or `.`" if triples else " or triples")
+        return triples
+
     def triples(self, mode: Mode) -> list[TriplePattern]:
         """Parse any number of triples separated by full stops."""
         block = Block(mode)

@@ -5,14 +5,13 @@ All functions work on tokens: strings and IRIs are never taken for names or sign
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
 from kg.syntax.lexer import Kind, Token, bare, partner, tokens_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Collection, Sequence
 
     from kg.errors import Place
 
@@ -113,22 +112,13 @@ def resolved(text: str, visible: Collection[str]) -> str | None:
         return None
     tokens = tokens_of(text)
     pieces, end = [], 0
-    for before, token in pairwise(_bounds(tokens, missing)):
-        pieces.append(text[before[1] : token[0]] + token[2])
-        end = token[1]
-    return "".join(pieces) + text[end:]
-
-
-def _bounds(tokens: Sequence[Token], missing: set[str]) -> Iterator[tuple[int, int, str]]:
-    """Yield replacements as start, end and text; first an empty one before all."""
-    yield 0, 0, ""
     for index, token in enumerate(tokens):
-        if token.kind is not Kind.VARIABLE or token.text[1:] not in missing:
-            continue
-        if index > 1 and _word(tokens[index - 2]) == "BOUND":
-            yield tokens[index - 2].start, tokens[index + 1].end, "false"
-        else:
-            yield token.start, token.end, UNBOUND
+        if token.kind is Kind.VARIABLE and token.text[1:] in missing:
+            bound = index > 1 and _word(tokens[index - 2]) == "BOUND"
+            first, last = (tokens[index - 2], tokens[index + 1]) if bound else (token, token)
+            pieces += [text[end : first.start], "false" if bound else UNBOUND]
+            end = last.end
+    return "".join(pieces) + text[end:]
 
 
 def conjuncts(text: str) -> list[str]:

@@ -223,7 +223,8 @@ class _Rewriting:
 
     def _adorn(self, predicate: NamedNode, adornment: str) -> None:
         """Rewrite each rule that answers a demand."""
-        if recursion := self._exit_of(predicate):
+        recursions = (one for one in self._recursions.values() if one and exit_of(one.predicate) == predicate)
+        if recursion := next(recursions, None):
             self._adorn_exits(recursion, adornment)
         elif adornment in {"bf", "fb"} and (recursion := self._recursion(predicate)):
             self._adorn_recursion(recursion, adornment)
@@ -258,10 +259,6 @@ class _Rewriting:
             anywhere = any(head.predicate == predicate for number in self._whole for head in self._rules[number].head)
             self._recursions[predicate] = None if anywhere else recursion_of(predicate, rules, recurs)
         return self._recursions[predicate]
-
-    def _exit_of(self, predicate: NamedNode) -> Recursion | None:
-        """Return the recursion that a predicate is the exit of."""
-        return next((one for one in self._recursions.values() if one and exit_of(one.predicate) == predicate), None)
 
     def _adorn_exits(self, recursion: Recursion, adornment: str) -> None:
         """Rewrite the exits of a recursion: stored triples, and rules that do not recur."""

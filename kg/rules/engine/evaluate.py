@@ -167,7 +167,12 @@ class _Run:
         closures = _Closures(stratum, self._shop)
         reports = [RuleReport(rule, stratum.level, matched=(0,) * len(rule.body)) for rule in stratum.rules]
         self.reports += reports
-        rules = [self._active(report, stratum) for report in reports if closures.register(report)]
+        rules = []
+        for report in reports:
+            if closures.register(report):
+                plan = self._plans[report.rule]
+                pivots = _pivots(plan, stratum.rules, self._shop.dictionary) if stratum.recursive else ()
+                rules.append(_Active(plan, report, tuple(pivots)))
         delta = Facts()
         for rule in rules:
             self._apply(rule, rule.plan.inputs(self._asserted, self._known), delta)
@@ -190,11 +195,6 @@ class _Run:
         closures.close(self._known, delta, fresh, self._size)
         self._size += len(delta) - before
         self._shop.clock.check(self._size)
-
-    def _active(self, report: RuleReport, stratum: Stratum) -> _Active:
-        plan = self._plans[report.rule]
-        pivots = _pivots(plan, stratum.rules, self._shop.dictionary) if stratum.recursive else ()
-        return _Active(plan, report, tuple(pivots))
 
     def _changed(self, rule: _Active, pivot: _Pivot, last: Facts, old: Facts) -> list[Facts]:
         """Return the triples that the sources read in a round: for the pivot, those new in the last one."""

@@ -59,7 +59,10 @@ class _Columns:
     def value(self, column: Column, expressions: Expressions, clock: Clock) -> Keys:
         """Return the value of an aggregate for each group, 0 where it is in error."""
         if column.expression is None:
-            return self._integers(self._count_rows(distinct=column.distinct))
+            member = self._member
+            if column.distinct:
+                member = distinct_rows(self._table.plus({".group": member})).columns[".group"]
+            return self._integers(np.bincount(member, minlength=self._groups))
         scope = dict(self._step.scope)
         columns = [(name, scope[name]) for name in column.expression.variables if name in scope]
         values = expressions.values(column.expression, self._table, columns, clock)
@@ -90,12 +93,6 @@ class _Columns:
         order = np.argsort(member, kind="stable")
         begins = np.searchsorted(member[order], np.arange(self._groups))
         return self._integers(_ON_INTEGERS[function].reduceat(numbers[order], begins))
-
-    def _count_rows(self, *, distinct: bool) -> Keys:
-        member = self._member
-        if distinct:
-            member = distinct_rows(self._table.plus({".group": member})).columns[".group"]
-        return np.bincount(member, minlength=self._groups)
 
     def _integers(self, counts: Keys) -> Keys:
         """Return the identifiers of numbers."""

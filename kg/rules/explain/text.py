@@ -87,7 +87,12 @@ def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
 
 
 def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
-    started = [attempt for attempt in answer.attempts if attempt.held or not _general(attempt)]
+    # Rules of any property, as those of OWL, explain little if nothing holds.
+    started = [
+        attempt
+        for attempt in answer.attempts
+        if attempt.held or not any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
+    ]
     if not started:
         yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
     for attempt in started:
@@ -107,8 +112,3 @@ def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterato
     else:
         for text in attempt.nearest:
             yield Line(inner, f"nearest: {text}", "hint")
-
-
-def _general(attempt: Attempt) -> bool:
-    """Return whether a rule derives facts of any property, as those of OWL do: it explains little if nothing holds."""
-    return any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)

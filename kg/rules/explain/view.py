@@ -86,8 +86,9 @@ class View:
         """Return the graphs that hold a fact and that rules read; the default graph is the empty string."""
         found = self._graphs.get(fact)
         if found is None:
-            named = [cast("NamedNode", row["g"]).value for row in self._rows(_GRAPHS, fact, union=False)]
-            plain = [""] if any(self._rows(_DEFAULT, fact, union=False)) else []
+            terms = {"s": fact.subject, "p": fact.predicate, "o": fact.object}
+            named = [cast("NamedNode", row["g"]).value for row in self._rows(_GRAPHS, terms, union=False)]
+            plain = [""] if any(self._rows(_DEFAULT, terms, union=False)) else []
             found = tuple(graph for graph in (*plain, *named) if graph not in self._ignored)
             self._graphs[fact] = found
         return found
@@ -96,8 +97,8 @@ class View:
         """Return the graphs in which a fact is asserted."""
         return tuple(graph for graph in self.graphs(fact) if graph != self._vocabulary.inferred.value)
 
-    def _rows(self, text: str, fact: Triple, *, union: bool) -> QuerySolutions:
-        terms = {"s": fact.subject, "p": fact.predicate, "o": fact.object}
+    def _rows(self, text: str, terms: Mapping[str, Term], *, union: bool = True) -> QuerySolutions:
+        """Return the rows of a query in which names of variables stand for terms."""
         given = {pyoxigraph.Variable(name): term for name, term in terms.items()}
         return cast("QuerySolutions", self._snapshot.query(text, union=union, substitutions=given))
 
@@ -117,8 +118,7 @@ class View:
         text = select(self.closures.written(body), wanted, given, inferred=self._vocabulary.inferred)
         if wanted and limit is not None:  # a query without columns has its own limit
             text = f"{text}\nLIMIT {limit}"
-        fixed = {pyoxigraph.Variable(name): term for name, term in blank.items()}
-        for row in cast("QuerySolutions", self._snapshot.query(text, substitutions=fixed)):
+        for row in self._rows(text, blank):
             values = {variable.name: row[spelling(variable)[1:]] for variable in wanted}
             yield {**bindings, **{name: cast("Term", term) for name, term in values.items() if term is not None}}
 
@@ -135,9 +135,7 @@ class View:
         return self._column("SELECT DISTINCT ?v ?s WHERE { ?s ?v ?o }", limit, s=subject)
 
     def _column(self, text: str, limit: int, **terms: Term) -> list[Term]:
-        given = {pyoxigraph.Variable(name): term for name, term in terms.items()}
-        rows = cast("QuerySolutions", self._snapshot.query(f"{text} LIMIT {limit}", substitutions=given))
-        return [cast("Term", row["v"]) for row in rows]
+        return [cast("Term", row["v"]) for row in self._rows(f"{text} LIMIT {limit}", terms)]
 
     def evidence(self, fact: Triple) -> Evidence | None:
         """Return the line that a fact was read from, or the peer that reported it at run time.

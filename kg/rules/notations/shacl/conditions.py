@@ -35,7 +35,7 @@ from kg.syntax.functions import AGGREGATES
 from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.functions import Functions
@@ -198,7 +198,12 @@ class Conditions:
             return TRUE if wanted else FALSE
         self._around.append(shape)
         try:
-            parts = [*self._constraints(shape, term, wanted=wanted)]
+            parts = [
+                found
+                for predicate in self._graph.predicates(shape)
+                for value in self._graph.values(shape, predicate)
+                if (found := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None
+            ]
             return every(parts) if wanted else some(parts)
         except OverflowError:
             hint = "Split the rule, or the shape, in several."
@@ -218,12 +223,6 @@ class Conditions:
                 )
             return [Branch("", term)]
         return [*steps(path_of(self._graph, path, shape), term, self._names)]
-
-    def _constraints(self, shape: Term, term: str, *, wanted: bool) -> Iterator[Cases]:
-        for predicate in self._graph.predicates(shape):
-            for value in self._graph.values(shape, predicate):
-                if (found := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None:
-                    yield found
 
     def _constraint(self, shape: Term, predicate: NamedNode, value: Term, term: str, *, wanted: bool) -> Cases | None:
         each = self._each(shape, predicate, value)

@@ -68,10 +68,10 @@ class Expressions:
             "union": self._union,
             "minus": self._minus,
             "distinct": lambda node, this: self.branches(self._graph.required(node, "distinct"), this),
-            "count": self._or_zero("COUNT", "count"),
-            "min": self._aggregated("MIN", "min"),
-            "max": self._aggregated("MAX", "max"),
-            "sum": self._or_zero("SUM", "sum"),
+            "count": self._aggregated("count", zero=True),
+            "min": self._aggregated("min"),
+            "max": self._aggregated("max"),
+            "sum": self._aggregated("sum", zero=True),
             "exists": self._exists,
             "if": self._if,
             "limit": self._cut,
@@ -150,17 +150,15 @@ class Expressions:
         call = f"({function}(DISTINCT {value}) AS {result})"
         return Branch(f"{{ SELECT {this} {call} WHERE {{ {group} }} GROUP BY {this} }}", result)
 
-    def _aggregated(self, function: str, name: str) -> Callable[[Term, str], list[Branch]]:
-        def read(node: Term, this: str) -> list[Branch]:
-            return [self._grouped(function, self.branches(self._graph.required(node, name), this), this)]
+    def _aggregated(self, name: str, *, zero: bool = False) -> Callable[[Term, str], list[Branch]]:
+        """Return the reader of an aggregate; with `zero` it is 0 where there are no nodes."""
 
-        return read
-
-    def _or_zero(self, function: str, name: str) -> Callable[[Term, str], list[Branch]]:
         def read(node: Term, this: str) -> list[Branch]:
             branches = self.branches(self._graph.required(node, name), this)
-            zero = [Branch(_all_none(branches), _ZERO)] if all(branch.pattern for branch in branches) else []
-            return [self._grouped(function, branches, this), *zero]
+            found = [self._grouped(name.upper(), branches, this)]
+            if zero and all(branch.pattern for branch in branches):
+                found.append(Branch(_all_none(branches), _ZERO))
+            return found
 
         return read
 
@@ -243,12 +241,9 @@ def _some(branch: Branch) -> str:
 
 
 def _none(branch: Branch) -> str:
-    return f"FILTER NOT EXISTS {{ {branch.pattern} {_known(branch)}}}"
-
-
-def _known(branch: Branch) -> str:
-    """Return the filter that a computed node is there: an expression in error gives none."""
-    return f"FILTER(BOUND({branch.term})) " if branch.pattern.endswith(f"AS {branch.term})") else ""
+    # An expression in error gives no node, but a solution in which its variable is unbound.
+    computed = branch.pattern.endswith(f"AS {branch.term})")
+    return f"FILTER NOT EXISTS {{ {branch.pattern} {f'FILTER(BOUND({branch.term})) ' if computed else ''}}}"
 
 
 def _all_none(branches: Sequence[Branch]) -> str:

@@ -211,7 +211,13 @@ def statements(graph: ShapesGraph) -> Iterator[Statement]:
     Raises `RuleError`: KG201 for what the standard calls ill-formed, KG209 for parts of SPARQL that rules cannot have,
     KG230 for what is not supported.
     """
-    found = [one for shape in graph.subjects(sh("rule")) for one in _of_shape(graph, shape)]
+    found: list[Statement] = []
+    for shape in graph.subjects(sh("rule")):
+        if not graph.flag(shape, "deactivated"):
+            binders = targets(graph, shape)
+            for rule in graph.values(shape, sh("rule")):
+                if not graph.flag(rule, "deactivated"):
+                    found += _Rule(graph, shape, rule).statements(binders)
     _check_orders(graph)
     queries, offset = entailed(graph)
     before = min((one.order for one in found), default=0.0) - 1
@@ -230,15 +236,6 @@ def _check_orders(graph: ShapesGraph) -> None:
     if any(one >= two for one, two in pairwise(ranks)):
         rule = pairs[max(pairs)]
         raise graph.unsupported("an order beyond half a million", rule, "Use small numbers for sh:order.")
-
-
-def _of_shape(graph: ShapesGraph, shape: Term) -> Iterator[Statement]:
-    if graph.flag(shape, "deactivated"):
-        return
-    binders = targets(graph, shape)
-    for rule in graph.values(shape, sh("rule")):
-        if not graph.flag(rule, "deactivated"):
-            yield from _Rule(graph, shape, rule).statements(binders)
 
 
 class _Rule:
