@@ -18,7 +18,6 @@ import numpy as np
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
 from kg.rules.engine.facts import Facts, Keys, distinct, gathered, pack, unpack
-from kg.rules.engine.terms import Dictionary
 from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kg.rules.engine.pages import Pages
+    from kg.rules.engine.terms import Dictionary
 
 
 _THREADS: Final = 2
@@ -130,12 +130,9 @@ def _simplified(predicates: Iterable[NamedNode], members: Iterable[tuple[NamedNo
     return Wanted(whole, frozenset(single))
 
 
-def read_columns(
-    source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary | None = None
-) -> tuple[Dictionary, Facts]:
+def read_columns(source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary) -> Facts:
     """Return the triples that any of `graphs` has (None: the default graph), each once; terms go into `dictionary`."""
-    terms = dictionary if dictionary is not None else Dictionary()
-    return terms, union_of(read(source, what, graphs, terms).values(), terms.pages)
+    return union_of(read(source, what, graphs, dictionary).values(), dictionary.pages)
 
 
 def read(

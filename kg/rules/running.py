@@ -371,7 +371,7 @@ class Reasoner:
     def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
         """Return what the graph of inferred triples holds."""
         graph = self._names.inferred
-        return read_columns(source, EVERYTHING, [graph], dictionary)[1] if graph in source.graphs() else Facts()
+        return read_columns(source, EVERYTHING, [graph], dictionary) if graph in source.graphs() else Facts()
 
 
 def _read_again(

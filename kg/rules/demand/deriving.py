@@ -231,8 +231,8 @@ class Base:
         """Return the asserted triples of all graphs except the record of builds, and the stored inferences."""
         graphs = self.names.read_by_rules(self.source.graphs())
         dictionary = self.memory.dictionary
-        asserted = read_columns(self.source, what, graphs, dictionary)[1]
-        return asserted, read_columns(self.source, what, [self.names.inferred], dictionary)[1]
+        asserted = read_columns(self.source, what, graphs, dictionary)
+        return asserted, read_columns(self.source, what, [self.names.inferred], dictionary)
 
 
 def _without(what: Wanted, read: Wanted) -> Wanted:
