@@ -167,7 +167,7 @@ class Columns:
             known = known.copy()
             for predicate, keys in evaluate(helping, self.dictionary, self.union).inferred:
                 known.add(predicate, keys)
-        shop = helping.workshop(self.dictionary)
+        state = helping.state(self.dictionary)
         tables = []
         for rule in (rule for rule in rules if rule.head[0].predicate == MARK):
             prepared = plan(rule, self.dictionary)
@@ -179,7 +179,7 @@ class Columns:
             sources = [known if one is None else self._among(one, as_set=asked.as_set) for one in among]
             tables += [
                 Table({name: _values(table, node) for name, node in zip(names, chosen, strict=True)}, table.rows)
-                for table in Solver(shop, sources).solutions(prepared.body, outputs, bag=not asked.as_set)
+                for table in Solver(state, sources).solutions(prepared.body, outputs, bag=not asked.as_set)
             ]
         every = concatenate(tables, names)
         return distinct_rows(every) if asked.as_set else every

@@ -486,7 +486,9 @@ class Patterns(Triples):
         self.expect("(")
         expression = self.expression()
         self.expect_word("AS")
-        variable = self.new_variable(tree.visible(before), "BIND")
+        if self.token.kind is Kind.VARIABLE and self.token.text[1:] in tree.visible(before):
+            raise self.error(f"BIND assigns to `{self.token.text}`, which is bound before it", self.token.start)
+        variable = self.variable()
         self.expect(")")
         return tree.Bind(variable, expression, self.span(start))
 

@@ -71,12 +71,6 @@ class Triples(Cursor):
             raise self.expected("a variable")
         return Variable(self.advance().text[1:])
 
-    def new_variable(self, known: set[str], what: str) -> Variable:
-        """Parse a new variable to assign to; KG201 if it is already bound."""
-        if self.token.kind is Kind.VARIABLE and self.token.text[1:] in known:
-            raise self.error(f"{what} assigns to `{self.token.text}`, which is bound before it", self.token.start)
-        return self.variable()
-
     def blank(self, mode: Mode, label: str | None = None) -> Variable | BlankNode:
         """Return the term of a blank node, a new one without a label."""
         label = label or self.fresh()
@@ -177,15 +171,10 @@ class Triples(Cursor):
             return self.labelled(mode)
         if self.at_literal():
             return self.literal()
-        if self.at("["):
-            return self.anonymous(mode)
+        if self.accept("["):
+            self.expect("]")
+            return self.blank(mode)
         return self.iri(what)
-
-    def anonymous(self, mode: Mode) -> Variable | BlankNode:
-        """Parse `[]`."""
-        self.expect("[")
-        self.expect("]")
-        return self.blank(mode)
 
     def verb(self, mode: Mode) -> NamedNode | Variable:
         """Parse a predicate that is not a path."""

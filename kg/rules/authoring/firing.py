@@ -11,7 +11,7 @@ from kg.rules.engine.expressions import Expressions
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
-from kg.rules.engine.solve import Solver, Workshop
+from kg.rules.engine.solve import Solver, State
 from kg.rules.form import Element, Rule, is_auxiliary
 
 if TYPE_CHECKING:
@@ -46,8 +46,8 @@ class Firing:
 class _Watched(Solver):
     """A solver that records each element."""
 
-    def __init__(self, shop: Workshop, sources: Sequence[Facts]) -> None:
-        super().__init__(shop, sources)
+    def __init__(self, state: State, sources: Sequence[Facts]) -> None:
+        super().__init__(state, sources)
         self.passages: dict[int, Passage] = {}
 
     def _after(self, table: Table, step: Step, rest: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
@@ -61,22 +61,22 @@ class _Watched(Solver):
         return found
 
 
-def _workshop(rules: Iterable[Rule], dictionary: Dictionary) -> Workshop:
+def _state_of(rules: Iterable[Rule], dictionary: Dictionary) -> State:
     """Return the state shared by applications of rules over one dictionary."""
     predicates = {atom.predicate for rule in rules for atom in rule.head}
     hidden = frozenset(dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate))
-    return Workshop(dictionary, Expressions(dictionary), Blocks(dictionary), Clock(Limits()), hidden)
+    return State(dictionary, Expressions(dictionary), Blocks(dictionary), Clock(Limits()), hidden)
 
 
 def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts) -> Iterator[Firing]:
     """Yield the firing of each rule applied to `known`, which includes `asserted`."""
     every = list(rules)
-    shop = _workshop(every, dictionary)
+    state = _state_of(every, dictionary)
     for rule in every:
         begin = time.perf_counter()
-        shop.clock.rule = str(rule)
+        state.clock.rule = str(rule)
         rule_plan = plan(rule, dictionary)
-        solver = _Watched(shop, rule_plan.inputs(asserted, known))
+        solver = _Watched(state, rule_plan.inputs(asserted, known))
         collectors = [Collector(rule_plan, dictionary) for _ in rule_plan.heads]
         for table in solver.solutions(rule_plan.body, rule_plan.outputs):
             for collector, head in zip(collectors, rule_plan.heads, strict=True):
@@ -88,5 +88,5 @@ def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: 
 def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, known: Facts) -> bool:
     """Return whether a part of the body of a rule has a solution."""
     rule_plan = plan(replace(rule, head=(), body=body), dictionary)
-    solver = Solver(_workshop([rule], dictionary), rule_plan.inputs(asserted, known))
+    solver = Solver(_state_of([rule], dictionary), rule_plan.inputs(asserted, known))
     return any(table.rows for table in solver.solutions(rule_plan.body, frozenset()))

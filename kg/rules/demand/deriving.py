@@ -150,15 +150,12 @@ class _Reader:
 class Derived:
     """The triples that a query may read and that the store lacks.
 
-    `whole`: the query may read any predicate, so all rules were evaluated. `rules` counts the rewritten rules,
-    `considered` the triples that they derived. Wall time in seconds.
+    `whole`: the query may read any predicate, so all rules were evaluated. Wall time in seconds.
     """
 
     dictionary: Dictionary
     facts: Facts
     whole: bool
-    rules: int
-    considered: int
     seconds: float
 
     def chunks(self) -> Iterator[bytes]:
@@ -186,10 +183,9 @@ def derive(text: str, rule_set: RuleSet, base: Base, limits: Limits) -> Derived:
         asserted.replace(dictionary.intern_term(copy), union(*parts))
     found = evaluate(program, dictionary, asserted, inferred=before, limits=limits)
     facts = stored(found.inferred, dictionary)
-    considered = len(facts)
     absorb(facts, data)
     matching = _matching(facts, goals, dictionary)
-    return Derived(dictionary, matching, open_ended(goals), len(program.rules), considered, time.perf_counter() - begin)
+    return Derived(dictionary, matching, open_ended(goals), time.perf_counter() - begin)
 
 
 @dataclass(frozen=True, slots=True)

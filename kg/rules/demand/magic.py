@@ -82,16 +82,6 @@ def exit_of(predicate: NamedNode) -> NamedNode:
     return NamedNode(f"{form.AUXILIARY}exit/{predicate.value}")
 
 
-def stored_of(predicate: NamedNode) -> NamedNode:
-    """Return the predicate of the stored triples of a predicate."""
-    return NamedNode(f"{form.AUXILIARY}stored/{predicate.value}")
-
-
-def via_of(predicate: NamedNode, adornment: str) -> NamedNode:
-    """Return the predicate that relates an end asked for to the nodes that its steps reach."""
-    return NamedNode(f"{form.AUXILIARY}via/{adornment}/{predicate.value}")
-
-
 def recursion_of(
     predicate: NamedNode, rules: Sequence[form.Rule], recurs: Callable[[Sequence[form.Element]], bool]
 ) -> Recursion | None:
@@ -262,7 +252,7 @@ class _Rewriting:
 
     def _adorn_exits(self, recursion: Recursion, adornment: str) -> None:
         """Rewrite the exits of a recursion: stored triples, and rules that do not recur."""
-        exits, copy = exit_of(recursion.predicate), stored_of(recursion.predicate)
+        exits, copy = exit_of(recursion.predicate), NamedNode(f"{form.AUXILIARY}stored/{recursion.predicate.value}")
         self._copies[copy] = recursion.predicate
         head = form.Atom(_X, exits, _Z)
         self._add(form.Rule(_QUERY, (head,), (form.Atom(_X, copy, _Z), _demand(head, adornment)), Place(_QUERY)))
@@ -282,7 +272,8 @@ class _Rewriting:
         near, far = (recursion.right, recursion.left) if forward else (recursion.left, recursion.right)
         for step in far:
             self._adorn_rule(step.rule, step.head, adornment)
-        via = via_of(recursion.predicate, adornment)
+        # Relates an end asked for to the nodes that its steps reach.
+        via = NamedNode(f"{form.AUXILIARY}via/{adornment}/{recursion.predicate.value}")
         for step in near:
             here, there = (
                 (step.head.subject, step.recursive.subject) if forward else (step.head.object, step.recursive.object)
@@ -291,6 +282,7 @@ class _Rewriting:
                 _demand(step.head, adornment),
                 form.Atom(_KEPT, via, here) if forward else form.Atom(here, via, _KEPT),
             ):
+                # The end asked for is the step's own, or the one that an earlier step carried here.
                 kept = _KEPT if start.predicate == via else here
                 reached = form.Atom(kept, via, there) if forward else form.Atom(there, via, kept)
                 self._add(replace(step.rule, head=(reached,), body=(*step.beside, start)))

@@ -127,13 +127,13 @@ class _Columns:
             values = np.where(keep, values, 0)
         found = np.zeros(self._groups, np.int64)
         begin = 0
-        while begin < member.size or begin == 0:
+        while begin < member.size:
             clock.check()
             # A batch ends where a group does; one group may be larger than a batch.
-            last = member[min(begin + _BATCH, member.size) - 1] if member.size else 0
+            last = member[min(begin + _BATCH, member.size) - 1]
             end = int(np.searchsorted(member, last, side="right"))
             self._batch(column, member[begin:end], values[begin:end], found)
-            begin = max(end, 1)
+            begin = end
         empty = np.bincount(member, minlength=self._groups) == 0
         if column.function in {"SUM", "AVG", "GROUP_CONCAT"} and empty.any():
             self._empty(column, empty, found)
@@ -151,8 +151,6 @@ class _Columns:
         return found
 
     def _batch(self, column: Column, member: Keys, values: Keys, found: Keys) -> None:
-        if not member.size:
-            return
         spelt = [spelling or b"UNDEF" for spelling in self._dictionary.spellings(values)]
         rows = b"\n".join(b"(%d %s)" % pair for pair in zip(member.tolist(), spelt, strict=True)).decode()
         text = f"SELECT ?g ({_call(column)} AS ?v) {{ VALUES (?g ?x) {{\n{rows}\n}} }} GROUP BY ?g"

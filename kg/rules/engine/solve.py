@@ -42,7 +42,7 @@ _SEED: Final = 4096
 
 
 @dataclass(slots=True)
-class Workshop:
+class State:
     """State shared by evaluations over one dictionary, kept between runs."""
 
     dictionary: Dictionary
@@ -60,7 +60,7 @@ class Solver:
     `sources` has the input of each source of the rule, by number: a change, the data before it, or all data.
     """
 
-    shop: Workshop
+    state: State
     sources: Sequence[Facts]
     matched: dict[int, int] = field(default_factory=dict)
     """For each element of the rule's body the rows after it, added up."""
@@ -95,7 +95,7 @@ class Solver:
             ((table, step),) = ways
             first = None
             rest = tuple(other for other in steps if other is not step)
-            self.shop.clock.check()
+            self.state.clock.check()
             try:
                 table = self._after(table, step, rest, outputs, bag=bag)
             except TooManyRowsError as error:
@@ -170,7 +170,7 @@ class Solver:
         return [(part, way) for part, way in parts if part.rows]
 
     def _reading(self, step: Match, needed: frozenset[str]) -> Reading:
-        return Reading(self.sources[step.number], len(self.shop.dictionary), needed, self.shop.hidden)
+        return Reading(self.sources[step.number], len(self.state.dictionary), needed, self.state.hidden)
 
     def _estimate(self, table: Table, step: Step) -> float | None:
         """Estimate rows after a step; None if it cannot run. Cheap filters run before joins, expensive ones after."""
@@ -206,7 +206,7 @@ class Solver:
         if isinstance(step, Match):
             return match(table, step, self._reading(step, needed))
         if isinstance(step, Test):
-            return table.take(self.shop.expressions.holds(step.expression, table, step.columns, self.shop.clock))
+            return table.take(self.state.expressions.holds(step.expression, table, step.columns, self.state.clock))
         if isinstance(step, Assign):
             return self._assign(table, step)
         if isinstance(step, Structure):
@@ -217,13 +217,13 @@ class Solver:
         if isinstance(step, Rows):
             return join(table, Table(dict(step.columns), step.size))
         if isinstance(step, Block):
-            shop = self.shop
-            found = shop.blocks.solutions(step, self.sources[step.number], shop.clock, shop.hidden)
+            state = self.state
+            found = state.blocks.solutions(step, self.sources[step.number], state.clock, state.hidden)
             return _compatible(table, found)
         return self._grouped(table, step)
 
     def _assign(self, table: Table, step: Assign) -> Table:
-        values = self.shop.expressions.values(step.expression, table, step.columns, self.shop.clock)
+        values = self.state.expressions.values(step.expression, table, step.columns, self.state.clock)
         bound = table.columns.get(step.name)
         if bound is not None:
             return table.take((values == bound) & (values != 0))
@@ -231,7 +231,7 @@ class Solver:
         return found if values.all() else found.take(values != 0)
 
     def _structure(self, table: Table, step: Structure) -> Table:
-        dictionary = self.shop.dictionary
+        dictionary = self.state.dictionary
         table = table.take(dictionary.kinds(table.columns[step.term]) == TRIPLE)
         parts = np.array([dictionary.parts(term) for term in table.columns[step.term].tolist()], np.int64)
         for index, node in enumerate(step.parts):
@@ -257,14 +257,14 @@ class Solver:
                 found[part.columns[".row"]] = True
             return found
         (name,) = step.shared
-        found = np.zeros(len(self.shop.dictionary), bool)
+        found = np.zeros(len(self.state.dictionary), bool)
         for part in self._inner().solutions(step.body, step.shared, distinct_rows(seeds)):
             found[part.columns[name]] = True
         return found[table.columns[name]]
 
     def _inner(self) -> Solver:
         """Return a solver whose rows are not counted."""
-        return Solver(self.shop, self.sources, spreads=self.spreads)
+        return Solver(self.state, self.sources, spreads=self.spreads)
 
     def _grouped(self, table: Table, step: Grouped) -> Table:
         """Join with the groups; only with those needed, if these are known and few."""
@@ -281,7 +281,7 @@ class Solver:
         names = step.body.names
         parts = list(self.solutions(step.body, names, seeds, bag=True))
         table = concatenate([part.keeping(names) for part in parts], names)
-        return grouped(step, table, self.shop.dictionary, self.shop.expressions, self.shop.clock)
+        return grouped(step, table, self.state.dictionary, self.state.expressions, self.state.clock)
 
 
 def _by_unbound(table: Table, names: Iterable[str]) -> list[Table]:

@@ -330,11 +330,11 @@ class Maintained:
         self._dictionary = dictionary
         self._mints_safely = False
         self._known = _together(asserted, inferred)
-        shop = program.workshop(dictionary)
-        self._shop = shop
+        state = program.state(dictionary)
+        self._state = state
         plans = program.plans(dictionary)
         self._strata = Strata(
-            ((stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata),
+            ((stratum, [MaintainedRule(rule, plans, state) for rule in stratum.rules]) for stratum in program.strata),
             self._equal,
         )
 
@@ -357,7 +357,7 @@ class Maintained:
         if not (limits.bounded or self._mints_safely):
             self._program.refuse_minting()
             self._mints_safely = True
-        self._shop.clock = self._program.workshop(self._dictionary, limits).clock
+        self._state.clock = self._program.state(self._dictionary, limits).clock
         progress = self._asserting(lacking(inserted, self.asserted), common(lacking(deleted, inserted), self.asserted))
         try:
             self._strata.maintain(progress)
@@ -374,7 +374,7 @@ class Maintained:
         wider = limits if most is None else replace(limits, max_triples=most + len(self.inferred))
         inferred = evaluate(self._program, self._dictionary, asserted, limits=wider).inferred
         change = Change(lacking(inferred, self.inferred), lacking(self.inferred, inferred))
-        self._shop.clock.check(len(change.added))
+        self._state.clock.check(len(change.added))
         self.asserted, self.inferred, self._known = asserted, inferred, _together(asserted, inferred)
         return change
 
@@ -405,7 +405,7 @@ class Maintained:
                 after.known.take_over(predicate, after.asserted)
         patterns = self._strata.patterns
         arrived, left = (Delta(one, known, patterns.of(one)) for one, known in ((inserted, came), (deleted, gone)))
-        return Progress(before, after, arrived, left, patterns, self._shop.clock)
+        return Progress(before, after, arrived, left, patterns, self._state.clock)
 
 
 def _change(progress: Progress) -> Change:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import pairwise, product
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import Literal, NamedNode
@@ -201,7 +202,7 @@ class Statement:
 
     def source(self, offset: int) -> int:
         """Return the offset in the file of the character at `offset`."""
-        index = bisect_right(self.anchors, (offset, len(self.text) * 1000)) - 1
+        index = bisect_right(self.anchors, offset, key=itemgetter(0)) - 1
         return self.anchors[max(index, 0)][1]
 
 
