@@ -69,6 +69,7 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleSet
     from kg.store.embedded import EmbeddedStore
+    from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
 _FEW: Final = 2500
@@ -132,14 +133,12 @@ class Runner:
     ) -> RunReport:
         """Run the rules over what a transaction has written by now, and write into it; `remember` after its end."""
         self.prepare(rule_set)
-        changed = Changes.unknown()
-        memory, base = self._reasoner.memory, transaction.base
-        if incremental and memory is not None and memory.generation is not None and base is not None:
-            changed = changes.since(transaction.layout, memory.generation, base)
-            changed.follow(transaction.changes)
+        changed = self._changes(transaction.layout, transaction.base, incremental=incremental)
+        changed.follow(transaction.changes)
         written = transaction.changes if isinstance(transaction.changes, Written) else None
         outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits(), written)
         report = self._write(transaction, outcome)
+        base = transaction.base
         ahead = base is None or self._saved is None or base - self._saved >= _AHEAD
         # The next process does small work again; this run took long enough that it should not.
         lasting = report.added + report.removed > _FEW
@@ -180,11 +179,15 @@ class Runner:
     ) -> tuple[Outcome, int]:
         with store.read() as snapshot:
             self._reasoner.take(rule_set)
-            memory = self._reasoner.memory
-            changed = Changes.unknown()
-            if incremental and memory is not None and memory.generation is not None:
-                changed = changes.since(store.layout, memory.generation, snapshot.generation)
+            changed = self._changes(store.layout, snapshot.generation, incremental=incremental)
             return self._reasoner.infer(snapshot, changed, rule_set, limits or Limits()), snapshot.generation
+
+    def _changes(self, layout: Layout, generation: int | None, *, incremental: bool) -> Changes:
+        """Return the changes from the memory of the last run to a generation; unknown ones without `incremental`."""
+        memory = self._reasoner.memory
+        if not incremental or memory is None or memory.generation is None or generation is None:
+            return Changes.unknown()
+        return changes.since(layout, memory.generation, generation)
 
     def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
         """Write the difference, and the record of the run if any."""

@@ -52,10 +52,10 @@ class Condition:
     @property
     def requires(self) -> tuple[str, ...]:
         """An unbound variable is an error in an expression that has nothing to forgive it; BOUND asks for one."""
-        if self.exists is None and expressions.simplified(self.text, expressions.variables(self.text)) == "true":
-            return expressions.variables(self.text)
-        strict = self.exists is None and expressions.is_strict(self.text)
-        return expressions.variables(self.text) if strict else ()
+        if self.exists is not None:
+            return ()
+        names = expressions.variables(self.text)
+        return names if expressions.is_strict(self.text) or expressions.simplified(self.text, names) == "true" else ()
 
 
 def conditions(node: tree.Filter | tree.Exists) -> Iterator[Condition]:

@@ -60,32 +60,26 @@ def _without_copies(head: tuple[form.Atom, ...], body: tuple[form.Element, ...])
     """Use a variable in the place of one that is assigned its value: a solution has the same term for both."""
     index = 0
     while index < len(body):
-        element = body[index]
-        source = _copied(element, body[index + 1 :])
-        if source is None or not isinstance(element, form.Assignment):
+        names = _copied(body[index], body[index + 1 :])
+        if not names:
             index += 1
             continue
-        names = {element.variable: source}
         head = tuple(atom.replaced(names) for atom in head)
         # Only where the variable is meant: text may have another of that name inside.
-        rest = (renamed([e], names)[0] if element.variable in form.mentions(e) else e for e in body[index + 1 :])
+        rest = (renamed([e], names)[0] if names.keys() & form.mentions(e) else e for e in body[index + 1 :])
         body = (*body[:index], *rest)
     return head, body
 
 
-def _copied(element: form.Element, rest: tuple[form.Element, ...]) -> form.Variable | None:
-    """Return the variable whose value an element assigns to another that may be replaced in the `rest`."""
-    if (
-        not isinstance(element, form.Assignment)
-        or element.expression.text != f"?{''.join(element.expression.variables)}"
-    ):
-        return None
-    simple = all(
-        isinstance(other, form.Atom | form.Filter | form.Assignment)
-        for other in rest
-        if element.variable in form.mentions(other)
-    )
-    return form.Variable(element.expression.variables[0]) if simple else None
+def _copied(element: form.Element, rest: tuple[form.Element, ...]) -> dict[form.Variable, form.Variable]:
+    """Return the variable that an element assigns and that whose value it gets; none if the `rest` needs both."""
+    if not isinstance(element, form.Assignment):
+        return {}
+    value = element.expression
+    users = [other for other in rest if element.variable in form.mentions(other)]
+    simple = all(isinstance(other, form.Atom | form.Filter | form.Assignment) for other in users)
+    copies = value.text == f"?{''.join(value.variables)}"
+    return {element.variable: form.Variable(value.variables[0])} if simple and copies else {}
 
 
 def _check_blocks(body: tuple[form.Element, ...]) -> None:
