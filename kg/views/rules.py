@@ -17,7 +17,6 @@ from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Entry, Library
 from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
 from kg.rules.authoring.naming import find_rule
-from kg.rules.dependencies import writes
 from kg.rules.explain.view import View
 from kg.rules.files import Documentation, RuleFile
 from kg.rules.form import is_auxiliary
@@ -201,7 +200,7 @@ def _graph_object(graph: RuleGraph) -> dict[str, Any]:
 def _heads(file: RuleFile) -> dict[str, str]:
     """Return the kinds of triples that a rule derives, spelt, each with the pattern that matches them."""
     found: dict[str, str] = {}
-    for atom in (atom for one in file.rules for atom in writes(one)):
+    for atom in (atom for one in file.rules for atom in one.head):
         if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
             kind, what = shorten(atom.predicate.value), atom.object
             pattern = f"?s {atom.predicate} ?o . BIND({atom.predicate} AS ?p)"

@@ -134,7 +134,7 @@ class Knowledge:
         """
         store = Store()
         bulk.load(lambda: store, DefaultGraph(), [content])
-        _, own = read_columns(MemorySnapshot(store), wanted(self.program.rules), [None], self.dictionary)
+        own = read_columns(MemorySnapshot(store), wanted(self.program.rules), [None], self.dictionary)
         found = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
         shown = stored(found, self.dictionary)
         bulk.load(lambda: store, self.inferred, lines(shown, self.dictionary))
