@@ -260,15 +260,17 @@ def _programs(package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, 
 
 def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tuple[str, ...]) -> tuple[NodeType, ...]:
     nothing: list[Extracted] = []
+    described, of_python = merged(calls), merged(calls, "python")
     read = [
-        *guard(reader, cpp.read_nodes, nothing, reader, package, build, merged(calls)),
-        *guard(reader, python.read_nodes, nothing, reader, package, build, merged(calls, "python")),
+        *guard(reader, cpp.read_nodes, nothing, reader, package, build, described),
+        *guard(reader, python.read_nodes, nothing, reader, package, build, of_python),
     ]
     whole = merge(read)
     complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
     found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
     named = tuple(replace(node, aliases=_aliases(node, build)) for node in found)
-    sending = guard(reader, add_sending, named, named, reader, package)
+    silent_methods = frozenset(described.silent_methods | of_python.silent_methods)
+    sending = guard(reader, add_sending, named, named, reader, package, silent_methods)
     return guard(reader, add_imports, sending, reader, package, sending)
 
 

@@ -85,6 +85,7 @@ _COMMON: Final[Mapping[str, Form]] = {
 FILE: Final[Mapping[str, Form]] = {
     "ros": _COMMON["ros"],
     "language": Form('"cpp" or "python"', lambda value: value in LANGUAGES),
+    "silent_methods": _TEXTS,
 }
 """The keys of a file, beside its rows."""
 CALL: Final[Mapping[str, Form]] = {
