@@ -18,7 +18,6 @@ from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
     chosen,
     compute,
-    for_each,
     literal,
     logical,
     negate,
@@ -67,6 +66,8 @@ MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 MOST_IDLE: Final = 5_000
 """How many steps a loop takes in turns that declare nothing; after that it ends."""
+_MOST_SITES: Final = 12
+"""How many calls on the way to its registration a callback keeps."""
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
@@ -205,11 +206,22 @@ class Machine:
         while self.queue:
             self.queue.popleft()()
 
-    def schedule(self, key: object, run: Callable[[], object]) -> None:
-        """Run a callback later, once for each key."""
-        if key not in self.queued:
-            self.queued.add(key)
-            self.queue.append(run)
+    def schedule(self, key: object, work: Callable[[], object]) -> None:
+        """Run a callback later, as part of the calls and conditions that lead to it now, once for each key."""
+        if key in self.queued:
+            return
+        stack, guards = self.stack[:_MOST_SITES], list(self.guards)
+
+        def run() -> None:
+            outer = self.stack, self.guards
+            self.stack, self.guards = list(stack), list(guards)
+            try:
+                work()
+            finally:
+                self.stack, self.guards = outer
+
+        self.queued.add(key)
+        self.queue.append(run)
 
     def _block(self, block: form.Block, frame: Frame) -> str | None:
         """Run statements in a row; what they declare hides variables of the same name until the end of the block."""
@@ -540,7 +552,7 @@ class Machine:
             return self.over((held,), lambda one: negate(truth(one)))
         if sign in ("++", "--"):
             change = 1 if sign == "++" else -1
-            new = for_each(held, lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
+            new = over((held,), lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
             self.assign(expression.operand, new, frame)
             return held
         return self.over((held,), negative) if sign == "-" else Unknown("it is computed")

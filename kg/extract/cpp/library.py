@@ -16,7 +16,7 @@ from kg.symbolic import form, qos
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
-from kg.symbolic.operators import compute, for_each, negate
+from kg.symbolic.operators import compute, negate
 from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     LENGTH,
@@ -41,6 +41,7 @@ from kg.symbolic.values import (
     concatenate,
     join,
     number,
+    over,
     read_back,
     worse,
 )
@@ -318,7 +319,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         called = _bind(values[1:]) if len(values) > _PAIR else values[1]
         return language.calls.value(called, Arguments([], frame=given.frame))
     if name in _CASES:
-        return for_each(values[0], partial(_cased, change=_CASES[name]))
+        return over((values[0],), partial(_cased, change=_CASES[name]))
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None

@@ -62,6 +62,11 @@ def text(node: Node) -> str:
     return raw.decode("utf-8", "replace") if raw else ""
 
 
+def line_of(node: Node) -> int:
+    """Return the line where a node begins, from 1."""
+    return int(node.start_point[0]) + 1
+
+
 def arguments(node: Node | None) -> list[Node]:
     """Return the expressions of an argument list, an initialiser list or a template argument list.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.buildmodel import last_part
 from kg.names import key
 
 if TYPE_CHECKING:
@@ -25,11 +26,6 @@ _SHORTEST_DISTINCT: Final = 5
 _SHORTEST_STEM: Final = 4
 _REMEMBERED: Final = 8192
 """Words whose forms are kept, for pages are read for each package around which they stand."""
-
-
-def last_part(name: str) -> str:
-    """Return the last word of a plugin's name or class."""
-    return name.replace(" ", "").rpartition("::")[2].rpartition("/")[2]
 
 
 @dataclass(frozen=True, slots=True)

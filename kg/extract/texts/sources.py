@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.texts.naming import last_part
+from kg.extract.buildmodel import last_part
 from kg.extract.texts.paragraphs import Paragraph, joined, prose
 from kg.facts import Description, DescriptionKind, FileKind, Location, NodeType
 from kg.names import key
