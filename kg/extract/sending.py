@@ -197,6 +197,7 @@ def _uses(variable: str, file: CodeText, plain_use: re.Pattern[str]) -> Iterator
         before = code[max(0, start - _LOOKED_AT) : start]
         if plain_use.match(code, end) or _TESTED.search(before) or _DESTROYED.search(before):
             continue
+        # A constructor that initialises the field, and its declaration, do not publish either.
         initialised = _OPENED.match(code, end) is not None and _LISTED.search(before) is not None
         if file.python or not (initialised or _declares(file, start, end)):
             yield start

@@ -134,6 +134,7 @@ class Framework:
         if found is None:
             outside = self.machine.language.chain(kind)[1]
             found = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
+            # A described class whose sources are in the build is not among the bases outside of them.
             if not found and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
                 found.append(own)
             self._described[key] = found

@@ -307,6 +307,7 @@ class Calls:
 
     def _on(self, of: Object, found: list[Overload], given: Arguments) -> Value:
         """Run the best overload of a method on an object."""
+        # A method of a class hides those of its bases with the same name, whatever their parameters are.
         nearest = [one for one in found if one[0].owner is found[0][0].owner]
         return self._invoke(nearest, given, of)
 

@@ -134,7 +134,7 @@ class Constructions:
         else:
             self._bases(made, cls, own, frame, given)
             self._members(made, cls, own, frame, given)
-        with machine.entered(chosen):
+        with machine.entered(chosen):  # after bases and members, as in C++
             machine.run(chosen.body, frame)
 
     def _aggregate(self, made: Object, cls: Class, own: Frame, arguments: list[Value], *, listed: bool) -> None:

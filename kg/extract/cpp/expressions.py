@@ -223,9 +223,9 @@ class Expressions:
         if function is None:
             return self._opaque(node)
         if function.type in ("template_function", "qualified_identifier"):
-            name = syntax.simple_name(function)
-            if name in _CASTS and given:
-                templates = (syntax.arguments(part.template) for part in syntax.parts(function))
+            parts = syntax.parts(function)
+            if given and parts and parts[-1].name in _CASTS:
+                templates = (syntax.arguments(part.template) for part in parts)
                 return self._converted(node, next((one for listed in templates for one in listed), None), given[0])
         if function.type in ("primitive_type", "sized_type_specifier"):
             return Construct(line_of(node), self.type(function), given)

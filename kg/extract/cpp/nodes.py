@@ -8,8 +8,7 @@ each class that declares interfaces is an entry.
 from __future__ import annotations
 
 import re
-import sys
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, cast
 
@@ -20,7 +19,7 @@ from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
 from kg.extract.cpp.syntax import line_of
 from kg.extract.cpp.units import CppClass, CppUnit
-from kg.extract.declared import bounds_of, facts_of, mark_of
+from kg.extract.declared import bounds_of, facts_of, mark_of, name_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
@@ -31,7 +30,7 @@ from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
 from kg.symbolic.names import NODE_NAME
-from kg.symbolic.state import Arguments, Frame, Site
+from kg.symbolic.state import Arguments, Frame, Site, deep_recursion
 from kg.symbolic.trees import FACTORY, Registered
 from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
 
@@ -70,21 +69,15 @@ _BASES: Final = {"Nodelet": Registration.NODELET}
 _ROS2: Final = 2
 _COMMON: Final = 6
 """The length of names of calls that occur in most sources."""
-_RECURSION: Final = 20_000
 _STARTING: Final = (("rclcpp", "init"), ("rclcpp", "spin"), ("rclcpp", "shutdown"))
 """Functions that declare nothing, of which programs consist that only start a node."""
 
 
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
     """Return the nodes in the C++ of a package; no content of the sources raises an error."""
-    limit = sys.getrecursionlimit()
-    sys.setrecursionlimit(max(limit, _RECURSION))
     project = Project(reader, package, build, calls)
-    try:
+    with deep_recursion(), closing(project):
         return _Nodes(project, build, calls).read()
-    finally:
-        project.close()
-        sys.setrecursionlimit(limit)
 
 
 class _Nodes:
@@ -213,45 +206,38 @@ class _Nodes:
 
     def _plugins(self) -> Iterator[PluginClass]:
         """Yield the classes registered in the build files, then those registered in code only."""
-        known = set()
-        for plugin in self.build.plugins:
-            known.add(last_part(plugin.type))
-            yield plugin
+        yield from self.build.plugins
+        known = {last_part(plugin.type) for plugin in self.build.plugins}
         for file in self._project.sources():
-            for word in _EXPORTS:
-                if self._project.contains(file, word.encode()):
-                    yield from self._registered(file, word, known)
-            if self._project.contains(file, b'extern "C"'):
-                yield from self._made(file, known)
+            for plugin in self._registered(file):
+                if last_part(plugin.type) not in known:
+                    known.add(last_part(plugin.type))
+                    yield plugin
 
-    def _made(self, file: FilePath, known: set[str]) -> Iterator[PluginClass]:
-        """Yield the classes that a library creates in functions for a program that loads it by `dlopen`."""
-        unit = self._project.unit(file)
-        for match in _MAKER.finditer(unit.source) if unit is not None else ():
+    def _registered(self, file: FilePath) -> Iterator[PluginClass]:
+        """Yield the classes that a file registers by macros, or creates in functions for a program that loads it."""
+        words = [word for word in _EXPORTS if self._project.contains(file, word.encode())]
+        makes = self._project.contains(file, b'extern "C"')
+        unit = self._project.unit(file) if words or makes else None
+        if unit is None:
+            return
+        for word in words:
+            for call in unit.registrations:
+                function = call.child_by_field_name("function")
+                given = syntax.arguments(call.child_by_field_name("arguments"))
+                if not given or function is None or syntax.text(function) != word:
+                    continue
+                shown = [syntax.text(argument) for argument in given]
+                kind = shown[min(_EXPORTS[word], len(shown) - 1)]
+                base = shown[1 if "ADD_PLUGIN" in word else -1] if len(shown) > 1 else None
+                registration = _BASES.get(last_part(base or ""), Registration.PLUGIN)
+                if word == "RCLCPP_COMPONENTS_REGISTER_NODE":
+                    registration = Registration.COMPONENT
+                yield PluginClass(kind, kind, registration, Location(file.path, line_of(call)), base_type=base)
+        for match in _MAKER.finditer(unit.source) if makes else ():
             base, kind = (name.decode() for name in match.groups())
-            if last_part(kind) not in known:
-                known.add(last_part(kind))
-                place = Location(file.path, unit.source.count(b"\n", 0, match.start()) + 1 if unit is not None else 0)
-                yield PluginClass(kind, kind, Registration.PLUGIN, place, base_type=base)
-
-    def _registered(self, file: FilePath, word: str, known: set[str]) -> Iterator[PluginClass]:
-        unit = self._project.unit(file)
-        for call in unit.registrations if unit is not None else ():
-            function = call.child_by_field_name("function")
-            given = syntax.arguments(call.child_by_field_name("arguments"))
-            if not given or function is None or syntax.text(function) != word:
-                continue
-            shown = [syntax.text(argument) for argument in given]
-            kind = shown[min(_EXPORTS[word], len(shown) - 1)]
-            base = shown[1 if "ADD_PLUGIN" in word else -1] if len(shown) > 1 else None
-            component = word == "RCLCPP_COMPONENTS_REGISTER_NODE"
-            registration = (
-                Registration.COMPONENT if component else _BASES.get(last_part(base or ""), Registration.PLUGIN)
-            )
-            if last_part(kind) not in known:
-                known.add(last_part(kind))
-                place = Location(file.path, line_of(call))
-                yield PluginClass(kind, kind, registration, place, base_type=base)
+            place = Location(file.path, unit.source.count(b"\n", 0, match.start()) + 1)
+            yield PluginClass(kind, kind, Registration.PLUGIN, place, base_type=base)
 
     def plugin(self, plugin: PluginClass) -> list[Extracted]:
         """Return the node of a registered class; none if the class is not found."""
@@ -462,7 +448,7 @@ class _Nodes:
             declared = [one for one in declared if _belongs(one.node, root)]
             loadings = [one for one in loadings if _belongs(one.node, root)]
         ros = _version(framework)
-        named = _name(framework, root)
+        named = name_of(framework, [root] if root is not None else framework.nodes)
         interfaces, parameters = facts_of(declared, self._project, ros, named or node.name)
         loaded_interfaces, loaded_parameters = self._loaded(framework)
         interfaces, parameters = (*interfaces, *loaded_interfaces), (*parameters, *loaded_parameters)
@@ -541,14 +527,6 @@ def _version(framework: Framework) -> int:
     return _ROS2 if second else 1
 
 
-def _name(framework: Framework, root: Object | None) -> str | None:
-    """Return the name that the code gives to a node; None if it gives none."""
-    named = [value.known for value in framework.node_names if isinstance(value, Text)]
-    objects = [root] if root is not None else framework.nodes
-    own = [held.known for one in objects if isinstance(held := one.native.get("name"), Text)]
-    return next((name for name in (*own, *named) if name), None)
-
-
 def _remappings(value: Value) -> Iterator[tuple[str, str]]:
     for key, given in value.items if isinstance(value, Mapping) else ():
         old, new = (one.known if isinstance(one, Text) else None for one in (key, given))
@@ -599,5 +577,6 @@ def _belongs(owner: Object | None, root: Object | None) -> bool:
 
 
 def _library(path: str) -> str:
+    """Return the name of the library at a path: `lib/libfoo` or `foo`."""
     name = path.rpartition("/")[2]
-    return name.removeprefix("lib") if path.startswith(("lib/lib", "lib")) else name
+    return name.removeprefix("lib") if path.startswith("lib") else name

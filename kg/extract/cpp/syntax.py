@@ -81,22 +81,6 @@ def arguments(node: Node | None) -> list[Node]:
     return found
 
 
-def simple_name(node: Node) -> str:
-    """Return the last word of a name or type, without scope and template arguments."""
-    for _ in range(_DEEPEST):
-        inner: Node | None = None
-        if node.type in ("qualified_identifier", "template_type", "template_function", "template_method"):
-            inner = node.child_by_field_name("name")
-        elif node.type == "type_descriptor":
-            inner = node.child_by_field_name("type")
-        elif node.type in ("dependent_name", "dependent_type"):
-            inner = node.named_children[0] if node.named_children else None
-        if inner is None:
-            return text(node)
-        node = inner
-    return text(node)
-
-
 def of_type(node: Node | None, *kinds: str) -> list[Node]:
     """Return the named children of some types of a node."""
     return [child for child in node.named_children if child.type in kinds] if node is not None else []
@@ -137,6 +121,12 @@ def _part(node: Node) -> Part:
         name = node.child_by_field_name("name")
         return Part(text(name) if name is not None else "", node.child_by_field_name("arguments"))
     return Part(text(node))
+
+
+def simple_name(node: Node) -> str:
+    """Return the last word of a name or type, without scope and template arguments."""
+    found = parts(node)
+    return found[-1].name if found else text(node)
 
 
 def declared_name(declarator: Node | None) -> Node | None:

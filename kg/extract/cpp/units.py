@@ -548,7 +548,7 @@ class CppUnit(Unit):
         body = f"void kg_macro() {{ {macro.text} }}"
         if not _is_statements(macro.text):
             body = f"auto kg_macro() {{ return {macro.text}; }}"
-        source = b"\n" * (line - 1) + body.encode()
+        source = b"\n" * (line - 1) + body.encode()  # so that what it declares is at the line that uses it
         statements = Statements(Expressions(self), source)
         definition = next(iter(syntax.of_type(syntax.parse(source).root_node, "function_definition")), None)
         block = statements.block(definition.child_by_field_name("body") if definition is not None else None)

@@ -233,8 +233,9 @@ class Calls:
             for base in outside:
                 machine.framework.construct_base(made, base, given)
         machine.framework.constructed(made)
-        if not hosted and any(self._calls_back(base) for base in outside):
-            self._open(made)
+        if not hosted and any(map(self._calls_back, outside)):
+            methods = dict.fromkeys(name for cls, _ in chain for name in cls.methods)
+            self.escape([language.of_object(made, name) for name in methods if not name.startswith("_")])
         return made
 
     def _initialise(self, called: Closure, given: Arguments) -> None:
@@ -253,11 +254,6 @@ class Calls:
         """Check whether a base outside of the sources may call any method of the classes that derive from it."""
         framework = self._language.machine.framework
         return base.names[0] not in _PLAIN and not framework.constructs(base) and not base.name.endswith("Exception")
-
-    def _open(self, made: Object) -> None:
-        """Schedule the methods of an object that code outside of the sources may call."""
-        names = dict.fromkeys(name for cls, _ in self._language.chain(made.kind)[0] for name in cls.methods)
-        self.escape([self._language.of_object(made, name) for name in names if not name.startswith("_")])
 
     # Callbacks
 

@@ -244,7 +244,7 @@ class Python:
                 outside.append(Kind(public(current.names)))
             elif current.cls not in classes:
                 classes[current.cls] = None
-                pending = [*self._bases.get(current.cls, ()), *pending]
+                pending = [*self._bases.get(current.cls, ()), *pending]  # depth first, as Python where no base recurs
         return [(cls, {}) for cls in classes], [self._as_node(base, classes) for base in outside]
 
     @staticmethod
