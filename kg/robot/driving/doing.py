@@ -352,7 +352,7 @@ class Doing:
             earlier.end("taken over")
         identity = uuid4().hex
         if self._watchdog is not None:
-            await self._watchdog.watch_goal(plan.name, plan.type, identity)
+            await self._watchdog.watch_goal(plan.name, identity)
         sending = asyncio.ensure_future(
             self._connection.send_goal(plan.name, plan.type, plan.message, seconds=_SERVED, identity=identity)
         )

@@ -91,7 +91,7 @@ class Ros1Goal(GoalProgress):
         self.status = Status(status) if status in set(Status) else Status.LOST
         self.accepted.set()
 
-    def end(self, outcome: Value | RobotError) -> None:
+    def end(self, outcome: Value | BaseException) -> None:
         """Set the result, or the reason for its absence; the first one counts."""
         super().end(outcome)
         self.accepted.set()

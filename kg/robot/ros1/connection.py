@@ -190,7 +190,7 @@ class Ros1Connection:
         silent = RobotError("KG803", f"`{action}` did not accept the goal within {seconds:g} s")
         return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
 
-    async def canceller(self, action: str, kind: str) -> Ros1Canceller:  # noqa: ARG002 - all actions cancel alike
+    async def canceller(self, action: str) -> Ros1Canceller:
         """Return an object that cancels goals of an action."""
         return Ros1Canceller(await self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID"))
 

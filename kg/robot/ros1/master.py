@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Final, Self
 
@@ -158,23 +159,23 @@ class Master:
         await self._server.aclose()
 
     async def _handle(self, method: str, arguments: list[Any]) -> Any:
-        if method == "system.multicall":
-            return [
-                self._one_of_many(one) for one in (arguments[0] if arguments and isinstance(arguments[0], list) else [])
-            ]
-        return self._answer(method, arguments)
-
-    def _one_of_many(self, wanted: Any) -> Any:
-        match wanted:
-            case {"methodName": str(method), "params": list(arguments)} if method in _CALLS:
-                return [self._answer(method, arguments)]
-            case _:
-                return {"faultCode": 1, "faultString": "it is not a call"}
+        if method != "system.multicall":
+            return self._answer(method, arguments)
+        answers: list[Any] = []
+        for wanted in arguments[0] if arguments and isinstance(arguments[0], list) else []:
+            match wanted:
+                case {"methodName": str(each), "params": list(given)} if each in _CALLS:
+                    answers.append([self._answer(each, given)])
+                case _:
+                    answers.append({"faultCode": 1, "faultString": "it is not a call"})
+        return answers
 
     def _answer(self, method: str, arguments: list[Any]) -> list[Any]:
         """Respond to a call with code, message and value; KeyError for an unknown method."""
         name, shape = _CALLS[method]
-        if len(arguments) != len(shape) + 1 or not _is_caller(arguments[0], registers="u" in shape):
+        # Only callers that register need the name of a node: those of tools are invalid, such as `/rosparam-1234`.
+        is_caller = _CHECKS["n" if "u" in shape else "s"]
+        if len(arguments) != len(shape) + 1 or not is_caller(arguments[0]):
             return [-1, f"{method} needs a caller and {len(shape)} arguments", 0]
         checked = [_CHECKS[sign](value) for sign, value in zip(shape, arguments[1:], strict=True)]
         if not all(checked):
@@ -311,25 +312,15 @@ class Master:
         try:
             while untold:
                 method, about = next(iter(untold))
-                await _quietly(uri, method, untold.pop((method, about)))
+                arguments = untold.pop((method, about))
+                with suppress(RobotError):  # a dead node needs no notification
+                    await call(uri, method, "/master", *arguments)
         finally:
             del self._untold[uri]
 
 
-async def _quietly(uri: str, method: str, arguments: tuple[Any, ...]) -> None:
-    try:
-        await call(uri, method, "/master", *arguments)
-    except RobotError:
-        return  # a dead node needs no notification
-
-
 def _slashed(name: object) -> object:
     return name if not isinstance(name, str) or name.startswith("/") else f"/{name}"
-
-
-def _is_caller(value: object, *, registers: bool) -> bool:
-    """Return whether a caller's name is accepted: names of tools are invalid for nodes, such as `/rosparam-1234`."""
-    return is_name(_slashed(value)) if registers else isinstance(value, str)
 
 
 def _is_uri(value: object) -> bool:

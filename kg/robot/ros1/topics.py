@@ -37,7 +37,6 @@ class _Link:
     """The connection to a subscriber of our topic."""
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self.dropped = 0
         self._reader = reader
         self._writer = writer
         self._waiting: deque[bytes] = deque(maxlen=_QUEUE)
@@ -48,7 +47,6 @@ class _Link:
         if not self._waiting and not self._writer.transport.get_write_buffer_size():
             self._writer.write(content)
             return
-        self.dropped += len(self._waiting) == _QUEUE
         self._waiting.append(content)
         self._news.set()
 
@@ -105,11 +103,6 @@ class Offer:
         self._node = node
         self._last: bytes | None = None
 
-    @property
-    def dropped(self) -> int:
-        """Number of messages dropped for slow subscribers that are still connected."""
-        return sum(link.dropped for link in self.links)
-
     def put(self, value: Value) -> None:
         """Send a message to all subscribers; RobotError KG805 for an invalid value."""
         content = framed(self._node.types.encode(self.kind, value))
@@ -164,11 +157,6 @@ class Ros1Publication:
     def confirmed(self) -> bool:
         """Whether the machines of all subscribers have confirmed all messages (TCP)."""
         return all(link.confirmed for link in self._offer.links)
-
-    @property
-    def dropped(self) -> int:
-        """Number of messages dropped for slow subscribers."""
-        return self._offer.dropped
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost.
@@ -281,16 +269,6 @@ async def greet(
     return header
 
 
-def told_type(header: Mapping[str, str]) -> str:
-    """Return the type in a publisher's header; RobotError KG810 without one."""
-    kind = header.get("type", "")
-    if not is_type(kind) or not header.get("md5sum"):
-        raise RobotError(
-            "KG810", f"a header has the type `{shown(kind)}` and the sum `{header.get('md5sum', '')[:40]}`"
-        )
-    return kind
-
-
 def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
     """Compare a publisher's header with a type, or learn an unknown type from it.
 
@@ -298,12 +276,14 @@ def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
         RobotError: KG806 type or checksum differ, KG810 an invalid header or definition, KG804 no definition of an
             unknown type.
     """
-    told, known = told_type(header), types.knows(kind)
+    told, md5 = header.get("type", ""), header.get("md5sum", "")
+    if not is_type(told) or not md5:
+        raise RobotError("KG810", f"a header has the type `{shown(told)}` and the sum `{md5[:40]}`")
     if told != kind:
         raise RobotError("KG806", f"it is {told}, not {kind}")
-    if known and types.md5(kind) == header["md5sum"]:
+    if types.knows(kind) and types.md5(kind) == md5:
         return
     if "message_definition" in header:
         types.define(kind, header["message_definition"])
-    if types.md5(kind) != header["md5sum"]:
-        raise RobotError("KG806", f"{kind} has the sum {types.md5(kind)} here and {header['md5sum'][:40]} there")
+    if types.md5(kind) != md5:
+        raise RobotError("KG806", f"{kind} has the sum {types.md5(kind)} here and {md5[:40]} there")

@@ -225,7 +225,7 @@ class Ros2Connection:
         self._present()
         return await send_goal(self, action, kind, goal, seconds=seconds, identity=identity or uuid4().hex)
 
-    async def canceller(self, action: str, kind: str) -> Ros2Canceller:  # noqa: ARG002 - all actions cancel alike
+    async def canceller(self, action: str) -> Ros2Canceller:
         """Return an object that cancels goals of an action."""
         self._present()
         return await canceller(self, action)
