@@ -37,25 +37,21 @@ class Command:
 
     def __init__(self) -> None:
         self.sent = 0
-        self._ending: Ending | None = None
-        self._work: asyncio.Future[Any] | None = None
-
-    @property
-    def ending(self) -> Ending | None:
+        self.ending: Ending | None = None
         """Why it was ended early."""
-        return self._ending
+        self._work: asyncio.Future[Any] | None = None
 
     async def begin(self, work: Coroutine[Any, Any, Result]) -> Result:
         """Run the work and return its result; CancelledError if the command is ended, or already was."""
         task = asyncio.ensure_future(work)
         self._work = task
-        if self._ending is not None:
+        if self.ending is not None:
             task.cancel()
         return await task
 
     def end(self, why: Ending) -> None:
         """End the command; the first reason counts."""
-        self._ending = self._ending or why
+        self.ending = self.ending or why
         if self._work is not None:
             self._work.cancel()
 
@@ -274,16 +270,18 @@ class Doing:
             RobotError: KG827 another command moves the same part of the robot, and those of `Driver.do`.
         """
         with self._parts.held(command, route):
-            return await self._done(command, route, plan, on_feedback)
+            if plan.kind == "service":
+                seconds = _SERVICE if plan.seconds is None else plan.seconds
+                command.sent = 1
+                return route.answer(await self._connection.call(plan.name, plan.type, plan.message, seconds=seconds))
+            if plan.kind == "action":
+                return await self._goal(command, route, plan, on_feedback)
+            await self._publish(command, route, plan)
+            return {}
 
-    async def _done(self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None) -> dict[str, Any]:
-        if plan.kind == "service":
-            seconds = _SERVICE if plan.seconds is None else plan.seconds
-            command.sent = 1
-            return route.answer(await self._connection.call(plan.name, plan.type, plan.message, seconds=seconds))
-        if plan.kind == "action":
-            return await self._goal(command, route, plan, on_feedback)
-        channel = await self._channel(plan, route)
+    async def _publish(self, command: Command, route: Route, plan: Plan) -> None:
+        async with self._opening:
+            channel = await self._open(plan.name, plan.type, latch=route.moves)
         channel.take(command)
         try:
             await channel.heard(self._listen)
@@ -294,11 +292,6 @@ class Doing:
             finally:
                 if self._watchdog is not None and channel.zero is None:
                     await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
-        return {}
-
-    async def _channel(self, plan: Plan, route: Route) -> Channel:
-        async with self._opening:
-            return await self._open(plan.name, plan.type, latch=route.moves)
 
     async def _open(self, topic: str, kind: str, *, latch: bool) -> Channel:
         if topic not in self.channels:
@@ -370,8 +363,8 @@ class Doing:
             if self._goals.get(plan.name) is command:
                 del self._goals[plan.name]
             try:
-                if not done:
-                    await self._cancel(sending)
+                if not done:  # even if it is still being sent, and whatever happens to its command
+                    await asyncio.shield(self._cancelling.spawn(_cancel(sending), "cancelling a goal"))
             finally:
                 if self._watchdog is not None:
                     await self._watchdog.forget(identity)
@@ -391,10 +384,6 @@ class Doing:
             raise RobotError(
                 "KG825", f"`{plan.capability}` was not done within {plan.seconds:g} s; the goal was cancelled"
             ) from None
-
-    async def _cancel(self, sending: asyncio.Future[Goal]) -> None:
-        """Cancel a goal, even one being sent, whatever happens to its command."""
-        await asyncio.shield(self._cancelling.spawn(_cancelled(sending), "cancelling a goal"))
 
     async def still(self, *, released: bool) -> None:
         """Send zero to all topics that moved; with `released`, also to those that are not published any more."""
@@ -418,7 +407,7 @@ class Doing:
                 await self._watchdog.release()
 
 
-async def _cancelled(sending: asyncio.Future[Goal]) -> None:
+async def _cancel(sending: asyncio.Future[Goal]) -> None:
     with suppress(RobotError, TimeoutError):
         async with asyncio.timeout(_PATIENCE):
             await (await sending).cancel()

@@ -236,7 +236,8 @@ class Driver:
         way: str | None = None,
     ) -> Plan:
         """Return what `do` would send; errors as those of `do` that need no robot."""
-        return self._plan(await self._route(capability, "write", way, arguments or ()), arguments or {}, seconds)
+        found = await self._route(capability, "write", way, arguments or ())
+        return self._plan(found, given(found.capability, arguments or {}), seconds)
 
     async def do(  # noqa: PLR0913 - what a command can say
         self,
@@ -271,16 +272,16 @@ class Driver:
         self._commands[command] = None
         try:
             found = self._commands[command] = await self._route(capability, "write", way, arguments or ())
-            plan = self._plan(found, arguments or {}, seconds)
+            values = given(found.capability, arguments or {})
+            plan = self._plan(found, values, seconds)
             if dry_run or self._dry_run:
                 return Outcome(plan=plan, ended="planned")
-            values = given(found.capability, arguments or {})
             return await self._carry_out(command, found, plan, values, on_feedback)
         finally:
             del self._commands[command]
 
     async def _carry_out(
-        self, command: Command, found: Route, plan: Plan, arguments: Mapping[str, Any], on_feedback: Feedback | None
+        self, command: Command, found: Route, plan: Plan, commanded: Mapping[str, Any], on_feedback: Feedback | None
     ) -> Outcome:
         if self._lost is not None or self._closed:
             raise self._gone("the driver is closed")
@@ -288,7 +289,7 @@ class Driver:
             graph = await self.connection.graph() if self._exclusive else self._whole
             if graph is not None and (error := self._contested(found, graph)) is not None:
                 raise error
-        observation = Observation(arguments)
+        observation = Observation(commanded)
         observing = list(self._observe(observation, found)) if found.moves else []
         try:
             values = await command.begin(self._doing.carry_out(command, found, plan, on_feedback))
@@ -313,9 +314,8 @@ class Driver:
                         watching = observation.watch(self._ready(one, way), self._newest, self.connection.clock)
                         yield spawn(watching, "watching whether the robot moves")
 
-    def _plan(self, found: Route, arguments: Mapping[str, Any], seconds: float | None) -> Plan:
+    def _plan(self, found: Route, values: Mapping[str, Any], seconds: float | None) -> Plan:
         now, types = self.connection.clock.now(), self.connection.types
-        message = found.message(given(found.capability, arguments), now)
         timed = found.moves or found.way.kind != "topic"
         return Plan(
             capability=found.capability.name,
@@ -323,7 +323,7 @@ class Driver:
             name=found.way.name,
             type=found.way.type,
             node=found.way.node,
-            message=types.complete(found.sends, message),
+            message=types.complete(found.sends, found.message(values, now)),
             rate=found.way.rate if found.moves else 0,
             seconds=seconds if timed else None,
             afterwards=types.complete(found.sends, found.zero(now)) if found.moves else None,
