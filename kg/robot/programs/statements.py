@@ -134,11 +134,20 @@ class Evaluation:
                     raise RobotError("KG836", f"the variable `{expression.name}` has no value")
                 return self._variables[expression.name]
             case tree.Read():
-                return await self._read(expression, path, statement)
+                capability = self.known.read(expression.capability)
+                parameter = self.known.parameter(capability, expression.parameter)
+                value = (await self._driver.latest(capability.name, seconds=_FIRST)).get(parameter.name)
+                self._events.value(path, statement, capability, parameter, value)
+                return values.of_parameter(parameter, value)
             case tree.Unary():
                 return values.unary(expression.operator, await self.of(expression.of, path, statement))
             case tree.Binary():
-                return await self._binary(expression, path, statement)
+                left = await self.of(expression.left, path, statement)
+                if expression.operator not in {"and", "or"}:
+                    return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
+                if values.truth(left) == (expression.operator == "or"):
+                    return left  # the other side is not evaluated
+                return values.Quantity(await self.truth(expression.right, path, statement))
             case tree.Position():
                 said = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
                 return values.place(said)
@@ -150,22 +159,6 @@ class Evaluation:
     async def seconds(self, expression: tree.Expression | None, path: str, statement: tree.Statement) -> float | None:
         """Return a duration in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
         return None if expression is None else values.seconds(await self.of(expression, path, statement))
-
-    async def _binary(self, expression: tree.Binary, path: str, statement: tree.Statement) -> values.Quantity:
-        left = await self.of(expression.left, path, statement)
-        if expression.operator in {"and", "or"}:
-            if values.truth(left) == (expression.operator == "or"):
-                return left
-            return values.Quantity(await self.truth(expression.right, path, statement))
-        return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
-
-    async def _read(self, read: tree.Read, path: str, statement: tree.Statement) -> values.Quantity:
-        capability = self.known.read(read.capability)
-        parameter = self.known.parameter(capability, read.parameter)
-        told = await self._driver.latest(capability.name, seconds=_FIRST)
-        value = told.get(parameter.name)
-        self._events.value(path, statement, capability, parameter, value)
-        return values.of_parameter(parameter, value)
 
     @asynccontextmanager
     async def watching(self, condition: tree.Expression) -> AsyncIterator[asyncio.Event]:
@@ -281,7 +274,7 @@ class Statements:
 
     def _give(self, statement: tree.Statement, name: str, value: values.Quantity, path: str) -> None:
         self._evaluation.give(name, value)
-        self._events.variable(path, statement, name, value, values.shown(value))
+        self._events.tell("set", path, statement, variable=name, value=value.value, shown=values.shown(value))
 
     async def _do(self, statement: tree.Do, path: str) -> None:
         known = self._evaluation.known
@@ -359,28 +352,21 @@ class Statements:
                     while True:
                         await self._turn(statement, path)
                 case tree.Repeat():
-                    for _ in range(await self._times(statement, path)):
+                    times = await self._evaluation.of(statement.times, path, statement)
+                    if not times.number or times.dimension or not 0 <= times.value < float("inf"):
+                        raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
+                    for _ in range(round(times.value)):
                         await self._turn(statement, path)
                 case tree.For():
-                    await self._for(statement, path)
+                    async for value in self._values(statement, path):
+                        self._give(statement, statement.variable, value, path)
+                        await self._turn(statement, path)
         except _Left:
             return
 
     async def _turn(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
         await self._pace.step()
         await self.sequence(statement.body, f"{path}/body")
-
-    async def _times(self, statement: tree.Repeat, path: str) -> int:
-        times = await self._evaluation.of(statement.times, path, statement)
-        if not times.number or times.dimension or not 0 <= times.value < float("inf"):
-            raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
-        how_often: float = times.value
-        return round(how_often)
-
-    async def _for(self, statement: tree.For, path: str) -> None:
-        async for value in self._values(statement, path):
-            self._give(statement, statement.variable, value, path)
-            await self._turn(statement, path)
 
     async def _values(self, statement: tree.For, path: str) -> Any:
         async def number(expression: tree.Expression) -> values.Quantity:
