@@ -284,11 +284,6 @@ class _ServiceEnd:
         """Take the two ends."""
         self._requests, self._responses = requests, responses
 
-    @property
-    def peers(self) -> int:
-        """How many ends are at the other side."""
-        return self._requests.peers
-
     def close(self) -> None:
         """Close both ends."""
         self._requests.close()
@@ -305,14 +300,10 @@ class DdsCaller(_ServiceEnd):
         self._number = 0
         self._waiting: dict[int, asyncio.Future[bytes]] = {}
 
-    async def ready(self) -> None:
-        """Return when requests and responses are both connected."""
+    async def call(self, content: bytes) -> bytes:
+        """Return the response to a request, once requests and responses are both connected."""
         await self._requests.ready()
         await self._responses.ready()
-
-    async def call(self, content: bytes) -> bytes:
-        """Return the response to a request."""
-        await self.ready()
         self._number += 1
         number = self._number
         self._waiting[number] = asyncio.get_running_loop().create_future()
@@ -349,10 +340,6 @@ class DdsServer(_ServiceEnd):
     def __init__(self, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
         self._answer = answer
         self._running = Tasks()
-
-    async def ready(self) -> None:
-        """Return when there is a client."""
-        await self._requests.ready()
 
     def take(self, content: bytes, writer: int) -> None:
         """Take a request, and respond when the response is ready."""

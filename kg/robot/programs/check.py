@@ -341,7 +341,7 @@ class _Checker:
         both = known.get((then.over, otherwise.over), then.known)
         return replace(flow, known=both, over=then.over and otherwise.over)
 
-    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str, flow: _Flow) -> _Flow:
+    def _loop(self, statement: tree.Loop, path: str, flow: _Flow) -> _Flow:
         loop = _Loop()
         inside = replace(flow, loop=loop)
         runs = False

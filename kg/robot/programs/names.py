@@ -48,6 +48,10 @@ class Known:
                 raise RobotError("KG832", error.message, hint=did_you_mean(name, words)) from error
         return self._found[name, modality]
 
+    def argument(self, capability: Capability, name: str) -> str:
+        """Return the name of an argument's parameter, or that of the place; RobotError KG832 if it is missing."""
+        return name if takes_place(capability, name) else self.parameter(capability, name).name
+
     @staticmethod
     def parameter(capability: Capability, name: str) -> Parameter:
         """Return a parameter by its name or label; RobotError KG832 if it is missing."""
@@ -98,10 +102,8 @@ def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Cap
                 part["parameter"] = known.parameter(capability, part["parameter"]).name
             else:
                 capability = known.write(part["capability"])
-                part["arguments"] = {
-                    name if takes_place(capability, name) else known.parameter(capability, name).name: value
-                    for name, value in part.get("arguments", {}).items()
-                }
+                arguments = part.get("arguments", {})
+                part["arguments"] = {known.argument(capability, name): value for name, value in arguments.items()}
             part["capability"] = called(capability)
         return part
 

@@ -342,7 +342,7 @@ class Statements:
                 if moves and left <= _REST:
                     return None
 
-    async def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
+    async def _loop(self, statement: tree.Loop, path: str) -> None:
         try:
             match statement:
                 case tree.While():
@@ -364,7 +364,7 @@ class Statements:
         except _Left:
             return
 
-    async def _turn(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
+    async def _turn(self, statement: tree.Loop, path: str) -> None:
         await self._pace.step()
         await self.sequence(statement.body, f"{path}/body")
 

@@ -91,7 +91,7 @@ class _Printer:
                 yield from self._within(otherwise)
                 yield "end"
 
-    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, head: str) -> Iterator[str]:
+    def _loop(self, statement: tree.Loop, head: str) -> Iterator[str]:
         yield head + self._id(statement)
         yield from self._within(statement.body)
         yield "end"

@@ -12,6 +12,7 @@ import struct
 import sys
 import termios
 from collections import deque
+from contextlib import asynccontextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,7 +24,7 @@ from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import spawn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import AsyncIterator, Iterable, Mapping
 
     from kg.robot.connection import Value
     from kg.robot.messages import Types
@@ -233,49 +234,43 @@ class Ros1Subscription(Messages):
 
     async def _receive(self, uri: str) -> None:
         """Read from a publisher until it disconnects."""
-        reader, writer = await open_topic(self._node.name, uri, self.topic)
-        try:
-            header = await greet(self._node.name, self.topic, self.kind, reader, writer)
-            learn(self._node.types, self.kind, header)
-            self.connected[uri] = sender = shown(header.get("callerid", uri))
+        async with open_topic(self._node, uri, self.topic, self.kind) as (reader, publisher):
+            self.connected[uri] = publisher
             while (content := await read_message(reader)) is not None:
-                self._inbox.put(Raw(content, self._node.clock.now(), sender))
-        finally:
-            writer.close()
+                self._inbox.put(Raw(content, self._node.clock.now(), publisher))
 
 
-async def open_topic(name: str, uri: str, topic: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    """Connect to a publisher of a topic; RobotError as `ask`, and KG810 if it does not support TCPROS."""
-    protocol = await ask(uri, "requestTopic", name, topic, [["TCPROS"]])
+@asynccontextmanager
+async def open_topic(node: Node, uri: str, topic: str, kind: str) -> AsyncIterator[tuple[asyncio.StreamReader, str]]:
+    """Connect to a publisher of a topic, and learn the type from it if it is unknown; yield the reader and its name.
+
+    Raises:
+        RobotError: those of `ask`; KG806 type or checksum differ, or the publisher refuses, KG810 it does not support
+            TCPROS, or an invalid header or definition, KG804 no definition of an unknown type.
+    """
+    protocol = await ask(uri, "requestTopic", node.name, topic, [["TCPROS"]])
     if not isinstance(protocol, list) or [type(one) for one in protocol] != [str, str, int]:
         raise RobotError("KG810", f"{uri} offers `{topic}` by {shown(protocol)}, not by TCPROS")
     _, host, port = protocol
     async with asyncio.timeout(_SLOWEST):
         try:
-            return await asyncio.open_connection(host, port)
+            reader, writer = await asyncio.open_connection(host, port)
         except (ValueError, OverflowError):  # an invalid host or port
             raise RobotError("KG810", f"{uri} offers `{topic}` at {shown(host)}:{port}") from None
+    try:
+        ours = {"callerid": node.name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1"}
+        writer.write(pack(ours | {"message_definition": ""}))
+        header = await read_header(reader)
+        if "error" in header:
+            raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
+        _learn(node.types, kind, header)
+        yield reader, shown(header.get("callerid", uri))
+    finally:
+        writer.close()
 
 
-async def greet(
-    name: str, topic: str, kind: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-) -> dict[str, str]:
-    """Exchange headers with a publisher and return its own; `learn` compares the checksums."""
-    ours = {"callerid": name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1", "message_definition": ""}
-    writer.write(pack(ours))
-    header = await read_header(reader)
-    if "error" in header:
-        raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
-    return header
-
-
-def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
-    """Compare a publisher's header with a type, or learn an unknown type from it.
-
-    Raises:
-        RobotError: KG806 type or checksum differ, KG810 an invalid header or definition, KG804 no definition of an
-            unknown type.
-    """
+def _learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
+    """Compare a publisher's header with a type, or learn an unknown type from it."""
     told, md5 = header.get("type", ""), header.get("md5sum", "")
     if not is_type(told) or not md5:
         raise RobotError("KG810", f"a header has the type `{shown(told)}` and the sum `{md5[:40]}`")

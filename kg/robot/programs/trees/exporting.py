@@ -289,7 +289,7 @@ class _Tree:
             ports["unit"] = described(dimension)
         return self._reading([bare], _node("Log", **ports), *before)
 
-    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> _Element:
+    def _loop(self, statement: tree.Loop, path: str) -> _Element:
         flag = f"{OWN}left_{next(self._numbers)}"
         self._loops.append(flag)
         body = self._body(statement.body, f"{path}/body")

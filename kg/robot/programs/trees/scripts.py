@@ -57,9 +57,7 @@ class Bare:
         if isinstance(statement, tree.Do):
             capability = self._known.write(statement.capability)
             arguments = {
-                name if takes_place(capability, name) else self._known.parameter(capability, name).name: self._argument(
-                    capability, name, value
-                )
+                self._known.argument(capability, name): self._argument(capability, name, value)
                 for name, value in statement.arguments.items()
             }
             made = msgspec.structs.replace(made, capability=capability.name, arguments=arguments)
