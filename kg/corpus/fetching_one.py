@@ -238,7 +238,7 @@ class _Fetching:
         """Move the checkout into place."""
         remarks = self._submodules() if self._options.submodules else []
         links = outward_links(self._tree)
-        if links:
+        if links:  # git must not report them as changes of the checkout, which would then never be replaced
             self._git(
                 "update-index",
                 "--skip-worktree",

@@ -152,6 +152,6 @@ class Changes:
                 if found != last:
                     yield found
                     last = found
-                    continue
+                    continue  # it may have changed again while the caller worked
                 await news.wait()
                 news.clear()

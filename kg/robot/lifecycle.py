@@ -108,7 +108,7 @@ class States:
                 self._take(one, answer["current_state"])
             one.asked.set()
             await asyncio.sleep(_AGAIN)
-            await one.restless.wait()
+            await one.restless.wait()  # an active node reports its changes
 
     async def _listen(self, one: _Followed) -> None:
         with suppress(RobotError):  # without the topic, polling is enough

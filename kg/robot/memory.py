@@ -97,7 +97,7 @@ class MemoryPublication:
         sent = Received(self._owner.types.complete(self.kind, value), self._owner.clock.now(), self.node)
         if self._latch:
             self.last = sent
-        for reader in self._side.subscriptions:
+        for reader in self._side.subscriptions:  # copies, as over a network: a reader may change what it gets
             reader.put(Received(deepcopy(sent.value), sent.at, sent.node))
         await asyncio.sleep(0)
 

@@ -177,7 +177,7 @@ class BagConnection:
                 await self.clock.until(at)
                 self._put(inbox, source, at, content)
             await self.clock.until(self._bag.end)
-        except RobotError as error:
+        except RobotError as error:  # the file was broken or removed while it was played
             self._report(GraphProblem(error.code, sources[0].topic, error.message))
         finally:
             inbox.end()

@@ -178,7 +178,7 @@ class Discovery:
         found.nodes, found.problems = _nodes(value["node_entities_info_seq"], found.address)
         for name, each in found.nodes.items():
             for one in (*each[0], *each[1]):
-                if one[:PREFIX] == key:
+                if one[:PREFIX] == key:  # nobody can claim the ends of another participant
                     self._owners[one] = name
 
     def node(self, handle: int) -> str | None:

@@ -176,7 +176,7 @@ class DdsReader(_End):
         self._entity = DataReader(bell.participant, topic, qos=qos)
         self.identity: bytes = self._entity.guid.bytes
         bell.add(self._entity, DDSStatus.DataAvailable | DDSStatus.SubscriptionMatched, self._happened)
-        self._happened()
+        self._happened()  # for what came before the bell was attached
 
     @property
     def peers(self) -> int:
@@ -236,6 +236,7 @@ class DdsWriter(_End):
 
     def write(self, content: bytes) -> None:
         """Send a message with its encapsulation; RobotError KG803 if the library refuses it."""
+        # The library takes whole words of four bytes; readers ignore what follows the last field.
         padded = content.ljust(-(-len(content) // _ALIGNMENT) * _ALIGNMENT, b"\0")
         code = DDSException.DDS_RETCODE_ALREADY_DELETED
         if not self._closed:

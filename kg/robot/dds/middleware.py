@@ -107,7 +107,7 @@ class DdsMiddleware:
             host = told.get("__Hostname") or sample.key.hex
             process = f" process {told['__Pid']}" if "__Pid" in told else ""
             self._discovery.participant(sample.key.bytes, host + process, ours=_OURS in user_data(sample.qos))
-        self._suit()
+        self._adapt_length()
 
     def _endpoints(self, index: int, *, writer: bool) -> None:
         for sample in self._taken(index):
@@ -135,7 +135,7 @@ class DdsMiddleware:
             )
             return
         self._discovery.told(value, length)
-        self._suit()
+        self._adapt_length()
         self._watch.changed()
 
     def _tell(self) -> None:
@@ -143,7 +143,7 @@ class DdsMiddleware:
         node = (self._name, sorted(self._readers), sorted(self._writers))
         self._info.write(encode_info(self.types, self._gid, [node], self._length))
 
-    def _suit(self) -> None:
+    def _adapt_length(self) -> None:
         """Announce our node again when others use another length of identifiers than before."""
         length = LONG if self._humble or LONG in self._discovery.lengths() else SHORT
         if length != self._length:

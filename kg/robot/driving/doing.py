@@ -99,11 +99,11 @@ class Channel:
         """
         if self.taken or self.zero is not None or self.lost or self._sending:
             return False
-        self._count()
+        self._count_peers()
         idle = asyncio.get_running_loop().time() - self._used
         return not self._left and idle >= seconds and (self._peers == 0 or self._publication.confirmed)
 
-    def _count(self) -> int:
+    def _count_peers(self) -> int:
         """Return the number of subscribers, and record whether one has left."""
         peers = self._publication.peers
         self._left |= peers < self._peers
@@ -131,10 +131,10 @@ class Channel:
 
     async def send(self, message: Value, command: Command) -> None:
         """Send a message of the command that owns the channel; KG824 if the subscriber is gone."""
-        wait = min(self._free - self._clock.now(), self._gap)
+        wait = min(self._free - self._clock.now(), self._gap)  # a clock that was set back causes no long wait
         if wait > 0:
             await self._clock.sleep(wait)
-        if self._count() == 0:
+        if self._count_peers() == 0:
             raise RobotError("KG824", f"no node listens to `{self.topic}` any more")
         self._free = self._clock.now() + self._gap
         await self._send(message)
@@ -152,7 +152,7 @@ class Channel:
         zero = self.zero or (self.last_zero if again else None)
         self.zero, self.last_zero = None, zero or self.last_zero
         if zero is not None:
-            self._count()
+            self._count_peers()
             try:
                 await self._send(zero())
                 self.lost = False
@@ -325,6 +325,7 @@ class Doing:
         """Repeat a command until its time is over, or until the robot's clock is set back."""
         clock, period = self._connection.clock, 1 / min(plan.rate, self._limit)
         stood, channel.zero = channel.zero is None, lambda: route.zero(clock.now())
+        # Before the first velocity: whatever moves must be stopped if this process dies.
         if stood and self._watchdog is not None and plan.afterwards is not None:
             await self._watchdog.watch_topic(plan.name, plan.type, plan.afterwards)
         begun = now = clock.now()
@@ -334,10 +335,11 @@ class Doing:
                 raise late
             await channel.send(route.restamped(plan.message, now), command)
             now = clock.now()
+            # The next multiple of the period since the beginning, so delays do not add up.
             due = begun + (int((now - begun) / period + _SLACK) + 1) * period
             await clock.sleep(min(due, end) - now)
             before, now = now, clock.now()
-            begun = begun if now >= before else float("inf")
+            begun = begun if now >= before else float("inf")  # a clock that was set back ends the loop
 
     async def _goal(self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None) -> dict[str, Any]:
         earlier, self._goals[plan.name] = self._goals.get(plan.name), command

@@ -289,7 +289,7 @@ class _Watching:
             case ["withdraw", topic]:
                 if topic not in self._zeros and topic not in self._stopping and topic in self._publications:
                     self._tasks.spawn(_closed(self._publications.pop(topic)), f"closing `{topic}`")
-            case ["owe", topic]:
+            case ["owe", topic]:  # the zero of a topic that is stopped when the robot is back
                 if self._zeros.pop(topic, None) is not None:
                     self.owed.append(self._moving[topic])
             case ["end"]:

@@ -116,20 +116,17 @@ def read(name: str, text: str) -> Definition:
     for raw in text.splitlines():
         line = raw.strip()
         if constant := _CONSTANT.fullmatch(line):
-            constants.append(_constant(constant))
+            kind, own, value = constant.groups()
+            if kind not in _BASE:
+                raise ValueError(f"a constant cannot be a `{kind}`")
+            # The value of a text is all that follows, also a `#`.
+            constants.append(f"{kind} {own}={(value if kind == 'string' else value.partition('#')[0]).strip()}")
         elif line := line.partition("#")[0].strip():
             fields.append(_field(name, line))
     names = [field.name for field in fields]
     if len(set(names)) < len(names):
         raise ValueError("two fields have the same name")
     return Definition(name, tuple(constants), tuple(fields))
-
-
-def _constant(found: re.Match[str]) -> str:
-    kind, name, value = found.groups()
-    if kind not in _BASE:
-        raise ValueError(f"a constant cannot be a `{kind}`")
-    return f"{kind} {name}={(value if kind == 'string' else value.partition('#')[0]).strip()}"
 
 
 def _field(owner: str, line: str) -> Line:
@@ -201,7 +198,9 @@ def parts(name: str, sort: str, text: str, ros: int) -> Iterator[tuple[str, str]
     if sort == "msg":
         yield name, text
         return
-    texts = _cut(text)
+    lines = iter(text.splitlines())
+    count = 1 + sum(line.strip() == "---" for line in text.splitlines())
+    texts = ["\n".join(takewhile(lambda line: line.strip() != "---", lines)) for _ in range(count)]
     if len(texts) != len(PARTS[sort]):
         raise ValueError(f"it has {len(texts)} parts, not {len(PARTS[sort])}")
     for suffix, part in zip(PARTS[sort], texts, strict=True):
@@ -214,12 +213,6 @@ def derived(name: str, ros: int) -> Iterator[tuple[str, str]]:
     """Yield the names and texts of the messages of an action's topics and services."""
     for suffix, text in _DERIVED[ros].items():
         yield name + suffix, text.format(name)
-
-
-def _cut(text: str) -> list[str]:
-    lines = iter(text.splitlines())
-    count = 1 + sum(line.strip() == "---" for line in text.splitlines())
-    return ["\n".join(takewhile(lambda line: line.strip() != "---", lines)) for _ in range(count)]
 
 
 @cache

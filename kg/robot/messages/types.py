@@ -212,6 +212,7 @@ class Types:
                 del new[one.name]
         self._derive(new)
         check_size(self._store, new, self._known)
+        # The store refuses to redefine a type, and caches the code that encodes those that contain it.
         for full in [_full(name) for name in new if _full(name) in self._store.fielddefs]:
             del self._store.fielddefs[full], self._store.types[full]
             self._store.cache.clear()

@@ -337,6 +337,7 @@ class _Checker:
         self._condition(statement.condition, f"{path}/condition")
         then = self.sequence(statement.then, f"{path}/then", flow)
         otherwise = self.sequence(statement.otherwise, f"{path}/otherwise", flow)
+        # A branch that ends the program says nothing about the statements after the condition.
         known = {(False, False): then.known & otherwise.known, (True, False): otherwise.known}
         both = known.get((then.over, otherwise.over), then.known)
         return replace(flow, known=both, over=then.over and otherwise.over)

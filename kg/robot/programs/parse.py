@@ -27,7 +27,7 @@ _COMPARISON: Final = 3
 
 def expression(cursor: Cursor, path: str) -> tree.Expression:
     """Parse an expression; its parts get places below `path`."""
-    places, cursor.places = cursor.places, {}
+    places, cursor.places = cursor.places, {}  # apart from those before, since operators move the places of their parts
     try:
         return _level(cursor, path, 0, 0)
     finally:

@@ -371,7 +371,7 @@ class Statements:
     async def _values(self, statement: tree.For, path: str) -> Any:
         async def number(expression: tree.Expression) -> values.Quantity:
             value = await self._evaluation.of(expression, path, statement)
-            return values.binary("-", value, values.Quantity(0.0))
+            return values.binary("-", value, values.Quantity(0.0))  # refuses what is not a number
 
         if statement.of is not None:
             elements = (await self._evaluation.of(statement.of, path, statement)).value
@@ -405,7 +405,7 @@ class Statements:
         async with self._evaluation.watching(condition) as news:
             while True:
                 await self._pace.going()
-                news.clear()
+                news.clear()  # before the evaluation, so that a change during it is not missed
                 if await self._evaluation.truth(condition, path, statement) == holds:
                     return
                 await news.wait()

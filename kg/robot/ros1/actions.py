@@ -183,6 +183,7 @@ class ActionClient:
         self._goals.clear()
 
     def _is_ready(self) -> bool:
+        # The server is the node that publishes states, feedback and results: others may publish one of these, too.
         heard = set.intersection(*(set(one.connected.values()) for one in self._reading.values()))
         return bool(heard) and all(one.peers for one in self._writing.values())
 

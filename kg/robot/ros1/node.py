@@ -234,6 +234,7 @@ class Node:
         if len(publishers) > _MOST_PUBLISHERS:
             words = f"`{shown(topic)}` has {len(publishers)} publishers; the first {_MOST_PUBLISHERS} are read"
             self.note("KG810", self.master, words)
+        # The master may list our own publication for a moment after it was withdrawn.
         wanted = [one for one in publishers[:_MOST_PUBLISHERS] if one != self.uri or topic in self.offers]
         for subscription in self.subscriptions.get(topic, []):
             subscription.update(wanted)

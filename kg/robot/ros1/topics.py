@@ -56,7 +56,7 @@ class _Link:
         """Whether the machine of the subscriber has confirmed all messages; only Linux reports that."""
         if self._waiting or self._writer.transport.get_write_buffer_size() or sys.platform != "linux":
             return False
-        try:
+        try:  # how many bytes the kernel holds until the other machine acknowledges them
             left = fcntl.ioctl(self._writer.get_extra_info("socket").fileno(), termios.TIOCOUTQ, bytes(_INT.size))
         except OSError:  # it was closed
             return False

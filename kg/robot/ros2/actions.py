@@ -100,6 +100,7 @@ class Ros2Goal(GoalProgress):
         (server, *_) = self._owner.ends(Role.ACTION_SERVERS, self._action)
         if server.type is not None and server.type != self._kind:
             raise RobotError("KG806", f"`{self._action}` is of the type {server.type}, not {self._kind}")
+        # All ends are connected before the goal is sent: the server may begin, and even end, at once.
         results = await self._client("get_result", f"{self._kind}_GetResult")
         await self._listening.ready()
         sender = await self._client("send_goal", f"{self._kind}_SendGoal")

@@ -177,6 +177,7 @@ class Watch:
         self._gathering = None
         self._note_loss()
         if self._quiet is not None and self._seen and not self.complete:
+            # Each change begins a new quiet period, which ends at the latest with the time of `settle`.
             self._settled = min(self._latest, self._loop.time() + self._quiet)
             self._settling.cancel()
             self._settling = self._loop.call_at(self._settled, self.changed)

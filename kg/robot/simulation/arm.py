@@ -142,6 +142,7 @@ class Arm:
         share = min(1.0, _SPEED * seconds / far) if far else 1.0
         x, y, z = (one + share * (two - one) for one, two in zip(aim, at, strict=True))
         bullet = self._scene.bullet
+        # The angle between two orientations; a quaternion and its negative are the same one.
         angle = 2 * math.acos(min(1.0, abs(sum(one * two for one, two in zip(now, turned, strict=True)))))
         turn = min(1.0, _TURNING * seconds / angle) if angle else 1.0
         self._aim = (x, y, z), tuple(bullet.getQuaternionSlerp(now, turned, turn))

@@ -160,7 +160,7 @@ class Planner:
 
     def _clear(self, start: Cell, end: Cell) -> bool:
         """Return whether a straight line crosses only cells away from walls."""
-        steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
+        steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)  # half cells, so that none is skipped
         return not any(
             self._close[
                 round(start[0] + (end[0] - start[0]) * index / steps),

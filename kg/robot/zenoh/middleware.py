@@ -126,7 +126,7 @@ class ZenohMiddleware:
     def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> End:
         """Open a reader of a topic; publishers with another hash are not received, and reported in the graph."""
         key = data_key(self._domain, topic, kind, "*")
-        known = {self._hash(kind), NO_HASH}
+        known = {self._hash(kind), NO_HASH}  # the key has a pattern for the hash, so that two forms are received
 
         def take(sample: Sample) -> None:
             if str(sample.key_expr).rpartition("/")[2] in known:

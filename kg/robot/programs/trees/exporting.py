@@ -294,6 +294,7 @@ class _Tree:
         self._loops.append(flag)
         body = self._body(statement.body, f"{path}/body")
         self._loops.pop()
+        # Only a `break` in the body sets the flag of this loop.
         leaves = any(str(one.get("code")).startswith(f"{flag} :=") for one in body.iter("Script"))
         before: list[_Element] = []
         match statement:
