@@ -227,20 +227,17 @@ class Statements:
     async def sequence(self, body: Iterable[tree.Statement], path: str) -> None:
         """Run a sequence of statements; Failed at the first failure, Stopped by `stop`."""
         for number, statement in enumerate(body):
-            await self._statement(statement, f"{path}/{number}")
-
-    async def _statement(self, statement: tree.Statement, path: str) -> None:
-        try:
-            await self._pace.step()
-            self.count += 1
-            self._events.tell("enter", path, statement)
-            await self._carry_out(statement, path)
-        except RobotError as error:
-            problem = Problem.of(error, path, statement.id)
-            self._events.tell("error", path, statement, code=error.code, message=error.message, hint=error.hint)
-            raise Failed(problem) from error
-        finally:
-            self._events.tell("leave", path, statement)
+            here = f"{path}/{number}"
+            try:
+                await self._pace.step()
+                self.count += 1
+                self._events.tell("enter", here, statement)
+                await self._carry_out(statement, here)
+            except RobotError as error:
+                self._events.tell("error", here, statement, code=error.code, message=error.message, hint=error.hint)
+                raise Failed(Problem.of(error, here, statement.id)) from error
+            finally:
+                self._events.tell("leave", here, statement)
 
     async def _carry_out(self, statement: tree.Statement, path: str) -> None:
         match statement:
