@@ -20,9 +20,10 @@ with lazily():
     from kg.cli import fetching_view
     from kg.cli.corpus_view import figure_rows, selection_object, step_rows
     from kg.corpus import fetching, selection
-    from kg.corpus.fetching import Options, pinned
+    from kg.corpus.fetching import pinned
     from kg.corpus.fetching_git import Limits
     from kg.corpus.fetching_list import read_wanted, wanted_among
+    from kg.corpus.fetching_one import Options
     from kg.corpus.selection_criteria import default_criteria, read_criteria
     from kg.corpus.selection_data import read_dataset
     from kg.corpus.selection_figures import paper_figures
