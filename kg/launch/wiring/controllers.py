@@ -50,11 +50,14 @@ def with_controllers(drafts: Sequence[Draft], types: NodeTypes, repository: str)
             continue
         options, names = _read(row, draft.started.arguments)
         manager = by_name.get(draft.place.resolve(next((options[o] for o in row.manager if o in options), row.named)))
+        if manager is None:
+            continue
         given = next((options[option] for option in row.kind if option in options), None)
-        for name in names if manager is not None else ():
-            kind = given or _kind_of(name, manager) if manager is not None else None
-            if kind is not None and manager is not None and f"{manager.place.namespace}/{name}" not in made:
-                made.add(f"{manager.place.namespace}/{name}")
+        for name in names:
+            full = f"{manager.place.namespace}/{name}"
+            kind = given or _kind_of(name, manager)
+            if kind is not None and full not in made:
+                made.add(full)
                 yield _controller(name, kind, manager, draft, types, repository)
 
 
