@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
-from kg.search.compose.results import Composed, Node, grouped
+from kg.search.compose.network import grouped
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.search.compose.network import Port
+    from kg.search.compose.results import Composed, Node
 
 _MOST: Final = 4  # maximum number of copies and required types that are listed
 
