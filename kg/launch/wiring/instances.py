@@ -214,7 +214,7 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
     return draft
 
 
-def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
+def loads(draft: Draft, types: NodeTypes) -> None:
     """Add the plugins that the parameters of an instance name, those that it declares by default among them."""
     values: dict[str, str | None] = dict(draft.defaults)
     below = f"{draft.place.full}/"
@@ -222,7 +222,7 @@ def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
     slots = draft.typed[1].slots if draft.typed is not None else ()
     if values or slots:
         package = draft.started.package
-        found = loaded_plugins(values, types, repository, draft.ros, package, slots)
+        found = loaded_plugins(values, types, draft.repository, draft.ros, package, slots)
         draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
 
 
