@@ -24,7 +24,8 @@ with lazily():
     from kg.search.compose import Question
     from kg.search.compose import compose as composed
     from kg.search.compose.launching import launch_text
-    from kg.search.compose.results import composed_object, grouped
+    from kg.search.compose.network import grouped
+    from kg.search.compose.results import composed_object
 
 _LONGEST: Final = 6
 _MOST: Final = 4  # maximum number of copies and required types that are listed
