@@ -54,8 +54,12 @@ def table(engine: Engine, select: str, graph: NamedNode | None) -> bytes:
 
     TSV abbreviates numbers and booleans and does not escape control characters; see `kg.store.terms.cells`.
     """
-    rows = cast("QuerySolutions", engine().query(select, default_graph=graph or DefaultGraph()))
-    text = cast("bytes", rows.serialize(format=QueryResultsFormat.TSV))
+    return as_tsv(engine().query(select, default_graph=graph or DefaultGraph()))
+
+
+def as_tsv(rows: object) -> bytes:
+    """Return the rows of a SELECT as TSV, without the header line."""
+    text = cast("bytes", cast("QuerySolutions", rows).serialize(format=QueryResultsFormat.TSV))
     return text[text.index(b"\n") + 1 :]
 
 

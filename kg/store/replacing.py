@@ -28,6 +28,7 @@ from pyoxigraph import BlankNode, NamedNode
 from kg.store.changes import since
 from kg.store.layout import write_atomically
 from kg.store.locks import writer
+from kg.store.remote import SIZES
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
@@ -57,7 +58,6 @@ _STAGED: Final = "urn:kg:staged:"
 _NODES: Final = f"{_STAGED}nodes"
 """Graph with the blank node for each IRI that denotes one in staged graphs."""
 _IS: Final = f"<{_STAGED}is>"
-_SIZES: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"
 _LABEL: Final = f"{_STAGED}node:"
 """Beginning of the IRIs that denote blank nodes."""
 _PATTERNS: Final = {
@@ -126,7 +126,7 @@ def replace_on(layout: Layout, remote: RemoteStore, *, limits: Limits | None = N
 def _sizes(remote: RemoteStore) -> tuple[dict[str, int], bool]:
     """Return the number of triples of each graph of a server, and whether the server is Virtuoso."""
     with remote.read() as there:
-        sizes = {row["g"].value: int(row["n"].value) for row in there.rows(_SIZES)}
+        sizes = {row["g"].value: int(row["n"].value) for row in there.rows(SIZES)}
         return sizes, there.is_virtuoso
 
 
