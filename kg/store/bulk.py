@@ -154,8 +154,9 @@ def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
         batch.append(chunk)
         size += len(chunk)
         if size >= _THREADS * _MOST_BYTES:
-            yield from _split(b"".join(batch))
+            text = b"".join(batch)
             batch, size = [], 0
+            yield from _split(text)
     if batch:
         yield from _split(b"".join(batch))
 
