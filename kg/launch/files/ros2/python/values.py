@@ -299,6 +299,7 @@ _UNKNOWN: Final[dict[str, str]] = {
     "LaunchLogDir": "the folder of the log files",
     "LaunchConfigurationContext": "a configuration of another file",
     "HasNodeParams": "whether a parameter file has a section for a node",
+    "Substitution": "the text of the substitution",
 }
 
 
@@ -312,7 +313,8 @@ def substituted(made: Made) -> LaunchText:
             operands = [()]
         return (Substitution(kind, tuple(operand for operand in operands if operand is not None)),)
     if name in _UNKNOWN:
-        return unknown_text(_UNKNOWN[name])
+        own = f" `{made.kind.cls.name}`" if made.kind.cls is not None else ""
+        return unknown_text(f"{_UNKNOWN[name]}{own}")
     read = SUBSTITUTIONS.get(name)
     return read[1](made) if read is not None else unknown_text(f"a `{name}` is not allowed here")
 
