@@ -100,6 +100,20 @@ def test_graph_lists_each_end_with_who_is_at_the_other_side(stored: Program) -> 
     assert "/listener\tsubscribes\t/chat\tstd_msgs/String\t(nobody publishes)" in run.out.splitlines()
 
 
+def test_unknown_includes_are_reported(tmp_path: Path) -> None:
+    """`kg graph` and `kg lint` name the parts of a launch file whose nodes are missing."""
+    (tmp_path / "package.xml").write_text(MANIFEST)
+    (tmp_path / "CMakeLists.txt").write_text(CMAKE)
+    nowhere = '<include file="$(find elsewhere)/launch/x.launch"/>'
+    (tmp_path / "outer.launch").write_text(LAUNCH.replace("</launch>", f"  {nowhere}\n</launch>"))
+    program = Program(tmp_path)
+    assert program("build", ".").code == 0
+    words = "note: outer.launch:4: the package 'elsewhere' is neither in the build nor installed; nodes may be missing"
+    assert words in program("graph").err
+    assert words in program("lint", "--launch", "outer.launch").err
+    assert "may be missing" not in program("lint").err
+
+
 def test_depth_limits_the_distance_from_the_focus(stored: Program) -> None:
     """`--depth` is a whole number of at least 0."""
     near = json.loads(stored("graph", "--json", "--focus", "talker", "--depth", "0").out)

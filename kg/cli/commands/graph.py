@@ -18,6 +18,7 @@ from kg.cli.systems import (
     Variants,
     chosen_systems,
     named,
+    tell_left_out_parts,
     tell_malformed,
     with_variants,
 )
@@ -104,6 +105,8 @@ def graph(  # noqa: PLR0913 - the options of a command
         _table(found)
     else:
         deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
+    if form == "text" or output is not None:
+        tell_left_out_parts(system)
     if tell_malformed(settings, system):
         raise typer.Exit(Exit.FOUND)
     if form == "text" and not found.members:

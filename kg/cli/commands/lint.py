@@ -12,7 +12,16 @@ from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Json, PackageName, takes, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, require_known
-from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
+from kg.cli.systems import (
+    Arguments,
+    Environment,
+    Launch,
+    Variants,
+    chosen_systems,
+    given,
+    tell_left_out,
+    tell_left_out_parts,
+)
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.lint.question import DECLARED, Question
@@ -98,6 +107,9 @@ def lint(  # noqa: PLR0913 - the options of a command
         _write(checked, form)
     _say(checked)
     tell_left_out(checked.left_out)
+    if launch is not None and form == "text":
+        for system in chosen_systems(settings, launch, (), ()):
+            tell_left_out_parts(system)
     if why:
         _prove(checked, settings)
     if xunit_file:
