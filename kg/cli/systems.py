@@ -23,6 +23,7 @@ with lazily():
     from kg.pipeline.launch_names import assignments, check_given
     from kg.pipeline.launching import chosen, unread
     from kg.pipeline.variants import united, variants
+    from kg.render.text import count
     from kg.store.opening import existing, reading
     from kg.views.evidence import places
 
@@ -139,6 +140,15 @@ def tell_left_out_parts(system: System) -> None:
         note(f"{one.location}: {one.message}; nodes may be missing")
     if len(every) > _MOST:
         note(f"{len(every) - _MOST} more parts of {system.configuration.name} are unknown")
+
+
+def tell_unknown_ends(system: System) -> None:
+    """Report nodes whose topics, services and actions are unknown, which may be at ends where `nobody` is."""
+    names = [one.name for one in system.instances if one.reason and not one.interfaces]
+    if names:
+        more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
+        listed = ", ".join(names[:_MOST])
+        note(f"{count(len(names), 'node')} with unknown topics may be where `nobody` is: {listed}{more}")
 
 
 def tell_malformed(settings: Settings, system: System) -> bool:

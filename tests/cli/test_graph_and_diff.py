@@ -104,12 +104,18 @@ def test_unknown_includes_are_reported(tmp_path: Path) -> None:
     """`kg graph` and `kg lint` name the parts of a launch file whose nodes are missing."""
     (tmp_path / "package.xml").write_text(MANIFEST)
     (tmp_path / "CMakeLists.txt").write_text(CMAKE)
+    for name, text in {"talker.py": TALKER, "listener.py": LISTENER}.items():
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755)
     nowhere = '<include file="$(find elsewhere)/launch/x.launch"/>'
-    (tmp_path / "outer.launch").write_text(LAUNCH.replace("</launch>", f"  {nowhere}\n</launch>"))
+    foreign = '<node pkg="elsewhere" type="x" name="x"/>'
+    (tmp_path / "outer.launch").write_text(LAUNCH.replace("</launch>", f"  {nowhere}\n  {foreign}\n</launch>"))
     program = Program(tmp_path)
     assert program("build", ".").code == 0
     words = "note: outer.launch:4: the package 'elsewhere' is neither in the build nor installed; nodes may be missing"
-    assert words in program("graph").err
+    drawn = program("graph")
+    assert words in drawn.err
+    assert "note: 1 node with unknown topics may be where `nobody` is: /x" in drawn.err
     assert words in program("lint", "--launch", "outer.launch").err
     assert "may be missing" not in program("lint").err
 

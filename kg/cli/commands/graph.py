@@ -20,6 +20,7 @@ from kg.cli.systems import (
     named,
     tell_left_out_parts,
     tell_malformed,
+    tell_unknown_ends,
     with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
@@ -107,6 +108,8 @@ def graph(  # noqa: PLR0913 - the options of a command
         deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
     if form == "text" or output is not None:
         tell_left_out_parts(system)
+    if form == "text" and any(not (sources and targets) for sources, targets in found.ends().values()):
+        tell_unknown_ends(system)
     if tell_malformed(settings, system):
         raise typer.Exit(Exit.FOUND)
     if form == "text" and not found.members:
