@@ -104,6 +104,8 @@ class Enumerator:
 
     name: str
     parameter: str | None = None
+    value: int | None = field(default=None, compare=False)
+    """Its number, as far as the enumeration states it."""
 
 
 @dataclass(unsafe_hash=True, slots=True)

@@ -214,7 +214,8 @@ class CppUnit(Unit):
         self.macros: dict[str, Macro] = {}
         self.namespaces: dict[str, list[tuple[_Scope, _Scope]]] = defaultdict(list)
         """Other names of namespaces: the scope of each alias, and the namespace as written."""
-        self.enumerators: set[str] = set()
+        self.enumerators: dict[str, int | None] = {}
+        """The constants of its enumerations, with their numbers as far as they are stated."""
         self._declared: frozenset[bytes] | None = None
         self.registrations: list[Node] = []
         self.adapted: dict[str, list[tuple[_Scope, Type]]] = defaultdict(list)
@@ -384,8 +385,7 @@ class CppUnit(Unit):
         if body is None:
             return
         if node.type == "enum_specifier":
-            names = (one.child_by_field_name("name") for one in syntax.of_type(body, "enumerator"))
-            self.enumerators.update(syntax.text(name) for name in names if name is not None)
+            self.enumerators.update(_enumerated(body))
             return
         named = syntax.parts(name) if name is not None else []
         shown = named[-1].name if named else ""
@@ -558,6 +558,21 @@ class CppUnit(Unit):
         parameters = tuple(Parameter(name, None) for name in macro.parameters or ())
         macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, body_made=block)
         return macro.functions[line]
+
+
+def _enumerated(body: Node) -> dict[str, int | None]:
+    """Return the constants of an enumeration with their numbers; None after a number that is computed."""
+    found: dict[str, int | None] = {}
+    following: int | None = 0
+    for one in syntax.of_type(body, "enumerator"):
+        name, value = one.child_by_field_name("name"), one.child_by_field_name("value")
+        if value is not None:
+            text = syntax.text(value)
+            following = int(text) if re.fullmatch(r"-?(0|[1-9][0-9]*)", text) else None
+        if name is not None:
+            found[syntax.text(name)] = following
+        following = following + 1 if following is not None else None
+    return found
 
 
 def _is_statements(text: str) -> bool:
