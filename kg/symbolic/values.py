@@ -104,6 +104,7 @@ class Enumerator:
 
     name: str
     parameter: str | None = None
+    number: int | None = field(default=None, compare=False)
 
 
 @dataclass(unsafe_hash=True, slots=True)

@@ -22,7 +22,6 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
-    Enumerator,
     Kind,
     Number,
     Object,
@@ -123,8 +122,9 @@ class Cpp:
         known = self.machine.framework.constant(names) or self._of_message(names, frame)
         if known is not None:
             return known
-        if self.linker.is_enumerator(last, frame.unit):
-            return Enumerator(last)
+        enumerator = self.linker.find_enumerator(last, frame.unit)
+        if enumerator is not None:
+            return enumerator
         if len(names) == 1:
             macro = self.linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is None:

@@ -12,7 +12,7 @@ from kg.extract.cpp import tokens
 from kg.extract.cpp.tokens import STREAMS
 from kg.facts import Resolution
 from kg.holes import label_of
-from kg.symbolic import form, qos
+from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
@@ -23,6 +23,7 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
+    Enumerator,
     Guard,
     Kind,
     Mapping,
@@ -218,8 +219,8 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
 
 def stored(kind: Kind, value: Value) -> Value:
     """Return a number as a variable of a type stores it: without its fraction, or with one."""
-    if isinstance(value, Text) and kind.name in NUMBERS:
-        return qos.numbered(value)
+    if isinstance(value, Enumerator) and value.number is not None and kind.name in NUMBERS:
+        return number(value.number, value.parameter)
     if not isinstance(value, Number) or not math.isfinite(value.value):
         return value
     if kind.name in _FLOATING:
