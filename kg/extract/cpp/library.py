@@ -53,8 +53,8 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Expression, Type
 
 __all__ = [
+    "CONSTANTS",
     "MAPS",
-    "NPOS",
     "STREAMS",
     "TEXTS",
     "TYPES",
@@ -71,6 +71,13 @@ __all__ = [
 TEXTS: Final[frozenset[str]] = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
 NPOS: Final = number(float(2**64 - 1))
 """What a search in a text returns that finds nothing: `std::string::npos`."""
+CONSTANTS: Final = {
+    "npos": NPOS,
+    "M_PI": Number(math.pi, repr(math.pi)),
+    "M_PI_2": Number(math.pi / 2, repr(math.pi / 2)),
+    "M_PI_4": Number(math.pi / 4, repr(math.pi / 4)),
+}
+"""Constants of the standard library, by their last name."""
 _SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
     "find": str.find,
     "rfind": str.rfind,
