@@ -25,7 +25,16 @@ CONSTANTS: Final = {
     "RMW_QOS_LIVELINESS_LEASE_DURATION_DEFAULT": 0.0,
     "RMW_QOS_LIVELINESS_LEASE_DURATION_BEST_AVAILABLE": 0.0,
 }
-METHODS: Final = frozenset({"seconds", "toSec", "fromSec"})
+METHODS: Final = frozenset({"seconds", "toSec", "fromSec", "count"})
+_UNITS: Final = {
+    "nanoseconds": 1e-9,
+    "microseconds": 1e-6,
+    "milliseconds": 1e-3,
+    "seconds": 1.0,
+    "minutes": 60.0,
+    "hours": 3600.0,
+}
+"""What the classes of std::chrono count."""
 _RATIOS: Final = {"ratio": 1.0, "milli": 1e-3, "micro": 1e-6, "nano": 1e-9}
 _NANOSECOND: Final = 1e-9
 _DIGITS: Final = 9
@@ -74,8 +83,10 @@ def called(machine: Machine, of: Object, name: str, arguments: list[Value]) -> V
     if name == "fromSec" and len(arguments) == 1:
         machine.write(of.native, "seconds", arguments[0])
         return of
-    seconds = seconds_of(of)
-    return Number(seconds, repr(seconds)) if seconds is not None else Unknown("the duration is not known")
+    seconds, unit = seconds_of(of), _UNITS.get(of.kind.name) if name == "count" else None
+    if seconds is None or (name == "count" and unit is None):
+        return Unknown("the duration is not known")
+    return Number(seconds, repr(seconds)) if unit is None else number(round(seconds / unit))
 
 
 def _of_parts(seconds: Value, nanoseconds: Value) -> float | None:

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <ros/ros.h>
 #include <string>
 
@@ -7,6 +8,8 @@ void read(const ros::NodeHandle& nh, const std::string& name, ros::Duration& dur
   nh.param(name, seconds, seconds);
   duration.fromSec(seconds);
 }
+
+constexpr const std::chrono::milliseconds kInterval{40};
 
 struct Settings
 {
@@ -18,9 +21,11 @@ struct Settings
     read(nh, "lag", lag);
     read(nh, "period", period);
     nh.param("timeout", timeout, 2.0 * lag.toSec());
+    nh.param<int>("interval", interval, kInterval.count());
   }
 
   double timeout;
+  int interval;
 };
 
 int main(int argc, char** argv)
