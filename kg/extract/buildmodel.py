@@ -46,6 +46,11 @@ class Registration(StrEnum):
     PLUGIN = "plugin"
 
 
+def last_part(name: str) -> str:
+    """Return the last word of a plugin's name or class."""
+    return name.replace(" ", "").rpartition("::")[2].rpartition("/")[2]
+
+
 @dataclass(frozen=True, slots=True)
 class PluginClass:
     """A class that is loaded by name: a nodelet, a component or another plugin.

@@ -60,16 +60,14 @@ class CodeText:
         """Return where a word begins; a search for a text takes a tenth of the time of one for a pattern."""
         known = self._places.get(word)
         if known is None:
-            known = self._places[word] = list(self._find(word))
+            known = self._places[word] = []
+            at = self.code.find(word)
+            while at >= 0:
+                end = at + len(word)
+                if not _is_letter(self.code[at - 1 : at]) and not _is_letter(self.code[end : end + 1]):
+                    known.append(at)
+                at = self.code.find(word, end)
         return known
-
-    def _find(self, word: str) -> Iterator[int]:
-        at = self.code.find(word)
-        while at >= 0:
-            end = at + len(word)
-            if not _is_letter(self.code[at - 1 : at]) and not _is_letter(self.code[end : end + 1]):
-                yield at
-            at = self.code.find(word, end)
 
     def statement_before(self, at: int, most: int) -> str:
         """Return the text between the begin of a statement of C++ and a place, at most some characters."""

@@ -27,14 +27,11 @@ class Constants:
             return None
         key = (package, message)
         if key not in self._known:
-            self._known[key] = self._read(package, message)
+            file = self._reader.workspace.definition(package, message, "msg")
+            content = self._reader.read(file) if file is not None else None
+            fields = fields_of(content.decode(), package) if content is not None else []
+            self._known[key] = {field.name: value for field in fields if (value := _value(field)) is not None}
         return self._known[key].get(constant)
-
-    def _read(self, package: str, message: str) -> dict[str, Value]:
-        file = self._reader.workspace.definition(package, message, "msg")
-        content = self._reader.read(file) if file is not None else None
-        fields = fields_of(content.decode(), package) if content is not None else []
-        return {field.name: value for field in fields if (value := _value(field)) is not None}
 
 
 def _value(field: Field) -> Value | None:

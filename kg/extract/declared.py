@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping as Counts
 
     from kg.corpus.files import FilePath
-    from kg.symbolic.effects import Declared
+    from kg.symbolic.effects import Declared, Framework
     from kg.symbolic.state import Site
 
 _ROS2: Final = 2
@@ -61,7 +61,7 @@ def facts_of(
             held = parameters.get(key)
             if held is None:
                 parameters[key] = parameter
-            elif _better(parameter, held):  # the first access stays its place
+            elif _worth(parameter) > _worth(held):  # the place stays that of the first access
                 parameters[key] = replace(parameter, location=held.location, via=held.via)
     typed = {(i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
     names: dict[tuple[object, ...], set[str | None]] = {}
@@ -88,11 +88,16 @@ def _covered(name: str | None, names: set[str | None]) -> bool:
     return _PARENT + name in names
 
 
-def _better(one: Parameter, other: Parameter) -> bool:
-    def worth(parameter: Parameter) -> tuple[bool, bool, bool]:
-        return (parameter.default is not None, parameter.access is Access.DECLARE, parameter.type is not None)
+def _worth(parameter: Parameter) -> tuple[bool, bool, bool]:
+    """Return what an access says about its parameter, the most important first."""
+    return (parameter.default is not None, parameter.access is Access.DECLARE, parameter.type is not None)
 
-    return worth(one) > worth(other)
+
+def name_of(framework: Framework, nodes: Iterable[Object]) -> str | None:
+    """Return the name that the code gives to a node, one of these objects; None if it gives none."""
+    own = (one.native.get("name") for one in nodes)
+    known = (value.known for value in (*own, *framework.node_names) if isinstance(value, Text))
+    return next((name for name in known if name), None)
 
 
 def bounds_of(reached: Counts[str, Site], home: Home) -> tuple[Bound, ...]:
@@ -144,6 +149,11 @@ def mark_of(found: tuple[str, Object | None, tuple[Site, ...], Value | None], ho
     return Mark(key, place, shown if node is not None else "~", config, via)
 
 
+def with_slash(name: str) -> str:
+    """Return a name as names are stored: `~/name` for `~name`."""
+    return f"~/{name[1:]}" if name.startswith("~") and not name.startswith("~/") and name != "~" else name
+
+
 def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, str | None]:
     """Return name, resolution, parameter and reason."""
     if isinstance(name, Unknown):
@@ -151,9 +161,7 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     if name.nothing_known:
         given = name.parameter is not None and name.parameter.startswith("argv")
         return None, Resolution.LAUNCH_ARGUMENT if given else Resolution.UNRESOLVED, name.parameter, name.reason
-    shown = name.shown
-    if shown.startswith("~") and not shown.startswith("~/") and shown != "~":
-        shown = "~/" + shown[1:]
+    shown = with_slash(name.shown)
     if name.known is None:
         return shown, Resolution.PARTIAL, name.parameter, name.reason or _OF_NODE
     if not shown:

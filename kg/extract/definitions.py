@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
@@ -142,7 +141,7 @@ def read_definitions(reader: Reader, package: PackageFolder) -> tuple[InterfaceD
         if entry.path.endswith(".idl"):
             found.extend(read_idl(reader, package.name, entry.path))
         elif entry.kind in _SECTIONS and (content := reader.read(entry.path)) is not None:
-            fields = _fields(_File(reader, package.name, entry.kind, entry.path, content.decode()))
+            fields = _fields(reader, package.name, entry.kind, entry.path, content.decode())
             name = PurePosixPath(entry.path).stem
             found.append(InterfaceDefinition(entry.kind.value, package.name, name, fields, Location(entry.path, 1)))
     return tuple(found)
@@ -155,32 +154,20 @@ def fields_of(text: str, package: str) -> list[Field]:
     return [field for field in read if field is not None]
 
 
-@dataclass(frozen=True, slots=True)
-class _File:
-    reader: Reader
-    package: str
-    kind: FileKind
-    path: str
-    text: str
-
-    def malformed(self, message: str, line: int | None) -> None:
-        self.reader.problem("KG118", message, self.path, line)
-
-
-def _fields(file: _File) -> tuple[Field, ...]:
-    sections = _SECTIONS[file.kind]
+def _fields(reader: Reader, package: str, kind: FileKind, path: str, text: str) -> tuple[Field, ...]:
+    sections = _SECTIONS[kind]
     section, fields = 0, []
-    for number, line in enumerate(file.text.splitlines(), start=1):
+    for number, line in enumerate(text.splitlines(), start=1):
         written = line.strip()
         if written.startswith(_SEPARATOR):
             section += 1
             if section == len(sections):
-                file.malformed(f"a {file.kind.value} has {len(sections)} sections, not more", number)
+                reader.problem("KG118", f"a {kind.value} has {len(sections)} sections, not more", path, number)
                 break
         elif written and not written.startswith("#"):
-            field = _field(written, sections[section], file.package, number)
+            field = _field(written, sections[section], package, number)
             if field is None:
-                file.malformed(f"no field or constant: {written[:80]}", number)
+                reader.problem("KG118", f"no field or constant: {written[:80]}", path, number)
             else:
                 fields.append(field)
     return tuple(fields)

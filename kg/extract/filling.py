@@ -55,7 +55,8 @@ def unset_parts(
         return ()
     short = (end.type or "").rpartition("/")[2]
     read = [file, *(one for one in with_word(short) if one is not file and _is_named(one, file))]
-    empty = {name for one in read for name in _created(short, one)}
+    patterns = _creations(short, python=file.python)
+    empty = {found[1] for one in read for pattern in patterns for found in pattern.finditer(one.code)}
     received = any(one.role is Role.SUBSCRIBES and one.type == end.type for one in node.interfaces)
     if received and not (uses and all(_published(one, at) in empty for one, at in uses)):
         return ()
@@ -78,15 +79,9 @@ def _published(file: CodeText, at: int) -> str | None:
     return found[1] if found is not None else None
 
 
-def _created(short: str, file: CodeText) -> Iterator[str]:
-    """Yield the variables that begin as an empty message of a type."""
-    for pattern in _creations(short, python=file.python):
-        for found in pattern.finditer(file.code):
-            yield found[1]
-
-
 @cache
 def _creations(short: str, *, python: bool) -> tuple[re.Pattern[str], ...]:
+    """Return the patterns of variables that begin as an empty message of a type."""
     if python:
         return (re.compile(rf"\b(\w+)\s*=\s*(?:\w+\.)*{short}\(\s*\)"),)
     kind = rf"\b{short}(?:_<[^<>;]*>)?"

@@ -46,29 +46,28 @@ class _Files:
         pending = sorted(path for path in sources if path in self._kinds)
         seen = set(pending)
         while pending:
-            own, foreign = self._of(pending.pop(0))
+            own, foreign = self._needs_of(pending.pop(0))
             for each in foreign:
                 found.setdefault(each.name, each)
             pending += [path for path in own if path not in seen]
             seen.update(own)
         return tuple(sorted(found.values(), key=lambda one: (one.name, one.location.path, one.location.line)))
 
-    def _of(self, path: str) -> tuple[list[str], list[Import]]:
+    def _needs_of(self, path: str) -> tuple[list[str], list[Import]]:
+        """Return the files of the package that a file needs, and what it needs from outside."""
         if path not in self._needs:
             text = self._reader.read(path) or b""
             read = self._imported if self._kinds[path] is FileKind.PYTHON else self._included
             own: list[str] = []
             foreign: list[Import] = []
             for name, line, files in read(text, self._reader.file(path)):
-                inside = [file.path for file in files if self._is_own(file)]
+                own_files = (file for file in files if file.repository == self._reader.repository)
+                inside = [file.path for file in own_files if file.path in self._kinds]
                 own += inside
                 if not inside and _NAME.fullmatch(name) and not name.startswith("."):
                     foreign.append(Import(name, Location(path, line)))
             self._needs[path] = own, foreign
         return self._needs[path]
-
-    def _is_own(self, file: FilePath) -> bool:
-        return file.repository == self._reader.repository and file.path in self._kinds
 
     def _included(self, text: bytes, near: FilePath) -> Iterator[tuple[str, int, list[FilePath]]]:
         """Yield what C++ includes, but for the standard library: the path as written, its line, the file meant."""

@@ -26,7 +26,6 @@ from kg.facts import (
     Package,
     PackageFacts,
     Parameter,
-    PluginSlot,
     Role,
     SourceFile,
 )
@@ -154,8 +153,12 @@ def settled(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
             node,
             sources=tuple(sorted(set(node.sources))),
             interfaces=_ordered(_once(tuple(_resolved(node))), _interface_order),
-            parameters=_ordered(_once(node.parameters), _parameter_order),
-            slots=_ordered(_once(node.slots), _slot_order),
+            parameters=_ordered(
+                _once(node.parameters), lambda one: (one.implicit, _place(one.location), one.name or "", one.access)
+            ),
+            slots=_ordered(
+                _once(node.slots), lambda one: (_place(one.location), one.base_class or "", one.parameter or "")
+            ),
         )
         for node in nodes
     )
@@ -199,14 +202,6 @@ def _interface_order(interface: Interface) -> tuple[object, ...]:
     )
 
 
-def _parameter_order(parameter: Parameter) -> tuple[object, ...]:
-    return (parameter.implicit, _place(parameter.location), parameter.name or "", parameter.access)
-
-
-def _slot_order(slot: PluginSlot) -> tuple[object, ...]:
-    return (_place(slot.location), slot.base_class or "", slot.parameter or "")
-
-
 def _node_order(node: NodeType) -> tuple[object, ...]:
     return (node.name, node.kind, node.language, node.plugin or "", node.executable or "", _place(node.location))
 
@@ -222,7 +217,8 @@ def extract_package(reader: Reader, calls: tuple[str, ...] = ()) -> PackageFacts
     `calls` are the texts of the users' descriptions of framework calls, without errors (`kg.symbolic.checking`).
     """
     package = reader.package
-    described = guard(reader, manifests.read_manifest, _undescribed(package), reader, package)
+    of_scan = Package(package.name, package.path, _ROS_UNKNOWN, Location(package.manifest or package.path, 1))
+    described = guard(reader, manifests.read_manifest, of_scan, reader, package)
     build = guard(reader, manifests.read_build, BuildModel(), reader, package)
     no_definitions: tuple[InterfaceDefinition, ...] = ()
     nodes = _nodes(reader, package, build, calls)
@@ -238,7 +234,7 @@ def extract_package(reader: Reader, calls: tuple[str, ...] = ()) -> PackageFacts
         ),
         files=tuple(_files(reader, package)),
         descriptions=guard(reader, texts.read_descriptions, (), reader, package, build, nodes),
-        # Last, as reading adds to both.
+        # After all readers, since reading adds to both.
         problems=reader.sorted_problems(),
         inputs=reader.inputs,
         programs=_programs(package, build, nodes),
@@ -260,15 +256,17 @@ def _programs(package: PackageFolder, build: BuildModel, nodes: tuple[NodeType, 
 
 def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tuple[str, ...]) -> tuple[NodeType, ...]:
     nothing: list[Extracted] = []
+    described, of_python = merged(calls), merged(calls, "python")
     read = [
-        *guard(reader, cpp.read_nodes, nothing, reader, package, build, merged(calls)),
-        *guard(reader, python.read_nodes, nothing, reader, package, build, merged(calls, "python")),
+        *guard(reader, cpp.read_nodes, nothing, reader, package, build, described),
+        *guard(reader, python.read_nodes, nothing, reader, package, build, of_python),
     ]
     whole = merge(read)
     complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
     found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
     named = tuple(replace(node, aliases=_aliases(node, build)) for node in found)
-    sending = guard(reader, add_sending, named, named, reader, package)
+    silent_methods = frozenset(described.silent_methods | of_python.silent_methods)
+    sending = guard(reader, add_sending, named, named, reader, package, silent_methods)
     return guard(reader, add_imports, sending, reader, package, sending)
 
 
@@ -290,11 +288,6 @@ def guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *argum
         return instead
 
     return guarded(partial(read, *arguments), report)
-
-
-def _undescribed(package: PackageFolder) -> Package:
-    """Return the facts of the scan alone about a package."""
-    return Package(package.name, package.path, _ROS_UNKNOWN, Location(package.manifest or package.path, 1))
 
 
 def _files(reader: Reader, package: PackageFolder) -> Iterator[SourceFile]:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -37,12 +38,6 @@ _CHAIN: Final = r"(?:[\w.:*]|->|\(\s*\)|\s)*\Z"
 """What is between a variable and the name of the method that creates its value: `this->get_node()->`."""
 _ASSIGNED: Final = re.compile(r"\b([A-Za-z_]\w*)\s*(?:\[[^\[\]]*\]\s*)?(?::[^=:;]+)?=\s*" + _CHAIN)
 _INITIALISED: Final = re.compile(r"[,:]\s*([A-Za-z_]\w*)\s*[({]\s*" + _CHAIN)
-_PLAIN_USE: Final = re.compile(
-    r"\s*(?:\[[^\[\]]*\]\s*)?(?:=(?!=)|[!=]=|is\b|:\s*[\w.]+\s*=|(?:\.|->)\s*(?:getNumSubscribers|getTopic|isLatched"
-    r"|shutdown|reset|on_activate|on_deactivate|is_activated|get_subscription_count|get_topic_name|get_num_connections"
-    r"|unregister|destroy|get_intra_process_subscription_count)\b)"
-)
-"""What follows a publisher that is assigned, compared, counted or ended."""
 _TESTED: Final = re.compile(r"\b(?:if|elif|while)\s*\(?\s*(?:!|not\b)?\s*(?:self\.|this->)?\Z")
 _DESTROYED: Final = re.compile(r"\bdestroy_publisher\(\s*(?:self\.|this->)?\Z")
 _DECLARED_TYPE: Final = re.compile(r"\b(?:\w*Publisher\w*|auto|\w*Ptr)\b[^(){}=]*?[\s>*&,]\Z")
@@ -61,12 +56,24 @@ _DEEPEST: Final = 4
 """How many functions may be between a callback and a call that publishes."""
 
 
-def add_sending(nodes: tuple[NodeType, ...], reader: Reader, package: PackageFolder) -> tuple[NodeType, ...]:
-    """Return the nodes of a package with what its code does with their publishers and subscriptions."""
-    files = _Files(reader, package)
+def add_sending(
+    nodes: tuple[NodeType, ...], reader: Reader, package: PackageFolder, silent_methods: frozenset[str]
+) -> tuple[NodeType, ...]:
+    """Return the nodes of a package with what its code does with their publishers and subscriptions.
+
+    `silent_methods` are the methods of publishers that publish nothing.
+    """
+    files = _Files(reader, package, _plain_use(silent_methods))
     return tuple(
         replace(node, interfaces=tuple(_stated(one, node, files) for one in node.interfaces)) for node in nodes
     )
+
+
+@cache
+def _plain_use(silent_methods: frozenset[str]) -> re.Pattern[str]:
+    """Return the pattern of what follows a publisher that is assigned, compared, counted or ended."""
+    methods = "|".join(sorted(silent_methods))
+    return re.compile(rf"\s*(?:\[[^\[\]]*\]\s*)?(?:=(?!=)|[!=]=|is\b|:\s*[\w.]+\s*=|(?:\.|->)\s*(?:{methods})\b)")
 
 
 def _stated(end: Interface, node: NodeType, files: _Files) -> Interface:
@@ -94,6 +101,8 @@ class _Files:
 
     reader: Reader
     package: PackageFolder
+    plain_use: re.Pattern[str]
+    """What follows a publisher that does not publish."""
     _read: dict[str, CodeText | None] = field(default_factory=dict)
     _uses: dict[tuple[str, str], list[tuple[CodeText, int]]] = field(default_factory=dict)
     _scopes: dict[tuple[str, str], list[CodeText]] = field(default_factory=dict)
@@ -144,7 +153,9 @@ class _Files:
         """Return the places where a publisher that a file creates may be used to publish."""
         key = (variable, file.path)
         if key not in self._uses:
-            self._uses[key] = [(one, at) for one in self.scope(variable, file) for at in _uses(variable, one)]
+            self._uses[key] = [
+                (one, at) for one in self.scope(variable, file) for at in _uses(variable, one, self.plain_use)
+            ]
         return self._uses[key]
 
 
@@ -178,14 +189,15 @@ def _declares(file: CodeText, start: int, end: int) -> bool:
     return _DECLARED_TYPE.search(file.statement_before(start, _LOOKED_AT)) is not None
 
 
-def _uses(variable: str, file: CodeText) -> Iterator[int]:
+def _uses(variable: str, file: CodeText, plain_use: re.Pattern[str]) -> Iterator[int]:
     """Yield the places where a file may publish on a variable, or pass it on."""
     code = file.code
     for start in file.places(variable):
         end = start + len(variable)
         before = code[max(0, start - _LOOKED_AT) : start]
-        if _PLAIN_USE.match(code, end) or _TESTED.search(before) or _DESTROYED.search(before):
+        if plain_use.match(code, end) or _TESTED.search(before) or _DESTROYED.search(before):
             continue
+        # A constructor that initialises the field, and its declaration, do not publish either.
         initialised = _OPENED.match(code, end) is not None and _LISTED.search(before) is not None
         if file.python or not (initialised or _declares(file, start, end)):
             yield start

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.declared import Home, evidence
+from kg.extract.declared import Home, evidence, with_slash
 from kg.facts import PluginDefault, PluginSlot
 from kg.holes import hole_of, partition
 from kg.symbolic.values import Sequence, Text, Unknown, Value
@@ -80,23 +80,18 @@ def _named(given: str, parameters: list[Declared]) -> tuple[str | None, str, str
 
     `given` is the parameter with the class of this plugin: `FollowPath.plugin`.
     """
-    given = _clean(given)
+    given = with_slash(given)
     if _ELEMENT in given:
         return given.partition(_ELEMENT)[0], given, None
-    name = next((n for one in parameters if isinstance(n := one.name, Text) and _clean(n.shown) == given), None)
+    name = next((n for one in parameters if isinstance(n := one.name, Text) and with_slash(n.shown) == given), None)
     if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.known is None:
         before, _, after = partition(given, hole_of(name.parameter))
-        return _clean(name.parameter.removesuffix(_ELEMENT)), f"{before}{_ID}{after}", None
+        return with_slash(name.parameter.removesuffix(_ELEMENT)), f"{before}{_ID}{after}", None
     parts = list(_PART.finditer(given))
     for one in sorted(parameters, key=lambda one: not isinstance(one.default, Sequence)):
         for item in one.default.items if isinstance(one.default, Sequence) else (one.default,):
             known = item.known if isinstance(item, Text) else None
             part = next((part for part in parts if part[0] == known), None)
             if part is not None and isinstance(one.name, Text):
-                return _clean(one.name.shown), f"{given[: part.start()]}{_ID}{given[part.end() :]}", known
+                return with_slash(one.name.shown), f"{given[: part.start()]}{_ID}{given[part.end() :]}", known
     return None, given, None
-
-
-def _clean(name: str) -> str:
-    """Return the name of a parameter as parameters are stored: `~/name` for `~name`."""
-    return f"~/{name[1:]}" if name.startswith("~") and not name.startswith("~/") and name != "~" else name

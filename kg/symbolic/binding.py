@@ -6,7 +6,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.symbolic import form
-from kg.symbolic.containers import part_at, rest_of
 from kg.symbolic.values import (
     Either,
     Mapping,
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.symbolic.form import Expression, Function, Parameter
+    from kg.symbolic.language import Language
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Frame
 
@@ -100,13 +100,26 @@ def unpack(machine: Machine, targets: tuple[Expression, ...], value: Value, fram
     star = next((index for index, one in enumerate(targets) if isinstance(one, form.Spread)), None)
     for index, target in enumerate(targets):
         if isinstance(target, form.Spread):
-            part = partial(rest_of, index, count - 1)
+            part = partial(_rest_of, index, count - 1)
             target = target.of  # noqa: PLW2901 - what takes the rest
         elif star is not None:
-            part = partial(part_at, machine.language, number(index if index < star else index - count), None)
+            part = partial(_part_at, machine.language, number(index if index < star else index - count), None)
         else:
-            part = partial(part_at, machine.language, number(index), count)
+            part = partial(_part_at, machine.language, number(index), count)
         machine.assign(target, machine.over((value,), part), frame)
+
+
+def _part_at(language: Language, index: Number, count: int | None, of: Value) -> Value:
+    """Return an element of a collection that is unpacked into `count` targets."""
+    row = language.elements(of)
+    return row[int(index.value)] if len(row) == count else language.element(of, index)
+
+
+def _rest_of(before: int, others: int, of: Value) -> Value:
+    """Return the elements of a collection that `others` targets leave, of which some are before."""
+    if not isinstance(of, Sequence) or of.open or len(of.items) < others:
+        return Unknown("it is the rest of a collection")
+    return Sequence(of.items[before : len(of.items) - others + before])
 
 
 def put(machine: Machine, expression: Expression, value: Value, frame: Frame) -> None:

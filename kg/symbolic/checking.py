@@ -34,7 +34,7 @@ from kg.symbolic.columns import (
 from kg.symbolic.descriptions import agree, shipped
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Generator, Iterable, Iterator, Mapping
 
 
 _WRONG: Final = "KG123"
@@ -91,8 +91,7 @@ def check(files: Mapping[str, str]) -> list[SourceError]:
     errors: list[SourceError] = []
     rows: list[_Row] = []
     for path, text in files.items():
-        found = _read(_File(path, text), errors)
-        rows += found
+        rows += _read(_File(path, text), errors)
     classes = _classes(rows)
     for row in rows:
         errors += _row_errors(row, classes)
@@ -169,22 +168,24 @@ def _row_errors(row: _Row, classes: Mapping[str, str | None]) -> list[SourceErro
 
 def _form_errors(
     row: _Row, content: Mapping[str, Any], forms: Mapping[str, Form], *inside: str
-) -> Iterator[SourceError]:
-    """Yield unknown keys and values of the wrong type."""
+) -> Generator[SourceError, None, bool]:
+    """Yield unknown keys and values of the wrong type; return whether there are any."""
+    wrong = False
     for key, value in content.items():
         place = row.place(*inside, key)
         if key not in forms:
+            wrong = True
             where = f"`{inside[0]}`" if inside else f"[[{row.kind}]]"
             yield _unknown(place, f"`{key}` is not a {'key' if inside else 'column'} of {where}", key, forms)
         elif not forms[key].fits(value):
+            wrong = True
             yield _error(place, f"`{key}` is {value!r}", f"It must be {forms[key].wanted}.")
+    return wrong
 
 
 def _effect_errors(row: _Row, column: str, effect: Mapping[str, Any]) -> Iterator[SourceError]:
     forms = INTERFACE if column in _ROLES else PARAMETER
-    wrong = list(_form_errors(row, effect, forms, column))
-    yield from wrong
-    if wrong:
+    if (yield from _form_errors(row, effect, forms, column)):
         return
     if not {"name", "fixed", "specification"} & set(effect) and not effect.get("listed"):
         hint = "Add `name`, the number of the argument with the name, or `fixed`, the name itself."
@@ -227,9 +228,7 @@ def _word_errors(row: _Row, text: str, words: Mapping[str, str], what: str, *key
 
 def _slot_errors(row: _Row) -> Iterator[SourceError]:
     slot = row.content.get("slot", {})
-    wrong = list(_form_errors(row, slot, SLOT, "slot"))
-    yield from wrong
-    if wrong:
+    if (yield from _form_errors(row, slot, SLOT, "slot")):
         return
     if not {"base", "class", "parameter"} & set(slot) and "slot" in row.content:
         hint = "Add `class`, the number of the argument with the class, `parameter` or `base`."
@@ -261,11 +260,11 @@ def _marks() -> tuple[str, ...]:
 
 def _port_errors(row: _Row) -> Iterator[SourceError]:
     port = row.content.get("port", {})
-    wrong = list(_form_errors(row, port, PORT, "port"))
-    yield from wrong
-    if not wrong and "port" in row.content and "name" not in port:
+    if (yield from _form_errors(row, port, PORT, "port")):
+        return
+    if "port" in row.content and "name" not in port:
         yield _error(row.place("port"), "`port` has no name", "Add `name`, the number of the argument with the name.")
-    for key, value in port.items() if not wrong else ():
+    for key, value in port.items():
         yield from _number_errors(row, value, row.place("port", key))
 
 
@@ -300,9 +299,9 @@ def _class_errors(row: _Row, classes: Mapping[str, str | None]) -> Iterator[Sour
         yield _unknown(row.place("like"), f"`like` names {like}, but no [[class]] describes it", like, classes)
     given = row.content.get("gives", [])
     for one in given if isinstance(given, list) else [given]:
-        wrong = list(_form_errors(row, one, GIVES, "gives"))
-        yield from wrong
-        for key in [key for key in GIVES if key not in one and not wrong]:
+        if (yield from _form_errors(row, one, GIVES, "gives")):
+            continue
+        for key in [key for key in GIVES if key not in one]:
             yield _error(row.place("gives"), f"`gives` has no `{key}`", f"Add `{key}`, {GIVES[key].wanted}.")
 
 
@@ -319,16 +318,13 @@ def _unreachable(rows: Iterable[_Row]) -> Iterator[SourceError]:
         if row.kind == "class":
             for name in row.names:
                 parts = tuple(name.split("::"))
-                earlier = next(
-                    (one for known, one in classes if len(known) <= len(parts) and agree(known, parts)), None
-                )
+                shorter = ((known, one) for known, one in classes if len(known) <= len(parts))
+                earlier = next((one for known, one in shorter if agree(known, parts)), None)
                 if earlier is not None:
                     yield _hidden(row, name, earlier)
                 classes.append((parts, row))
             continue
-        targets = [("on", one) for one in row.content.get("on", ())] + [
-            ("in", one) for one in row.content.get("in", ())
-        ]
+        targets = [(how, one) for how in ("on", "in") for one in row.content.get(how, ())]
         counts = range(row.counts[0], row.counts[1] + 1)
         for name in row.names:
             taken = [_taken(calls, name, target, count, likes) for target in targets for count in counts]

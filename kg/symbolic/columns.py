@@ -36,14 +36,6 @@ def _are_texts(value: object) -> bool:
     return isinstance(value, list) and all(map(_is_text, value))
 
 
-def _are_names(value: object) -> bool:
-    return _is_text(value) or (_are_texts(value) and value != [])
-
-
-def _are_counts(value: object) -> bool:
-    return isinstance(value, list) and _are_indexes(value) and value == sorted(value)
-
-
 def _are_indexes(value: object) -> bool:
     return isinstance(value, list) and len(value) == 2 and all(map(_is_index, value))  # noqa: PLR2004 - a pair
 
@@ -56,17 +48,15 @@ def _are_namespaces(value: object) -> bool:
     return isinstance(value, dict) and all(isinstance(one, str) for one in value.values())
 
 
-def _are_handles(value: object) -> bool:
-    return _are_namespaces(value) and all(key.isdecimal() for key in value)  # type: ignore[attr-defined]  # a dict
-
-
 _INDEX: Final = Form("the number of an argument, from 0", _is_index)
 _COUNT: Final = Form("a whole number", _is_index)
 _TEXT: Final = Form('a text: "name"', _is_text)
 _TEXTS: Final = Form('a list of texts: ["name"]', _are_texts)
-_NAMES: Final = Form("a text or a list of texts", _are_names)
+_NAMES: Final = Form("a text or a list of texts", lambda value: _is_text(value) or (_are_texts(value) and value != []))
 _FLAG: Final = Form("true or false", lambda value: isinstance(value, bool))
-_COUNTS: Final = Form("the fewest and the most arguments: [1, 2]", _are_counts)
+_COUNTS: Final = Form(
+    "the fewest and the most arguments: [1, 2]", lambda value: _are_indexes(value) and value == sorted(value)
+)
 _TABLES: Final = Form("a table of arguments, { name = 0 }, or a list of them", _are_tables)
 _COMMON: Final[Mapping[str, Form]] = {
     "name": _NAMES,
@@ -85,6 +75,7 @@ _COMMON: Final[Mapping[str, Form]] = {
 FILE: Final[Mapping[str, Form]] = {
     "ros": _COMMON["ros"],
     "language": Form('"cpp" or "python"', lambda value: value in LANGUAGES),
+    "silent_methods": _TEXTS,
 }
 """The keys of a file, beside its rows."""
 CALL: Final[Mapping[str, Form]] = {
@@ -118,7 +109,10 @@ CLASS: Final[Mapping[str, Form]] = {
 GIVES: Final[Mapping[str, Form]] = {
     "method": _TEXT,
     "arguments": _COUNT,
-    "handles": Form('namespaces by argument: { 1 = "~" }', _are_handles),
+    "handles": Form(
+        'namespaces by argument: { 1 = "~" }',
+        lambda value: _are_namespaces(value) and all(key.isdecimal() for key in value),
+    ),
 }
 """The keys of `gives`."""
 SLOT: Final[Mapping[str, Form]] = {

@@ -26,7 +26,6 @@ from kg.symbolic.values import (
 
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
-    from kg.symbolic.language import Language
     from kg.symbolic.state import Written
 
 _NAMESPACES: Final = (OWN_NAMESPACE, PARENT_NAMESPACE)
@@ -176,19 +175,6 @@ def grown(written: Written) -> Written:
         if isinstance(value, Sequence) and isinstance(before, Sequence) and len(value.items) > len(before.items):
             found[key] = (holder, name, replace(value, repeated=True))
     return found
-
-
-def part_at(language: Language, index: Number, count: int | None, of: Value) -> Value:
-    """Return an element of a collection that is unpacked into `count` targets."""
-    row = language.elements(of)
-    return row[int(index.value)] if len(row) == count else language.element(of, index)
-
-
-def rest_of(before: int, others: int, of: Value) -> Value:
-    """Return the elements of a collection that `others` targets leave, of which some are before."""
-    if not isinstance(of, Sequence) or of.open or len(of.items) < others:
-        return Unknown("it is the rest of a collection")
-    return Sequence(of.items[before : len(of.items) - others + before])
 
 
 def counted(loop: form.Loop) -> list[Expression]:

@@ -162,6 +162,8 @@ class Descriptions:
     language: str = "cpp"
     calls: dict[str, list[CallDescription]] = field(default_factory=lambda: defaultdict(list))
     classes: dict[str, list[ClassDescription]] = field(default_factory=lambda: defaultdict(list))
+    silent_methods: set[str] = field(default_factory=set)
+    """Methods of publishers that publish nothing."""
     _found: dict[tuple[str, ...], ClassDescription | None] = field(default_factory=dict, repr=False)
 
     def read(self, text: str) -> None:
@@ -170,6 +172,7 @@ class Descriptions:
         if data.get("language", "cpp") != self.language:
             return
         ros = data.get("ros", 0)
+        self.silent_methods.update(data.get("silent_methods", ()))
         for row in data.get("class", ()):
             for name in _names(row):
                 self.classes[name.rpartition("::")[2]].append(_class(name, row, ros))
@@ -227,67 +230,63 @@ def _effects(row: dict[str, Any], ros: int) -> tuple[Effect, ...]:
     return tuple(found)
 
 
-def _call(row: dict[str, Any], ros: int) -> CallDescription:
-    least, most = row.get("arguments", (0, MOST_ARGUMENTS))
-    copies = row.get("copies")
-    return CallDescription(
-        tuple(_names(row)),
-        tuple(row.get("on", ())),
-        tuple(row.get("in", ())),
-        least,
-        most,
-        _effects(row, ros),
-        row.get("node"),
-        row.get("returns"),
-        row.get("node_name"),
-        row.get("mark"),
-        (copies[0], copies[1]) if copies else None,
-        row.get("loads", False),
-        row.get("options", False),
-        tuple(row.get("parameters", ())),
-        row.get("creates"),
-        _slot(row),
-        row.get("registers"),
-        PortDescription(**row["port"]) if "port" in row else None,
-    )
-
-
-def _slot(row: dict[str, Any]) -> SlotDescription | None:
-    given = row.get("slot")
-    return None if given is None else SlotDescription(**{"plugin" if k == "class" else k: v for k, v in given.items()})
-
-
 def _names(row: dict[str, Any]) -> list[str]:
     return row["name"] if isinstance(row["name"], list) else [row["name"]]
 
 
+def _call(row: dict[str, Any], ros: int) -> CallDescription:
+    copies = row.get("copies")
+    return CallDescription(
+        tuple(_names(row)),
+        on=tuple(row.get("on", ())),
+        scopes=tuple(row.get("in", ())),
+        returns=row.get("returns"),
+        copies=(copies[0], copies[1]) if copies else None,
+        loads=row.get("loads", False),
+        creates=row.get("creates"),
+        registers=row.get("registers"),
+        port=PortDescription(**row["port"]) if "port" in row else None,
+        **_common(row, ros),
+    )
+
+
 def _class(name: str, row: dict[str, Any], ros: int) -> ClassDescription:
-    least, most = row.get("arguments", (0, MOST_ARGUMENTS))
     return ClassDescription(
         name,
-        row.get("is", ""),
-        row.get("like"),
-        row.get("node_name"),
-        tuple(row.get("runs", ())),
-        _effects(row, ros),
-        row.get("node"),
-        least,
-        most,
-        row.get("mark"),
-        tuple(
+        is_a=row.get("is", ""),
+        like=row.get("like"),
+        runs=tuple(row.get("runs", ())),
+        gives=tuple(
             (one["method"], one["arguments"], tuple((int(k), v) for k, v in one["handles"].items()))
             for one in row.get("gives", ())
         ),
-        tuple(row.get("members", {}).items()),
-        row.get("unless"),
-        row.get("replaces", False),
-        tuple(row.get("parameters", ())),
-        row.get("namespace"),
-        row.get("detail"),
-        row.get("under"),
-        row.get("options", False),
-        _slot(row),
+        members=tuple(row.get("members", {}).items()),
+        unless=row.get("unless"),
+        replaces=row.get("replaces", False),
+        namespace=row.get("namespace"),
+        detail=row.get("detail"),
+        under=row.get("under"),
+        **_common(row, ros),
     )
+
+
+def _common(row: dict[str, Any], ros: int) -> dict[str, Any]:
+    """Return what calls and classes have both, by the names of the fields."""
+    least, most = row.get("arguments", (0, MOST_ARGUMENTS))
+    slot = row.get("slot")
+    if slot is not None:
+        slot = SlotDescription(**{"plugin" if key == "class" else key: value for key, value in slot.items()})
+    return {
+        "least": least,
+        "most": most,
+        "effects": _effects(row, ros),
+        "node": row.get("node"),
+        "node_name": row.get("node_name"),
+        "mark": row.get("mark"),
+        "options": row.get("options", False),
+        "parameters": tuple(row.get("parameters", ())),
+        "slot": slot,
+    }
 
 
 def shipped(language: str = "cpp") -> Descriptions:
@@ -317,4 +316,5 @@ def merged(texts: tuple[str, ...], language: str = "cpp") -> Descriptions:
         found.calls[name] += calls
     for name, classes in base.classes.items():
         found.classes[name] += classes
+    found.silent_methods |= base.silent_methods
     return found

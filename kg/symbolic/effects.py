@@ -134,6 +134,7 @@ class Framework:
         if found is None:
             outside = self.machine.language.chain(kind)[1]
             found = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
+            # A described class whose sources are in the build is not among the bases outside of them.
             if not found and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
                 found.append(own)
             self._described[key] = found
@@ -502,7 +503,9 @@ class Framework:
         whole = with_node_name(below(namespace_of(owner), name), owner)
         if isinstance(whole, Text) and whole.known == "" and whole.parameter is None:
             return None  # the framework refuses an empty name
-        profile = self._profile(effect, call)
+        given = call.argument(effect.qos)
+        usual = Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
+        profile = qos.profile_of(given) if given is not None else usual
         written = _written(effect, call, stack[-1].given if stack else ())
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
         if effect.camera:
@@ -513,12 +516,6 @@ class Framework:
     def _add(self, declared: Declared) -> None:
         guards = tuple(self.machine.guards)
         self.declared.append(replace(declared, guards=guards) if guards else declared)
-
-    def _profile(self, effect: Effect, call: Invocation) -> Qos | None:
-        given = call.argument(effect.qos)
-        if given is not None:
-            return qos.profile_of(given)
-        return Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
 
     def _specified(self, effect: Effect, owner: Object | None, call: Invocation) -> None:
         """Add the interface of a class: `Message` or `Service`, `name`, `depth`, `reliability`, `durability`."""

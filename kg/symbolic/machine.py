@@ -18,7 +18,6 @@ from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
     chosen,
     compute,
-    for_each,
     literal,
     logical,
     negate,
@@ -68,6 +67,8 @@ MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 MOST_IDLE: Final = 5_000
 """How many steps a loop takes in turns that declare nothing; after that it ends."""
+_MOST_SITES: Final = 12
+"""How many calls on the way to its registration a callback keeps."""
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
@@ -125,15 +126,15 @@ class Machine:
             form.Literal: lambda expression, _: literal(expression),
             form.Name: self._name,
             form.Member: self._member,
-            form.Call: self._call,
-            form.Construct: self._construct,
+            form.Call: partial(self._called, language.call),
+            form.Construct: partial(self._called, language.construct_expression),
             form.Unary: self._unary,
             form.Binary: self._binary,
             form.Choice: self._choice,
             form.Index: self._index,
             form.Display: self._display,
             form.Pairs: self._pairs,
-            form.Lambda: self._lambda,
+            form.Lambda: lambda expression, frame: Closure(expression.function, frame),
             form.Assign: self._assignment,
             form.Opaque: self._opaque,
             form.Type: self._type,
@@ -206,11 +207,22 @@ class Machine:
         while self.queue:
             self.queue.popleft()()
 
-    def schedule(self, key: object, run: Callable[[], object]) -> None:
-        """Run a callback later, once for each key."""
-        if key not in self.queued:
-            self.queued.add(key)
-            self.queue.append(run)
+    def schedule(self, key: object, work: Callable[[], object]) -> None:
+        """Run a callback later, as part of the calls and conditions that lead to it now, once for each key."""
+        if key in self.queued:
+            return
+        stack, guards = self.stack[:_MOST_SITES], list(self.guards)
+
+        def run() -> None:
+            outer = self.stack, self.guards
+            self.stack, self.guards = list(stack), list(guards)
+            try:
+                work()
+            finally:
+                self.stack, self.guards = outer
+
+        self.queued.add(key)
+        self.queue.append(run)
 
     def _block(self, block: form.Block, frame: Frame) -> str | None:
         """Run statements in a row; what they declare hides variables of the same name until the end of the block."""
@@ -391,11 +403,9 @@ class Machine:
             if not holds.value:
                 return None
             ended = self._turn(loop, frame)
-            if ended == "break":
-                return None
             if ended in ("return", "raise"):
                 return ended
-            if self._is_idle(before, begun):
+            if ended == "break" or self._is_idle(before, begun):
                 return None
             if loop.step is not None:
                 self.value(loop.step, frame)
@@ -455,11 +465,9 @@ class Machine:
             if known:
                 ended = self._turn(loop, frame)
                 write_back(self, loop, index, frame)
-                if ended == "break":
-                    return None
                 if ended in ("return", "raise"):
                     return ended
-                if self._is_idle(before, begun):
+                if ended == "break" or self._is_idle(before, begun):
                     return None
             else:
                 self._forget_counters(loop, frame)
@@ -507,17 +515,12 @@ class Machine:
         found = self.over((of,), lambda one: self.language.member(one, expression.name))
         return read_back(found, member_label(expression))
 
-    def _call(self, expression: form.Call, frame: Frame) -> Value:
+    def _called(
+        self, run: Callable[[Any, Frame], Value], expression: form.Call | form.Construct, frame: Frame
+    ) -> Value:
         self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
         try:
-            return self.language.call(expression, frame)
-        finally:
-            self.stack.pop()
-
-    def _construct(self, expression: form.Construct, frame: Frame) -> Value:
-        self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
-        try:
-            return self.language.construct_expression(expression, frame)
+            return run(expression, frame)
         finally:
             self.stack.pop()
 
@@ -541,7 +544,7 @@ class Machine:
             return self.over((held,), lambda one: negate(truth(one)))
         if sign in ("++", "--"):
             change = 1 if sign == "++" else -1
-            new = for_each(held, lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
+            new = over((held,), lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
             self.assign(expression.operand, new, frame)
             return held
         return self.over((held,), negative) if sign == "-" else Unknown("it is computed")
@@ -591,9 +594,6 @@ class Machine:
 
     def _pairs(self, expression: form.Pairs, frame: Frame) -> Value:
         return Mapping(tuple((self.value(key, frame), self.value(value, frame)) for key, value in expression.items))
-
-    def _lambda(self, expression: form.Lambda, frame: Frame) -> Value:
-        return Closure(expression.function, frame)
 
     def _assignment(self, expression: form.Assign, frame: Frame) -> Value:
         target = expression.target
@@ -662,6 +662,7 @@ class Machine:
             return Unknown("it calls itself")
         fruitless = self.fruitless[id(function)]
         handed = any(isinstance(one, (Closure, Bound)) for one in arguments) if fruitless else True
+        # Most code declares nothing. Run at each call, it would take most of the time of an extraction.
         settled = fruitless >= MOST_FRUITLESS or self.barren[id(function)] > MOST_BARREN
         if settled or not (handed or self.language.reaches(function)):
             return self.language.unknown(function.returns, frame, function.name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
-from kg.symbolic.kinds import pointee
+from kg.symbolic.kinds import POINTER_ALIASES, pointee
 from kg.symbolic.state import Frame, Invocation
 from kg.symbolic.values import Bound, Closure, Kind, Object, Text, TypeValue, Value, alternatives
 
@@ -14,21 +14,7 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Function
     from kg.symbolic.language import Language
 
-_SUFFIXES: Final = frozenset(
-    {
-        "SharedPtr",
-        "ConstSharedPtr",
-        "UniquePtr",
-        "ConstUniquePtr",
-        "WeakPtr",
-        "Ptr",
-        "ConstPtr",
-        "Request",
-        "Response",
-        "RequestPtr",
-        "ResponsePtr",
-    }
-)
+_SUFFIXES: Final = POINTER_ALIASES | {"Request", "Response", "RequestPtr", "ResponsePtr"}
 _JOINED: Final = ("ConstPtr", "Ptr", "ConstSharedPtr", "SharedPtr")
 """Suffixes of the types that roscpp generates next to a message: `std_msgs::EmptyConstPtr`."""
 GENERATED: Final = frozenset({"msg", "srv", "action"})

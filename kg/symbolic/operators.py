@@ -30,7 +30,6 @@ from kg.symbolic.values import (
     is_foreign,
     join,
     number,
-    over,
     without_default,
 )
 
@@ -114,11 +113,6 @@ def _without_empty(value: Value, *, text: bool) -> Value:
     if isinstance(value, Text) and value.known == "":
         return Unknown(f"the parameter {value.parameter} is empty by default", value.parameter)
     return value
-
-
-def for_each(value: Value, apply: Callable[[Value], Value]) -> Value:
-    """Apply a function to each alternative of a value, and join the results."""
-    return over((value,), apply)
 
 
 def compute(sign: str, row: tuple[Value, ...]) -> Value:

@@ -111,7 +111,8 @@ class Parameters:
         if kind is None:
             declared = call.declared(effect.output, language) or call.declared(effect.default, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
-        if _is_dynamic(call.argument(effect.descriptor)):
+        descriptor = call.argument(effect.descriptor)
+        if isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True):
             kind = None
         reading = Reading(whole, value, before, default, kind)
         if shown is not None and effect.access is not Access.WRITE and (default is not None or known is None):
@@ -202,10 +203,6 @@ def _stated_type(default: Value | None) -> str | None:
         return None
     word = names[-1].lower()
     return {"integer": "int", "integer_array": "int_array"}.get(word, word) if word != "not_set" else None
-
-
-def _is_dynamic(descriptor: Value | None) -> bool:
-    return isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True)
 
 
 def _is_blank(of: Object) -> bool:

@@ -126,17 +126,14 @@ def _field(qos: Qos, name: str) -> Value | None:
 def construct(made: Object, kind: Kind, arguments: list[Value]) -> None:
     """Initialise a profile as its constructor does."""
     if kind.name == PYTHON_PROFILE:
-        held = zip(_OF_PYTHON, arguments, strict=False)
-        given = {name: value for name, value in held if value is not ABSENT and _may_be(name, value)}
+        given = {name: value for name, value in zip(_OF_PYTHON, arguments, strict=False) if value is not ABSENT}
+        if not isinstance(given.get("depth"), Number):
+            given.pop("depth", None)
         made.fields.update(rmw_profile(replace(_DEFAULT, depth=None)).fields | given)
     elif kind.name == RMW_PROFILE:
         made.fields.update(rmw_profile(Qos()).fields | dict(zip(_FIELDS, arguments, strict=False)))
     else:
         made.native["qos"] = Profile(_constructed(kind.name, arguments))
-
-
-def _may_be(name: str, value: Value) -> bool:
-    return name != "depth" or isinstance(value, Number)
 
 
 def _constructed(name: str, arguments: list[Value]) -> Qos | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from enum import Enum, auto
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar, cast, final
@@ -36,6 +38,7 @@ class _Missing(Enum):
     MISSING = auto()
 
 
+_RECURSION: Final = 20_000
 _MISSING: Final = _Missing.MISSING
 UNSET: Final = Unknown("it has no value")
 _Result = TypeVar("_Result")
@@ -209,6 +212,17 @@ Written: TypeAlias = dict[tuple[int, str], _Entry]
 """The last write to each variable or field: its holder, its name, and its value or `_MISSING`."""
 
 
+@contextmanager
+def deep_recursion() -> Iterator[None]:
+    """Allow the nesting of calls that an interpretation has, until the end of a `with` statement."""
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _RECURSION))
+    try:
+        yield
+    finally:
+        sys.setrecursionlimit(limit)
+
+
 class Journal:
     """Writes to variables and fields, recorded while one side of a branch runs.
 
@@ -259,7 +273,7 @@ class Journal:
         written: Written = {}
         for holder, name, _ in entries:
             written[id(holder), name] = (holder, name, holder.get(name, _MISSING))
-        for holder, name, before in reversed(entries):
+        for holder, name, before in reversed(entries):  # the value before the first write is restored last
             if before is _MISSING:
                 holder.pop(name, None)
             else:

@@ -351,6 +351,7 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
         result = apply(*row)
         pairs = list(paths(result))
         found.append(Either(tuple(item for item, _ in pairs), tuple(own | way for _, own in pairs)))
+    # A single value is joined with itself, as `join` would leave it alone, and its alternatives can be alike.
     return join(*found, found[0]) if found else Unknown("its parts exclude each other")
 
 

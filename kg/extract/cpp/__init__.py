@@ -3,7 +3,7 @@
 `syntax` parses; `expressions`, `statements` and `units` lower one file to the form of `kg.symbolic`. `project` reads
 the files of a package and its includes, and `linking` resolves names across them. `language` gives the interpreter the
 meaning of C++, with `kinds` (types), `calls`, `construction`, `callbacks` and `library` (standard library and Boost).
-`nodes` interprets the entries of a package, and `facts` converts what they declare.
+`nodes` interprets the entries of a package, and `kg.extract.declared` converts what they declare.
 """
 
 from __future__ import annotations

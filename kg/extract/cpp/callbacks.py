@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp.kinds import frame_of, this_of
@@ -33,8 +34,6 @@ _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, Ty
 """Values that are not functions, nor objects with methods."""
 _MOST_PARTS: Final = 64
 """How many objects that belong to one are looked through for what a callback changes."""
-_MOST_SITES: Final = 12
-"""How many calls on the way to its registration a callback keeps."""
 
 
 def closure_frame(called: Closure) -> Frame:
@@ -111,21 +110,12 @@ class Callbacks:
         self._schedule(called, always=True)
 
     def _schedule(self, called: Closure | Bound, *, always: bool = False) -> None:
-        machine = self._language.machine
-        stack, guards = machine.stack[:_MOST_SITES], list(machine.guards)
-
-        def run() -> None:
-            outer = machine.stack, machine.guards
-            machine.stack, machine.guards = list(stack), list(guards)
-            try:
-                self._run(called, always=always)
-            finally:
-                machine.stack, machine.guards = outer
-
+        key: tuple[object, ...]
         if isinstance(called, Closure):
-            machine.schedule((id(called.function), id(this_of(called.frame)), called.captured), run)
+            key = (id(called.function), id(this_of(called.frame)), called.captured)
         else:
-            machine.schedule((called.name, id(called.of), called.functions, called.given), run)
+            key = (called.name, id(called.of), called.functions, called.given)
+        self._language.machine.schedule(key, partial(self._run, called, always=always))
 
     def _is_idle(self, function: Function, this: Value | None) -> bool:
         """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""

@@ -134,7 +134,8 @@ class Calls:
         if names[0].startswith("decltype("):
             of = self._kinds.type_of(form.Name(expression.line, (names[0][9:-1],)), frame)
             if of is not None:
-                known = self._framework_function((*of.names, last), Arguments(values, of.arguments, expression, frame))
+                given = Arguments(values, of.arguments, expression, frame)
+                known = machine.framework.call_function((*of.names, last), given)
                 return known if known is not None else outside(last, values)
         given = Arguments(values, self._kinds.template(function.template, frame), expression, frame)
         this = this_of(frame)
@@ -181,7 +182,7 @@ class Calls:
         found = self._fitting(base, name, given) if base is not None else []
         if found:
             return self._on(this, found, given)
-        known = self._framework_method(this, name, given)
+        known = self._language.machine.framework.call_method(this, name, given)
         return known if known is not None else outside(name, given.values)
 
     def _function(self, function: form.Name, given: Arguments, frame: Frame) -> Value:
@@ -199,14 +200,13 @@ class Calls:
             matching = [one for one in defined if fits(one, len(given.values))]
         if matching:
             return self._invoke([(one, {}) for one in matching], given)
-        known = self._framework_function(names, given)
+        known = language.machine.framework.call_function(names, given)
         if known is None:
             known = library.call(language, names, given)
         if known is not None:
             return known
-        line = given.line
         if last in library.TYPES or last in POINTERS:
-            return language.construct(Kind(names, given.template), given.values, frame, line)
+            return language.construct(Kind(names, given.template), given.values, frame, given.line)
         kind = self._kinds.kind(form.Type(names, function.template), frame)
         if isinstance(kind, Kind) and (
             kind.cls is not None
@@ -214,7 +214,7 @@ class Calls:
             or language.machine.framework.constructs(kind)
             or (not given.values and (kind.names != names or self._is_generated(names, frame)))
         ):
-            return language.construct(kind, given.values, frame, line)
+            return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
@@ -246,7 +246,8 @@ class Calls:
         if given.frame is None:
             return
         for written, value in zip(given.written, given.values, strict=False):
-            if isinstance(written, form.Unary) and written.sign == "&" and _is_plain(value):
+            plain = isinstance(value, Truth | Number) or value == NULL
+            if plain and isinstance(written, form.Unary) and written.sign == "&":
                 put(self._language.machine, written, outside(function, []), given.frame)
             elif isinstance(written, form.Name | form.Member) and _is_empty(value):
                 put(self._language.machine, written, replace(value, open=True), given.frame)
@@ -285,7 +286,7 @@ class Calls:
             return self._on(of, fitting, given)
         node = language.machine.framework.is_node(of)
         if not fitting or node:
-            known = self._framework_method(of, name, given)
+            known = language.machine.framework.call_method(of, name, given)
             if known is not None:
                 return known
         if fitting and node:  # what it creates on a node that was passed in belongs to the caller
@@ -312,6 +313,7 @@ class Calls:
 
     def _on(self, of: Object, found: list[Overload], given: Arguments) -> Value:
         """Run the best overload of a method on an object."""
+        # A method of a class hides those of its bases with the same name, whatever their parameters are.
         nearest = [one for one in found if one[0].owner is found[0][0].owner]
         return self._invoke(nearest, given, of)
 
@@ -345,20 +347,6 @@ class Calls:
                 break
             score += library.likeness(self._language, parameter.type, argument, frame, function.template)
         return score - 0.01 * abs(len(function.parameters) - len(values))
-
-    # Frameworks
-
-    def _framework_method(self, of: Object, name: str, given: Arguments) -> Value | None:
-        framework = self._language.machine.framework
-        return framework.call_method(of, name, given)
-
-    def _framework_function(self, names: tuple[str, ...], given: Arguments) -> Value | None:
-        framework = self._language.machine.framework
-        return framework.call_function(names, given)
-
-
-def _is_plain(value: Value) -> bool:
-    return isinstance(value, Truth | Number) or value == NULL
 
 
 def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:

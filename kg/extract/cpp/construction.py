@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Class, Expression, Field, Function, Type
 
 _DEEPEST: Final = 60
-_MOST_REPEATS: Final = 2
 _PAIR: Final = 2
 _Initialisers: TypeAlias = "dict[str, form.Initialiser]"
 """What a constructor initialises, by name."""
@@ -125,7 +124,7 @@ class Constructions:
         chosen, _ = self._language.calls.overload(candidates, arguments)
         frame = frame_of(chosen, bound, made)
         self._kinds.bind_template(chosen, frame, arguments)
-        if len(machine.stack) > _DEEPEST or machine.running[id(chosen)] >= _MOST_REPEATS:
+        if len(machine.stack) > _DEEPEST or machine.running[id(chosen)] >= machine.most_repeats:
             machine.reached("depth")
             return
         bind(machine, chosen, frame, arguments)
@@ -135,7 +134,7 @@ class Constructions:
         else:
             self._bases(made, cls, own, frame, given)
             self._members(made, cls, own, frame, given)
-        with machine.entered(chosen):
+        with machine.entered(chosen):  # after bases and members, as in C++
             machine.run(chosen.body, frame)
 
     def _aggregate(self, made: Object, cls: Class, own: Frame, arguments: list[Value], *, listed: bool) -> None:

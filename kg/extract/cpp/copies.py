@@ -98,7 +98,9 @@ class Copies:
         copies = {} if copies is None else copies
         if isinstance(value, Object):
             pointer = is_pointer(kind) if kind is not None else value.heap
-            return value if pointer or self._is_shared(value) else self._object(value, copies)
+            described = self._language.machine.framework.described(value.kind) if not pointer else []
+            shared = pointer or any(one.is_a in _SHARED for one in described)
+            return value if shared else self._object(value, copies)
         if isinstance(value, Either):
             return replace(value, items=tuple(self.copied(item, kind, copies) for item in value.items))
         inner = kind.arguments[-1] if kind is not None and kind.arguments and kind.name not in _ROWS else None
@@ -108,9 +110,6 @@ class Copies:
         if isinstance(value, Mapping) and any(isinstance(item, (Object, Sequence, Either)) for _, item in value.items):
             return replace(value, items=tuple((key, self.copied(item, of, copies)) for key, item in value.items))
         return value
-
-    def _is_shared(self, of: Object) -> bool:
-        return any(one.is_a in _SHARED for one in self._language.machine.framework.described(of.kind))
 
     def _object(self, of: Object, copies: dict[int, Object]) -> Object:
         """Return a copy of an object, with copies of the members that it holds itself."""

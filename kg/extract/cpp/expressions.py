@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from kg.extract.cpp import syntax
+from kg.extract.cpp.syntax import line_of
 from kg.symbolic.form import (
     Assign,
     Binary,
@@ -57,16 +58,16 @@ _TYPES: Final = frozenset(
 PREPROCESSED: Final = frozenset({"preproc_if", "preproc_ifdef", "preproc_else", "preproc_elif", "preproc_elifdef"})
 
 
-def line_of(node: Node) -> int:
-    """Return the line where a node begins, from 1."""
-    return int(node.start_point[0]) + 1
+def _without_suffix(written: str) -> str:
+    """Return a number literal of C++ without separators and the suffix of its type."""
+    plain = written.replace("'", "")
+    return plain.rstrip("uUlLzZ" if plain.startswith(("0x", "0X")) else "fFlLuUzZ")
 
 
 def plain_number(written: str) -> float | None:
     """Return the value of a number literal of C++; None where it is none."""
-    plain = written.replace("'", "")
+    plain = _without_suffix(written)
     hexadecimal = plain.startswith(("0x", "0X"))
-    plain = plain.rstrip("uUlLzZ") if hexadecimal else plain.rstrip("fFlLuUzZ")
     try:
         return float(int(plain, 0)) if hexadecimal or not any(c in plain for c in ".eE") else float(plain)
     except ValueError:
@@ -192,24 +193,12 @@ class Expressions:
             names = ("", *names)  # `::name`
         return Name(line_of(node), names, template) if names else self._opaque(node)
 
-    def _string(self, node: Node) -> Expression:
-        return Literal(line_of(node), syntax.literal(node))
-
-    def _strings(self, node: Node) -> Expression:
-        return Binary(line_of(node), "+", self.expressions(syntax.arguments(node)))
-
     def _number(self, node: Node) -> Expression:
         written = syntax.text(node)
         value = plain_number(written)
-        plain = written.replace("'", "")
-        plain = plain.rstrip("uUlLzZ") if plain.startswith(("0x", "0X")) else plain.rstrip("fFlLuUzZ")
-        return Literal(line_of(node), value, plain) if value is not None else Opaque(line_of(node), written)
-
-    def _truth(self, node: Node) -> Expression:
-        return Literal(line_of(node), node.type == "true")
-
-    def _null(self, node: Node) -> Expression:
-        return Literal(line_of(node), None)
+        if value is None:
+            return Opaque(line_of(node), written)
+        return Literal(line_of(node), value, _without_suffix(written))
 
     def _inner(self, node: Node) -> Expression:
         inner = next((child for child in node.named_children if child.type != "comment"), None)
@@ -234,13 +223,15 @@ class Expressions:
         if function is None:
             return self._opaque(node)
         if function.type in ("template_function", "qualified_identifier"):
-            name = syntax.simple_name(function)
-            if name in _CASTS and given:
-                templates = (syntax.arguments(part.template) for part in syntax.parts(function))
+            parts = syntax.parts(function)
+            if given and parts and parts[-1].name in _CASTS:
+                templates = (syntax.arguments(part.template) for part in parts)
                 return self._converted(node, next((one for listed in templates for one in listed), None), given[0])
         if function.type in ("primitive_type", "sized_type_specifier"):
             return Construct(line_of(node), self.type(function), given)
-        return Call(self._callline_of(function), self.expression(function), given)
+        # In a chain of calls over several lines, a call is on the line of its name, not on that of the first one.
+        named = function.child_by_field_name("field") if function.type == "field_expression" else None
+        return Call(line_of(named or function), self.expression(function), given)
 
     def _converted(self, node: Node, to: Node | None, given: Expression) -> Expression:
         """Return the operand of a cast, or a number of a built-in type; other types keep their value."""
@@ -248,13 +239,6 @@ class Expressions:
         if kind is not None and kind.names in (("int",), ("float",), ("double",)):
             return Construct(line_of(node), kind, (given,))
         return given
-
-    def _callline_of(self, function: Node) -> int:
-        """Return the line of the name that is called: in a chain of calls over several lines, not where it begins."""
-        if function.type == "field_expression":
-            named = function.child_by_field_name("field")
-            return line_of(named) if named is not None else line_of(function)
-        return line_of(function)
 
     def arguments(self, node: Node | None) -> tuple[Expression, ...]:
         """Return the forms of an argument list; `"text" MACRO` is one argument."""
@@ -338,9 +322,6 @@ class Expressions:
             return self._opaque(node)
         return Index(line_of(node), self.expression(of), self.expression(given[0]))
 
-    def _list(self, node: Node) -> Expression:
-        return Display(line_of(node), self.arguments(node))
-
     def _pair(self, node: Node) -> Expression:
         value = node.child_by_field_name("value")
         designator = node.child_by_field_name("designator")
@@ -394,9 +375,6 @@ class Expressions:
         sides = [node.child_by_field_name(name) for name in ("left", "right")]
         return Binary(line_of(node), ",", self.expressions(side for side in sides if side is not None))
 
-    def _as_type(self, node: Node) -> Expression:
-        return self.type(node)
-
     def knows(self, node: Node) -> bool:
         """Return whether a node is an expression."""
         return node.type in self._lowered
@@ -409,16 +387,15 @@ class Expressions:
         "dependent_name": _name,
         "type_identifier": _plain,
         "this": lambda _, node: Name(line_of(node), ("this",)),
-        "string_literal": _string,
-        "raw_string_literal": _string,
-        "char_literal": _string,
+        **dict.fromkeys(
+            ("string_literal", "raw_string_literal", "char_literal"),
+            lambda _, node: Literal(line_of(node), syntax.literal(node)),
+        ),
         "user_defined_literal": _user_defined,
-        "concatenated_string": _strings,
+        "concatenated_string": lambda self, node: Binary(line_of(node), "+", self.expressions(syntax.arguments(node))),
         "number_literal": _number,
-        "true": _truth,
-        "false": _truth,
-        "null": _null,
-        "nullptr": _null,
+        **dict.fromkeys(("true", "false"), lambda _, node: Literal(line_of(node), node.type == "true")),
+        **dict.fromkeys(("null", "nullptr"), lambda _, node: Literal(line_of(node), None)),
         "parenthesized_expression": _inner,
         "condition_clause": _inner,
         "parameter_pack_expansion": _inner,
@@ -433,14 +410,12 @@ class Expressions:
         "assignment_expression": _assignment,
         "conditional_expression": _conditional,
         "subscript_expression": _subscript,
-        "initializer_list": _list,
+        "initializer_list": lambda self, node: Display(line_of(node), self.arguments(node)),
         "initializer_pair": _pair,
         "compound_literal_expression": _compound,
         "lambda_expression": _lambda,
         "comma_expression": _comma,
-        "template_type": _as_type,
-        "type_descriptor": _as_type,
-        "primitive_type": _as_type,
+        **dict.fromkeys(("template_type", "type_descriptor", "primitive_type"), lambda self, node: self.type(node)),
         "delete_expression": lambda _, node: Opaque(line_of(node), "delete"),
         "sizeof_expression": lambda _, node: Opaque(line_of(node), "sizeof"),
     }

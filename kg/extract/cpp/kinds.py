@@ -251,7 +251,7 @@ class Kinds:
             return known
         classes: list[tuple[Class, dict[str, Value]]] = []
         outside: list[Kind] = []
-        self._chains[key] = (classes, outside)
+        self._chains[key] = (classes, outside)  # before they are filled, since a base can name the class itself
         pending = [kind]
         while pending and len(classes) < _MOST_BASES:
             current = pending.pop(0)

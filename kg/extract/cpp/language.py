@@ -14,7 +14,6 @@ from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
-from kg.symbolic.kinds import pointee
 from kg.symbolic.state import Alias, Frame
 from kg.symbolic.values import (
     OUTSIDE,
@@ -42,8 +41,6 @@ if TYPE_CHECKING:
     from kg.extract.cpp.units import Macro
     from kg.symbolic.form import Class, Expression, Field, Function, Type
     from kg.symbolic.machine import Machine
-
-__all__ = ["Cpp", "pointee"]
 
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
 _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})

@@ -9,14 +9,13 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import tokens
-from kg.extract.cpp.tokens import STREAMS
 from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
-from kg.symbolic.operators import compute, for_each, negate
+from kg.symbolic.operators import compute, negate
 from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
     LENGTH,
@@ -42,6 +41,7 @@ from kg.symbolic.values import (
     concatenate,
     join,
     number,
+    over,
     read_back,
     worse,
 )
@@ -52,23 +52,8 @@ if TYPE_CHECKING:
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression, Type
 
-__all__ = [
-    "CONSTANTS",
-    "MAPS",
-    "STREAMS",
-    "TEXTS",
-    "TYPES",
-    "as_constant",
-    "call",
-    "construct",
-    "formatted",
-    "likeness",
-    "method",
-    "stored",
-    "type_of",
-]
-
 TEXTS: Final[frozenset[str]] = frozenset({"string", "basic_string", "string_view", "path", "String", "QString"})
+STREAMS: Final = tokens.STREAMS
 NPOS: Final = number(float(2**64 - 1))
 """What a search in a text returns that finds nothing: `std::string::npos`."""
 CONSTANTS: Final = {
@@ -127,6 +112,7 @@ _CHANGERS: Final = _ADDERS | {"append", "operator+=", "assign", "clear", "erase"
 _HOLDERS: Final = frozenset({"optional", "variant", "any"})
 """Templates whose objects hold one object, which `emplace` constructs."""
 _CASES: Final[dict[str, Callable[[str], str]]] = {"to_lower_copy": str.lower, "to_upper_copy": str.upper}
+_CLEARED: Final[dict[type, Value]] = {Sequence: Sequence(()), Mapping: Mapping(()), Text: Text.of("")}
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
 _PAIR: Final = 2
 _RANGE: Final = 3
@@ -326,7 +312,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         called = _bind(values[1:]) if len(values) > _PAIR else values[1]
         return language.calls.value(called, Arguments([], frame=given.frame))
     if name in _CASES:
-        return for_each(values[0], partial(_cased, change=_CASES[name]))
+        return over((values[0],), partial(_cased, change=_CASES[name]))
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
@@ -440,10 +426,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name == "empty" and not isinstance(of, Unknown):
         return _empty(of)
     if name in ("find", "count", "contains") and isinstance(of, (Mapping, Sequence)) and values:
-        found = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else None
-        return (
-            Unknown("it is searched") if found is None or isinstance(found, Unknown) else Sequence((values[0], found))
-        )
+        found = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else Unknown("it is searched")
+        return Unknown("it is searched") if isinstance(found, Unknown) else Sequence((values[0], found))
     if name == "substr" and isinstance(of, Text):
         return _slice(of, values)
     if name in ("rfind", "find_last_of") and values == [Text.of("/")] and _is_namespace(of):
@@ -509,12 +493,8 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
         return concatenate(of, *values[:1])
     if name == "assign" and values:
         return values[0]
-    if name == "clear" and isinstance(of, Sequence):
-        return Sequence(())
-    if name == "clear" and isinstance(of, Mapping):
-        return Mapping(())
-    if name == "clear" and isinstance(of, Text):
-        return Text.of("")
+    if name == "clear" and type(of) in _CLEARED:
+        return _CLEARED[type(of)]
     if name == "reset":
         return values[0] if values else Unknown("it is null")
     if name in ("initRT", "writeFromNonRT", "store", "set") and len(values) == 1 and isinstance(of, Unknown):

@@ -27,6 +27,8 @@ _IMPLEMENTATION: Final = re.compile(r"(?:^|[/_-])(?:impl|inl|implementation)[/_.
 """The paths of files with the bodies of templates."""
 _OF_FRAMEWORKS: Final = frozenset({"ros", "rclcpp", "rclcpp_action", "rclcpp_lifecycle", "nodelet", "tf", "tf2_ros"})
 """Namespaces whose meaning the descriptions of calls give."""
+_HEADERS: Final = (".h", ".hpp", ".hh", ".hxx", ".yaml", ".yml")
+"""Endings of headers, and of the YAML files of which some are made."""
 _SNAKE: Final = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
@@ -59,7 +61,7 @@ class Linker:
             if unit is None:
                 return None
             self.units[file] = unit
-            for kind, names in unit.names.items() if not _is_header(unit.path) else ():
+            for kind, names in unit.names.items() if not unit.path.endswith(_HEADERS) else ():
                 for name in names:
                     self._bodies[kind, name].append(unit)
             for name in unit.methods:
@@ -301,10 +303,6 @@ def _rank(at: _Scope, wanted: _Scope, scope: _Scope, unit: Unit) -> float | None
     if wanted and at[-len(wanted) :] == wanted:
         return 1.0
     return 0.5 if not wanted else None
-
-
-def _is_header(path: str) -> bool:
-    return path.endswith((".h", ".hpp", ".hh", ".hxx", ".yaml", ".yml"))
 
 
 def _classes(unit: CppUnit, name: str) -> list[tuple[_Scope, Class]]:

@@ -8,18 +8,18 @@ each class that declares interfaces is an entry.
 from __future__ import annotations
 
 import re
-import sys
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, cast
 
-from kg.extract.buildmodel import BuildModel, PluginClass, Registration, Target, TargetKind
+from kg.extract.buildmodel import BuildModel, PluginClass, Registration, Target, TargetKind, last_part
 from kg.extract.cpp import syntax
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
+from kg.extract.cpp.syntax import line_of
 from kg.extract.cpp.units import CppClass, CppUnit
-from kg.extract.declared import bounds_of, facts_of, mark_of
+from kg.extract.declared import bounds_of, facts_of, mark_of, name_of
 from kg.extract.manifests import read_build
 from kg.extract.marks import Extracted, Mark
 from kg.extract.slots import slots_of
@@ -30,7 +30,7 @@ from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
 from kg.symbolic.names import NODE_NAME
-from kg.symbolic.state import Arguments, Frame, Site
+from kg.symbolic.state import Arguments, Frame, Site, deep_recursion
 from kg.symbolic.trees import FACTORY, Registered
 from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
 
@@ -69,21 +69,15 @@ _BASES: Final = {"Nodelet": Registration.NODELET}
 _ROS2: Final = 2
 _COMMON: Final = 6
 """The length of names of calls that occur in most sources."""
-_RECURSION: Final = 20_000
 _STARTING: Final = (("rclcpp", "init"), ("rclcpp", "spin"), ("rclcpp", "shutdown"))
 """Functions that declare nothing, of which programs consist that only start a node."""
 
 
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
     """Return the nodes in the C++ of a package; no content of the sources raises an error."""
-    limit = sys.getrecursionlimit()
-    sys.setrecursionlimit(max(limit, _RECURSION))
     project = Project(reader, package, build, calls)
-    try:
+    with deep_recursion(), closing(project):
         return _Nodes(project, build, calls).read()
-    finally:
-        project.close()
-        sys.setrecursionlimit(limit)
 
 
 class _Nodes:
@@ -128,20 +122,21 @@ class _Nodes:
         words = [word.encode() for word in self._calls.calls if len(word) > _COMMON]
         for file in self._project.sources():
             unit = self._project.unit(file) if "/test" not in file.path else None
-            for cls in [cls for listed in unit.classes.values() for cls in listed] if unit is not None else ():
+            classes = [cls for listed in unit.classes.values() for cls in listed] if unit is not None else []
+            for cls in classes:
                 if isinstance(cls, CppClass) and cls.abstract:
                     continue
-                with self._program([file]) as (machine, language, framework):
+                with self._program([file]) as language:
                     methods = (f for listed in language.linker.methods(cls).values() for f in listed)
                     units = {cls.unit, *(method.unit for method in methods)}
                     sources = [cast("CppUnit", one).source for one in units]
                     if not any(word in source for source in sources for word in words):
                         continue
-                    root, _ = self._started(machine, language, framework, cls)
+                    root, _ = self._started(language, cls)
                     node = NodeType(
                         cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,)
                     )
-                    extracted = self._extracted(framework, node, root)
+                    extracted = self._extracted(language.machine.framework, node, root)
                     found += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
         return found
 
@@ -160,22 +155,22 @@ class _Nodes:
         return [self._project.own(path) for path in dict.fromkeys(paths)]
 
     @contextmanager
-    def _program(self, files: list[FilePath]) -> Iterator[tuple[Machine, Cpp, Framework]]:
+    def _program(self, files: list[FilePath]) -> Iterator[Cpp]:
         """Interpret some files, until the end of a `with` statement.
 
-        The three parts refer to each other. Emptied, they are freed at once: the collector of cycles would take a
-        tenth of the time of extraction to find them.
+        Language, machine and framework refer to each other. Emptied, they are freed at once: the collector of cycles
+        would take a tenth of the time of extraction to find them.
         """
         language = Cpp(Linker(self._project, files))
         framework = Framework(self._calls)
         machine = Machine(language, framework)
         language.machine = framework.machine = machine
-        yield machine, language, framework
+        yield language
         for part in (machine, language, framework):
             vars(part).clear()
 
     def _executable(self, target: Target, plugins: list[PluginClass]) -> list[Extracted]:
-        with self._program(self._files(target)) as (machine, language, framework):
+        with self._program(self._files(target)) as language:
             own = [unit for unit in (language.linker.load(self._project.own(path)) for path in target.sources) if unit]
             units = own + [unit for unit in language.linker.units.values() if unit not in own]
             mains = [f for unit in units for f in unit.functions.get("main", ()) if not f.scope]
@@ -190,11 +185,13 @@ class _Nodes:
                 return [replace(component, node=_as_executable(component.node, node))]
             if not self._project.reach.reaches(main):
                 return []
+            machine = language.machine
             machine.stack.append(Site(main.unit, main.line))
             arguments: list[Value] = [Unknown("it is the number of arguments", "argc"), COMMAND_LINE]
             machine.invoke(main, Frame(main.unit, ()), arguments[: len(main.parameters)])
             machine.drain()
-            return [*self._extracted(framework, node, None), *self._of_trees(framework, self._files(target))]
+            alone = self._extracted(machine.framework, node, None)
+            return [*alone, *self._of_trees(machine.framework, self._files(target))]
 
     def _component(self, main: Function, language: Cpp, plugins: list[PluginClass]) -> Extracted | None:
         """Return the component that declares all that a program declares; None if there is none."""
@@ -203,49 +200,44 @@ class _Nodes:
         if not isinstance(meant, Kind) or meant.cls is None:
             return None
         for plugin in plugins:
-            if _last(plugin.type) == meant.name:
+            if last_part(plugin.type) == meant.name:
                 self.plugin(plugin)
         return self._alone.get(meant.cls)
 
     def _plugins(self) -> Iterator[PluginClass]:
         """Yield the classes registered in the build files, then those registered in code only."""
-        known = set()
-        for plugin in self.build.plugins:
-            known.add(_last(plugin.type))
-            yield plugin
+        yield from self.build.plugins
+        known = {last_part(plugin.type) for plugin in self.build.plugins}
         for file in self._project.sources():
-            for word in _EXPORTS:
-                if self._project.contains(file, word.encode()):
-                    yield from self._registered(file, word, known)
-            if self._project.contains(file, b'extern "C"'):
-                yield from self._made(file, known)
+            for plugin in self._registered(file):
+                if last_part(plugin.type) not in known:
+                    known.add(last_part(plugin.type))
+                    yield plugin
 
-    def _made(self, file: FilePath, known: set[str]) -> Iterator[PluginClass]:
-        """Yield the classes that a library creates in functions for a program that loads it by `dlopen`."""
-        unit = self._project.unit(file)
-        for match in _MAKER.finditer(unit.source) if unit is not None else ():
+    def _registered(self, file: FilePath) -> Iterator[PluginClass]:
+        """Yield the classes that a file registers by macros, or creates in functions for a program that loads it."""
+        words = [word for word in _EXPORTS if self._project.contains(file, word.encode())]
+        makes = self._project.contains(file, b'extern "C"')
+        unit = self._project.unit(file) if words or makes else None
+        if unit is None:
+            return
+        for word in words:
+            for call in unit.registrations:
+                function = call.child_by_field_name("function")
+                given = syntax.arguments(call.child_by_field_name("arguments"))
+                if not given or function is None or syntax.text(function) != word:
+                    continue
+                shown = [syntax.text(argument) for argument in given]
+                kind = shown[min(_EXPORTS[word], len(shown) - 1)]
+                base = shown[1 if "ADD_PLUGIN" in word else -1] if len(shown) > 1 else None
+                registration = _BASES.get(last_part(base or ""), Registration.PLUGIN)
+                if word == "RCLCPP_COMPONENTS_REGISTER_NODE":
+                    registration = Registration.COMPONENT
+                yield PluginClass(kind, kind, registration, Location(file.path, line_of(call)), base_type=base)
+        for match in _MAKER.finditer(unit.source) if makes else ():
             base, kind = (name.decode() for name in match.groups())
-            if _last(kind) not in known:
-                known.add(_last(kind))
-                place = Location(file.path, unit.source.count(b"\n", 0, match.start()) + 1 if unit is not None else 0)
-                yield PluginClass(kind, kind, Registration.PLUGIN, place, base_type=base)
-
-    def _registered(self, file: FilePath, word: str, known: set[str]) -> Iterator[PluginClass]:
-        unit = self._project.unit(file)
-        for call in unit.registrations if unit is not None else ():
-            function = call.child_by_field_name("function")
-            given = syntax.arguments(call.child_by_field_name("arguments"))
-            if not given or function is None or syntax.text(function) != word:
-                continue
-            shown = [syntax.text(argument) for argument in given]
-            kind = shown[min(_EXPORTS[word], len(shown) - 1)]
-            base = shown[1 if "ADD_PLUGIN" in word else -1] if len(shown) > 1 else None
-            component = word == "RCLCPP_COMPONENTS_REGISTER_NODE"
-            registration = Registration.COMPONENT if component else _BASES.get(_last(base or ""), Registration.PLUGIN)
-            if _last(kind) not in known:
-                known.add(_last(kind))
-                place = Location(file.path, int(call.start_point[0]) + 1)
-                yield PluginClass(kind, kind, registration, place, base_type=base)
+            place = Location(file.path, unit.source.count(b"\n", 0, match.start()) + 1)
+            yield PluginClass(kind, kind, Registration.PLUGIN, place, base_type=base)
 
     def plugin(self, plugin: PluginClass) -> list[Extracted]:
         """Return the node of a registered class; none if the class is not found."""
@@ -255,12 +247,12 @@ class _Nodes:
 
     def _read_plugin(self, plugin: PluginClass) -> list[Extracted]:
         for files in self._libraries(plugin):
-            with self._program(files) as (machine, language, framework):
+            with self._program(files) as language:
                 cls = self._class(language.linker, plugin.type)
                 if cls is None:
                     continue
-                root, complete = self._started(machine, language, framework, cls, plugin.registration)
-                name = plugin.executable or _last(plugin.name)
+                root, complete = self._started(language, cls, plugin.registration)
+                name = plugin.executable or last_part(plugin.name)
                 place = Location(cls.unit.path, cls.line)
                 node = NodeType(
                     name,
@@ -274,6 +266,7 @@ class _Nodes:
                     sources=_sources_of(language, cls),
                     exported=plugin.location,
                 )
+                framework = language.machine.framework
                 found = self._extracted(framework, node, root)
                 if found and complete and found[0].node.node_name is not None:
                     self._alone[cls] = found[0]
@@ -285,8 +278,8 @@ class _Nodes:
         """Yield the nodes of behavior trees that a file registers and that have interfaces."""
         target = next((one for one in self.build.targets if file.path in one.sources), None)
         files = self._files(target) if target is not None else [file]
-        with self._program([file, *(one for one in files if one != file)]) as (machine, language, framework):
-            unit = language.linker.load(file)
+        with self._program([file, *(one for one in files if one != file)]) as language:
+            machine, unit = language.machine, language.linker.load(file)
             for function in unit.functions.get(_TREE_NODES, ()) if unit is not None else ():
                 frame = Frame(function.unit, function.scope)
                 kind = function.parameters[0].type if function.parameters else None
@@ -294,7 +287,7 @@ class _Nodes:
                 machine.stack.append(Site(function.unit, function.line))
                 machine.invoke(function, frame, [])
                 machine.stack.pop()
-            yield from self._of_trees(framework, files)
+            yield from self._of_trees(machine.framework, files)
 
     def _of_trees(self, framework: Framework, files: list[FilePath]) -> Iterator[Extracted]:
         """Yield the nodes of behavior trees that a run registered, each once, and that have interfaces."""
@@ -306,9 +299,9 @@ class _Nodes:
 
     def _tree_node(self, registered: Registered, name: str, files: list[FilePath]) -> list[Extracted]:
         """Return a node of behavior trees, created as its factory does."""
-        with self._program(files) as (machine, language, framework):
+        with self._program(files) as language:
             site = registered.stack[-1]
-            machine.stack.append(site)
+            language.machine.stack.append(site)
             given: list[Value] = [Text.of(name), Unknown("it is the configuration of the node")]
             if registered.kind is not None:
                 language.calls.value(Bound("providedPorts", registered.kind), Arguments([]))
@@ -322,7 +315,7 @@ class _Nodes:
             cls = root.kind.cls if isinstance(root, Object) else None
             if not isinstance(root, Object) or cls is None:
                 return []
-            self._run_from_outside(machine, language, root, node=False)
+            self._run_from_outside(language, root, node=False)
             node = NodeType(
                 name,
                 NodeKind.PLUGIN,
@@ -334,22 +327,17 @@ class _Nodes:
                 sources=_sources_of(language, cls),
                 exported=Location(site.unit.path, site.line),
             )
-            return [one for one in self._extracted(framework, node, root) if one.node.interfaces]
+            found = self._extracted(language.machine.framework, node, root)
+            return [one for one in found if one.node.interfaces]
 
-    def _started(
-        self,
-        machine: Machine,
-        language: Cpp,
-        framework: Framework,
-        cls: Class,
-        registration: Registration | None = None,
-    ) -> tuple[Object, bool]:
+    def _started(self, language: Cpp, cls: Class, registration: Registration | None = None) -> tuple[Object, bool]:
         """Create an object of a class, and run the methods that its loader may call.
 
         Return the object, and whether it declared everything while it was created without arguments.
         A registered class gets its default arguments; a class of a library gets unknown ones. The loader of a nodelet
         calls virtual methods only, as that of a node.
         """
+        machine, framework = language.machine, language.machine.framework
         loaded, nodelet = registration is not None, registration is Registration.NODELET
         kind = Kind((*cls.scope, cls.name), (), cls)
         frame = Frame(cls.unit, (*cls.scope, cls.name))
@@ -368,13 +356,14 @@ class _Nodes:
         framework.constructed(root)
         machine.drain()
         before = (framework.results(), list(framework.declared))
-        self._run_from_outside(machine, language, root, node=nodelet or framework.host is root)
+        self._run_from_outside(language, root, node=nodelet or framework.host is root)
         return root, not given and before == (framework.results(), framework.declared)
 
-    def _run_from_outside(self, machine: Machine, language: Cpp, root: Object, *, node: bool) -> None:
+    def _run_from_outside(self, language: Cpp, root: Object, *, node: bool) -> None:
         """Run the methods of an object that its loader may call, except for those on which no effect depends."""
+        machine = language.machine
         machine.drain()
-        described = bool(language.machine.framework.described(root.kind))
+        described = bool(machine.framework.described(root.kind))
         names = _called_from_outside(language, root.kind, node=node, described=described)
         pending = {name: function for name in names for function, _ in language.methods(root.kind, name)[:1]}
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
@@ -398,7 +387,7 @@ class _Nodes:
         for target in self.build.targets:
             if plugin.library is not None and _library(plugin.library) in (target.name, target.output_name):
                 yield self._files(target)
-        pattern = _last(plugin.type).encode()
+        pattern = last_part(plugin.type).encode()
         sources = [file for file in self._project.sources() if "/test" not in file.path]
         yield [file for file in sources if self._project.contains(file, pattern)]
 
@@ -459,7 +448,7 @@ class _Nodes:
             declared = [one for one in declared if _belongs(one.node, root)]
             loadings = [one for one in loadings if _belongs(one.node, root)]
         ros = _version(framework)
-        named = _name(framework, root)
+        named = name_of(framework, [root] if root is not None else framework.nodes)
         interfaces, parameters = facts_of(declared, self._project, ros, named or node.name)
         loaded_interfaces, loaded_parameters = self._loaded(framework)
         interfaces, parameters = (*interfaces, *loaded_interfaces), (*parameters, *loaded_parameters)
@@ -538,14 +527,6 @@ def _version(framework: Framework) -> int:
     return _ROS2 if second else 1
 
 
-def _name(framework: Framework, root: Object | None) -> str | None:
-    """Return the name that the code gives to a node; None if it gives none."""
-    named = [value.known for value in framework.node_names if isinstance(value, Text)]
-    objects = [root] if root is not None else framework.nodes
-    own = [held.known for one in objects if isinstance(held := one.native.get("name"), Text)]
-    return next((name for name in (*own, *named) if name), None)
-
-
 def _remappings(value: Value) -> Iterator[tuple[str, str]]:
     for key, given in value.items if isinstance(value, Mapping) else ():
         old, new = (one.known if isinstance(one, Text) else None for one in (key, given))
@@ -595,10 +576,7 @@ def _belongs(owner: Object | None, root: Object | None) -> bool:
     return False
 
 
-def _last(name: str) -> str:
-    return name.replace(" ", "").rpartition("::")[2].rpartition("/")[2]
-
-
 def _library(path: str) -> str:
+    """Return the name of the library at a path: `lib/libfoo` or `foo`."""
     name = path.rpartition("/")[2]
-    return name.removeprefix("lib") if path.startswith(("lib/lib", "lib")) else name
+    return name.removeprefix("lib") if path.startswith("lib") else name

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, ClassVar, Final
 from tree_sitter import Node, Query
 
 from kg.extract.cpp import syntax
-from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
+from kg.extract.cpp.expressions import PREPROCESSED, Expressions
+from kg.extract.cpp.syntax import line_of
 from kg.symbolic.form import (
     Assign,
     Binary,
@@ -95,9 +96,6 @@ class Statements:
             after = self._source[node.end_byte : rest.end_byte].decode(errors="replace")
             switched = re.search(rf"\b{re.escape(one.name)}\s*=(?!=)", after) is not None
         return Static(one.line, one.name, one.type, one.value, switched)
-
-    def _compound_statement(self, node: Node) -> list[Statement]:
-        return [self.block(node)]
 
     def _expression_statement(self, node: Node) -> list[Statement]:
         inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
@@ -293,15 +291,6 @@ class Statements:
         inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)
         return [Return(line_of(node), self._expressions.expression(inner) if inner is not None else None)]
 
-    def _break(self, node: Node) -> list[Statement]:
-        return [Jump(line_of(node), "break")]
-
-    def _continue(self, node: Node) -> list[Statement]:
-        return [Jump(line_of(node), "continue")]
-
-    def _throw(self, node: Node) -> list[Statement]:
-        return [Jump(line_of(node), "raise")]
-
     def _try(self, node: Node) -> list[Statement]:
         handlers = [self.block(one.child_by_field_name("body")) for one in syntax.of_type(node, "catch_clause")]
         return [Try(line_of(node), self.block(node.child_by_field_name("body")), tuple(handlers))]
@@ -315,13 +304,10 @@ class Statements:
             inside += self.statement(otherwise)
         return inside
 
-    def _labelled(self, node: Node) -> list[Statement]:
-        return self._statements(node.named_children)
-
     _lowered: ClassVar[dict[str, Callable[[Statements, Node], Sequence[Statement]]]] = {
         "alias_declaration": _alias,
         "type_definition": _alias,
-        "compound_statement": _compound_statement,
+        "compound_statement": lambda self, node: [self.block(node)],
         "expression_statement": _expression_statement,
         "declaration": _declaration,
         "if_statement": _if,
@@ -331,11 +317,11 @@ class Statements:
         "do_statement": _while,
         "switch_statement": _switch,
         "return_statement": _return,
-        "break_statement": _break,
-        "continue_statement": _continue,
-        "throw_statement": _throw,
+        "break_statement": lambda _, node: [Jump(line_of(node), "break")],
+        "continue_statement": lambda _, node: [Jump(line_of(node), "continue")],
+        "throw_statement": lambda _, node: [Jump(line_of(node), "raise")],
         "try_statement": _try,
-        "labeled_statement": _labelled,
+        "labeled_statement": lambda self, node: self._statements(node.named_children),
         **dict.fromkeys(PREPROCESSED, _preprocessed),
     }
 

@@ -62,6 +62,11 @@ def text(node: Node) -> str:
     return raw.decode("utf-8", "replace") if raw else ""
 
 
+def line_of(node: Node) -> int:
+    """Return the line where a node begins, from 1."""
+    return int(node.start_point[0]) + 1
+
+
 def arguments(node: Node | None) -> list[Node]:
     """Return the expressions of an argument list, an initialiser list or a template argument list.
 
@@ -74,22 +79,6 @@ def arguments(node: Node | None) -> list[Node]:
         elif child.type not in _NO_ARGUMENTS:
             found.append(child)
     return found
-
-
-def simple_name(node: Node) -> str:
-    """Return the last word of a name or type, without scope and template arguments."""
-    for _ in range(_DEEPEST):
-        inner: Node | None = None
-        if node.type in ("qualified_identifier", "template_type", "template_function", "template_method"):
-            inner = node.child_by_field_name("name")
-        elif node.type == "type_descriptor":
-            inner = node.child_by_field_name("type")
-        elif node.type in ("dependent_name", "dependent_type"):
-            inner = node.named_children[0] if node.named_children else None
-        if inner is None:
-            return text(node)
-        node = inner
-    return text(node)
 
 
 def of_type(node: Node | None, *kinds: str) -> list[Node]:
@@ -132,6 +121,12 @@ def _part(node: Node) -> Part:
         name = node.child_by_field_name("name")
         return Part(text(name) if name is not None else "", node.child_by_field_name("arguments"))
     return Part(text(node))
+
+
+def simple_name(node: Node) -> str:
+    """Return the last word of a name or type, without scope and template arguments."""
+    found = parts(node)
+    return found[-1].name if found else text(node)
 
 
 def declared_name(declarator: Node | None) -> Node | None:

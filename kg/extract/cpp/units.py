@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
-from kg.extract.cpp.expressions import PREPROCESSED, Expressions, line_of
+from kg.extract.cpp.expressions import PREPROCESSED, Expressions
 from kg.extract.cpp.preparing import prepared
 from kg.extract.cpp.statements import Statements
+from kg.extract.cpp.syntax import line_of
 from kg.symbolic.form import Block, Class, Declare, Field, Function, Initialiser, Parameter, Type, Unit
 
 if TYPE_CHECKING:
@@ -224,7 +225,9 @@ class CppUnit(Unit):
         self.expressions = Expressions(self)
         self._statements = Statements(self.expressions, self.source)
         self._read(syntax.parse(self.source).root_node, ())
-        self._add_local_namespaces()
+        for name, target in _NAMESPACE_ALIAS.findall(self.source):
+            if name.decode() not in self.namespaces:  # in the body of a function, which is not read before it runs
+                self._add_namespace(name, target, ())
         self.includes = included(self.source)
         """The paths that it includes, as written, with their lines."""
         self.names: dict[str, Collection[str]] = {
@@ -319,12 +322,6 @@ class CppUnit(Unit):
         meant = tuple(part for part in re.sub(r"\s", "", target.decode()).split("::") if part)
         if (scope, meant) not in self.namespaces[name.decode()]:
             self.namespaces[name.decode()].append((scope, meant))
-
-    def _add_local_namespaces(self) -> None:
-        """Add the aliases in bodies of functions, which are not read before they run."""
-        for name, target in _NAMESPACE_ALIAS.findall(self.source):
-            if name.decode() not in self.namespaces:
-                self._add_namespace(name, target, ())
 
     def _adapter(self, call: Node) -> None:
         """Read the macro that states which message a type stands for."""
@@ -553,7 +550,7 @@ class CppUnit(Unit):
         body = f"void kg_macro() {{ {macro.text} }}"
         if not _is_statements(macro.text):
             body = f"auto kg_macro() {{ return {macro.text}; }}"
-        source = b"\n" * (line - 1) + body.encode()
+        source = b"\n" * (line - 1) + body.encode()  # so that what it declares is at the line that uses it
         statements = Statements(Expressions(self), source)
         definition = next(iter(syntax.of_type(syntax.parse(source).root_node, "function_definition")), None)
         block = statements.block(definition.child_by_field_name("body") if definition is not None else None)

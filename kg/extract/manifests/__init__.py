@@ -35,8 +35,11 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
             found.setdefault((plugin.name, plugin.base_type), plugin)
     plugins = collected.run_alone([*collected.plugins, *found.values()])
     setup = read_setup(reader, package)
+    # Of dynamic_reconfigure are also the files of the folder `cfg` that CMake does not list.
+    folder = package.join("cfg/")
+    configurations = (entry.path for entry in package.files if entry.kind is FileKind.CONFIG)
+    own = (path for path in configurations if path.startswith(folder) and path.endswith(".cfg"))
     scripts = read_scripts(reader, package, collected.programs, setup.scripts.values())
-    reconfigure = dict.fromkeys([*collected.reconfigure_files, *_cfg_files(package)])
     return BuildModel(
         targets=collected.finished(),
         plugins=tuple(plugins),
@@ -44,17 +47,7 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         entry_points=tuple(setup.entry_points.values()),
         programs=tuple(collected.program_names),
         parameter_libraries=(*collected.parameter_libraries, *setup.parameter_modules),
-        reconfigure_files=tuple(reconfigure),
+        reconfigure_files=tuple(dict.fromkeys([*collected.reconfigure_files, *own])),
         ros=manifest.package.ros,
         absent=collected.absent,
     )
-
-
-def _cfg_files(package: PackageFolder) -> list[str]:
-    """Return the files of the folder `cfg`, where dynamic_reconfigure has its own, whether CMake lists them or not."""
-    folder = package.join("cfg/")
-    return [
-        e.path
-        for e in package.files
-        if e.kind is FileKind.CONFIG and e.path.startswith(folder) and e.path.endswith(".cfg")
-    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import posixpath
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
@@ -104,16 +105,7 @@ class _Targets:
     def __init__(self, model: Collected) -> None:
         self.model = model
 
-    def add_executable(self, run: Run, words: list[str]) -> None:
-        self._add(run, words, TargetKind.EXECUTABLE)
-
-    def add_library(self, run: Run, words: list[str]) -> None:
-        self._add(run, words, TargetKind.LIBRARY)
-
-    def add_test_target(self, run: Run, words: list[str]) -> None:
-        self._add(run, words, TargetKind.TEST)
-
-    def _add(self, run: Run, words: list[str], kind: TargetKind) -> None:
+    def add(self, run: Run, words: list[str], kind: TargetKind) -> None:
         name = strip_generators(words[0]) if words else ""
         if not name or "IMPORTED" in words[1:4]:
             return
@@ -188,9 +180,8 @@ class _Targets:
         """rclcpp_components_register_node(target PLUGIN class EXECUTABLE name)."""
         target = self._known(words)
         values = dict(zip(words[1::2], words[2::2], strict=False))
-        plugin = values.get("PLUGIN")
-        if plugin:
-            self._component(run, words[0], plugin, values.get("EXECUTABLE"), target)
+        if values.get("PLUGIN"):
+            self._component(run, words[0], values["PLUGIN"], values.get("EXECUTABLE"), target)
 
     def register_nodes(self, run: Run, words: list[str]) -> None:
         """rclcpp_components_register_nodes(target class...)."""
@@ -247,9 +238,8 @@ class _Targets:
 
     def install_programs(self, run: Run, words: list[str]) -> None:
         """install(PROGRAMS file... RENAME name) and catkin_install_python(PROGRAMS file...)."""
-        files = _until_keyword(words[1:])
         rename = words[words.index("RENAME") + 1] if "RENAME" in words[:-1] else None
-        for written in files:
+        for written in _until_keyword(words[1:]):
             path = run.files.locate(strip_generators(written), run.folder)
             name = rename or posixpath.basename(written)
             if words[0] == "PROGRAMS" and name and "$" not in name:
@@ -291,10 +281,10 @@ def target_handlers(model: Collected) -> dict[str, Callable[[Run, list[str]], No
     """Return the handlers that fill `model`, by command in lower case."""
     targets = _Targets(model)
     return {
-        "add_executable": targets.add_executable,
-        "add_library": targets.add_library,
+        "add_executable": partial(targets.add, kind=TargetKind.EXECUTABLE),
+        "add_library": partial(targets.add, kind=TargetKind.LIBRARY),
         "kg_plugin_executable": targets.plugin_executable,
-        "kg_add_test": targets.add_test_target,
+        "kg_add_test": partial(targets.add, kind=TargetKind.TEST),
         "target_sources": targets.target_sources,
         "target_link_libraries": targets.target_link_libraries,
         "ament_target_dependencies": targets.target_link_libraries,
@@ -350,9 +340,7 @@ def _entrances(files: CMakeFiles, folder: PackageFolder) -> list[str]:
     path = folder.join("CMakeLists.txt")
     if files.exists(path) or folder.manifest:
         return [path] if files.exists(path) else []
-    found = sorted(
-        (e.path for e in folder.files if e.path.endswith("/CMakeLists.txt")), key=lambda path: path.count("/")
-    )
+    found = [entry.path for entry in folder.files if entry.path.endswith("/CMakeLists.txt")]
     tops: list[str] = []
     for path in sorted(found, key=lambda path: path.count("/")):
         if not any(path.startswith(posixpath.dirname(top) + "/") for top in tops):

@@ -94,17 +94,14 @@ class _Parser:
         following = self.tokens[self.position + 1 : self.position + 3]
         if token.text in _UNARY and not token.quoted and following:
             self.position += 2
-            return self._test(token.text, following[0])
+            name = following[0].text
+            defined = name in self.scope.variables and name not in self.scope.uncertain
+            return True if token.text == "POLICY" or (token.text == "DEFINED" and defined) else None
         if following and following[0].text in _BINARY and not following[0].quoted:
             self.position += 3
             return self._compare(token, following[0].text, following[1]) if len(following) > 1 else None
         self.position += 1
         return self._truth(token)
-
-    def _test(self, test: str, token: Token) -> bool | None:
-        if test == "DEFINED" and token.text in self.scope.variables and token.text not in self.scope.uncertain:
-            return True
-        return True if test == "POLICY" else None
 
     def _truth(self, token: Token) -> bool | None:
         upper = token.text.upper()
@@ -122,7 +119,8 @@ class _Parser:
     def _compare(self, left: Token, how: str, right: Token) -> bool | None:
         one, other = self._value(left), self._value(right)
         if how == "IN_LIST":
-            return _in_list(self._value(left), self.scope, right.text)
+            known = right.text in self.scope.variables and right.text not in self.scope.uncertain
+            return one in split_list(self.scope.variables[right.text]) if one is not None and known else None
         if one is None or other is None:
             return None
         if how == "MATCHES":
@@ -130,7 +128,10 @@ class _Parser:
         if how.startswith("VERSION_"):
             return _compare_versions(one, how.removeprefix("VERSION_"), other)
         if how in _ORDER:
-            return _compare_numbers(one, how, other)
+            try:
+                return _ORDER[how](float(one), float(other))
+            except ValueError:
+                return None
         return {"STRLESS": one < other, "STRGREATER": one > other}.get(how, one == other)
 
     def _value(self, token: Token) -> str | None:
@@ -145,24 +146,10 @@ class _Parser:
         return bool(found) and token.text in (found, "catkin_LIBRARIES")
 
 
-def _in_list(element: str | None, scope: Scope, name: str) -> bool | None:
-    if element is None or name in scope.uncertain or name not in scope.variables:
-        return None
-    return element in split_list(scope.variables[name])
-
-
-def _compare_numbers(one: str, how: str, other: str) -> bool | None:
-    try:
-        return _ORDER[how](float(one), float(other))
-    except ValueError:
-        return None
-
-
 def _compare_versions(one: str, how: str, other: str) -> bool | None:
     versions = [[int(part[:9]) for part in re.findall(r"\d+", text)] for text in (one, other)]
     if not versions[0] or not versions[1]:
         return None
     width = max(map(len, versions))
     first, second = (version + [0] * (width - len(version)) for version in versions)
-    ranks = {True: 1.0, False: 0.0}
-    return _ORDER[how](ranks[first > second], ranks[second > first])
+    return _ORDER[how](float(first > second), float(second > first))

@@ -381,7 +381,10 @@ class CMakeFiles:
         """Return the statements of a CMake file; None, and a problem, when it cannot be read."""
         if path not in self._parsed:
             text = self.reader.read(path)
-            self._parsed[path] = None if text is None else _parse(self.reader, path, text)
+            statements, faults = parse(text.decode("utf-8", "replace")) if text is not None else (None, [])
+            for fault in faults:
+                self.reader.problem("KG117", fault.message, path, fault.line)
+            self._parsed[path] = statements
         return self._parsed[path]
 
     def locate(self, written: str, base: str) -> str | None:
@@ -445,15 +448,10 @@ class CMakeFiles:
         """Return the macro or function `name` of this package, of one found, of the build, or of the known ones."""
         key = (name, len(self.packages))
         if key not in self._definitions:
-            self._definitions[key] = self._find_definition(name)
+            libraries = map(self._library, (self.package.name, *self.packages))
+            found = next((library[name] for library in libraries if name in library), None)
+            self._definitions[key] = found or _known_macros().get(name)
         return self._definitions[key]
-
-    def _find_definition(self, name: str) -> Definition | None:
-        for package in (self.package.name, *self.packages):
-            library = self._library(package)
-            if name in library:
-                return library[name]
-        return _known_macros().get(name)
 
     def _library(self, package: str) -> dict[str, Definition]:
         """Return the macros and functions in the `.cmake` files of a package of the build."""
@@ -468,13 +466,6 @@ class CMakeFiles:
                     for name, definition in _definitions(text, base).items():
                         library.setdefault(name, definition)
         return self._libraries[package]
-
-
-def _parse(reader: Reader, path: str, text: bytes) -> list[Statement]:
-    statements, faults = parse(text.decode("utf-8", "replace"))
-    for fault in faults:
-        reader.problem("KG117", fault.message, path, fault.line)
-    return statements
 
 
 @lru_cache(_REMEMBERED)

@@ -50,7 +50,10 @@ def replace_all(written: str, replacement: str, text: str) -> str:
         return text
 
     def fill(match: re.Match[str]) -> str:
-        return re.sub(r"\\(\d)", lambda number: _group(match, int(number[1])), replacement)
+        groups = (match[0], *match.groups(""))
+        return re.sub(
+            r"\\(\d)", lambda found: groups[int(found[1])] if int(found[1]) < len(groups) else "", replacement
+        )
 
     return pattern.sub(fill, text)
 
@@ -58,10 +61,6 @@ def replace_all(written: str, replacement: str, text: str) -> str:
 def keep_matching(written: str, items: list[str], *, wanted: bool) -> list[str]:
     """Return the items that the expression matches, or those that it does not; all where it is not run."""
     return [item for item in items if matches(written, item) in {wanted, None}]
-
-
-def _group(match: re.Match[str], number: int) -> str:
-    return (match[number] or "") if number <= len(match.groups()) else ""
 
 
 LONGEST_VALUE: Final = 200_000

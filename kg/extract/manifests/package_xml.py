@@ -116,9 +116,9 @@ def read_package_xml(reader: Reader, folder: PackageFolder) -> Manifest:
         description=_text(root, "description"),
         format=int(attribute) if (attribute := str(root.get("format", "1"))).isdecimal() else None,
         build_type=_build_type(dependencies, exports),
-        licenses=tuple(filter(None, (_flat(element) for element in _all(root, "license")))),
+        licenses=tuple(filter(None, (flat_text(element) for element in _all(root, "license")))),
         people=tuple(_people(root)),
-        urls=tuple((str(e.get("type", "website")), text) for e in _all(root, "url") if (text := _flat(e))),
+        urls=tuple((str(e.get("type", "website")), text) for e in _all(root, "url") if (text := flat_text(e))),
         dependencies=dependencies,
         deprecated=next((text or "yes" for tag, _, text, _ in exports if tag == "deprecated"), None),
         also=next(iter(versions - {ros}), None),
@@ -141,27 +141,27 @@ def _all(root: _Element, tag: str) -> Iterator[_Element]:
     return (element for element in root if element.tag == tag)
 
 
-def _flat(element: _Element) -> str:
+def flat_text(element: _Element) -> str:
     """Return the text of an element and its children, white space folded."""
     return " ".join("".join(str(part) for part in element.itertext("*")).split())
 
 
 def _text(root: _Element, tag: str) -> str | None:
-    return next((text for element in _all(root, tag) if (text := _flat(element))), None)
+    return next((text for element in _all(root, tag) if (text := flat_text(element))), None)
 
 
 def _people(root: _Element) -> Iterator[Person]:
     for role in ("maintainer", "author"):
         for element in _all(root, role):
             email = element.get("email")
-            yield Person(_flat(element) or str(email or ""), str(email) if email else None, role)
+            yield Person(flat_text(element) or str(email or ""), str(email) if email else None, role)
 
 
 def _dependencies(root: _Element) -> Iterator[tuple[str | None, Dependency]]:
     """Yield the dependencies with their conditions."""
     for element in root:
         if element.tag in _DEPENDENCIES:
-            name = _flat(element)
+            name = flat_text(element)
             if name:
                 yield element.get("condition"), Dependency(name, str(element.tag), line_of(element))
 
@@ -172,7 +172,7 @@ def _exports(root: _Element) -> Iterator[tuple[str | None, Export]]:
         for element in export:
             if not callable(element.tag):
                 attributes = {str(key): str(value) for key, value in element.attrib.items()}
-                yield element.get("condition"), (str(element.tag), attributes, _flat(element), line_of(element))
+                yield element.get("condition"), (str(element.tag), attributes, flat_text(element), line_of(element))
 
 
 def _under(ros: int, conditional: Iterable[tuple[str | None, _Any]]) -> Iterator[_Any]:
@@ -240,7 +240,7 @@ def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:
         for element in _all(root, "depend")
         if (name := element.get("package") or element.get("stack"))
     )
-    authors = next((_flat(element) for element in _all(root, "author")), "")
+    authors = next((flat_text(element) for element in _all(root, "author")), "")
     package = Package(
         name=folder.name,
         path=folder.path,
@@ -250,7 +250,7 @@ def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:
         build_type="rosbuild",
         licenses=tuple(part.strip() for part in (_text(root, "license") or "").split(",") if part.strip()),
         people=tuple(Person(name, role="author") for part in authors.split(",") if (name := part.strip())),
-        urls=tuple(("website", text) for element in _all(root, "url") if (text := _flat(element))),
+        urls=tuple(("website", text) for element in _all(root, "url") if (text := flat_text(element))),
         dependencies=depends,
     )
     return Manifest(package, tuple(_under(1, _exports(root))))

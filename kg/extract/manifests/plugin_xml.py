@@ -7,6 +7,7 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, Target
+from kg.extract.manifests.package_xml import flat_text
 from kg.facts import FileKind, Location
 from kg.xmltext import line_of, parse_xml
 
@@ -59,8 +60,7 @@ def read_plugin_file(reader: Reader, path: str, targets: Iterable[Target]) -> It
     if result.root is None or result.root.tag not in _ROOTS:
         return
     names = {name: target.name for target in targets for name in (target.name, target.output_name) if name}
-    libraries = result.root.iter("library")
-    for library in libraries:
+    for library in result.root.iter("library"):
         name = _library(str(library.get("path") or ""), names)
         for element in library.iter("class"):
             found = _plugin(element, name, path)
@@ -82,9 +82,6 @@ def _plugin(element: _Element, library: str | None, path: str) -> PluginClass | 
         return None
     base = str(element.get("base_class_type") or element.get("base_class") or "").strip() or None
     description = element.find("description")
-    words = (
-        " ".join("".join(str(part) for part in description.itertext("*")).split()) if description is not None else ""
-    )
     return PluginClass(
         name=str(element.get("name") or kind).strip(),
         type=kind,
@@ -92,7 +89,7 @@ def _plugin(element: _Element, library: str | None, path: str) -> PluginClass | 
         location=Location(path, line_of(element)),
         base_type=base,
         library=library,
-        description=words or None,
+        description=(flat_text(description) or None) if description is not None else None,
     )
 
 

@@ -11,10 +11,11 @@ from kg.facts import FileKind, Location
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.corpus.files import FileEntry, PackageFolder
+    from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
 
 _FOLDERS: Final = frozenset({"scripts", "script", "nodes", "bin"})
+"""Folders in which ROS packages keep their programs, whether these are marked as executable or not."""
 
 
 def read_scripts(
@@ -32,18 +33,18 @@ def read_scripts(
     taken = {script.path for script in scripts}
     scripts.extend(script for script in declared if script.path not in taken)
     taken |= {script.path for script in scripts}
-    marked = (entry for entry in folder.files if entry.kind is FileKind.PYTHON and _may_run(entry))
+    of_python = (entry for entry in folder.files if entry.kind is FileKind.PYTHON)
+    marked = (
+        entry
+        for entry in of_python
+        if entry.executable or posixpath.basename(posixpath.dirname(entry.path)) in _FOLDERS
+    )
     scripts.extend(
         Script(posixpath.basename(entry.path), entry.path, Location(entry.path, 1))
         for entry in marked
         if entry.path not in taken and has_python_shebang(reader.read(entry.path))
     )
     return scripts
-
-
-def _may_run(entry: FileEntry) -> bool:
-    """Return whether a file is marked as a program: executable, or in a folder where ROS packages keep theirs."""
-    return entry.executable or posixpath.basename(posixpath.dirname(entry.path)) in _FOLDERS
 
 
 def _is_python(reader: Reader, path: str) -> bool:

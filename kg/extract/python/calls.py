@@ -29,7 +29,7 @@ from kg.symbolic.values import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
     from collections.abc import Mapping as Names
 
     from kg.extract.python.language import Python
@@ -37,13 +37,22 @@ if TYPE_CHECKING:
 
 _DEEPEST: Final = 60
 _MOST_REPEATS: Final = 2
-_MOST_SITES: Final = 12
-"""How many calls on the way to its registration a callback keeps."""
-_CLASS: Final = "__class__"
+CLASS: Final = "__class__"
+"""The name under which the frame of a method has the class that defines it."""
 _TYPES: Final = ("msg_type", "srv_type")
 """The names of the first parameter of methods of nodes that create interfaces."""
 _PLAIN: Final = frozenset({"builtins", "abc", "enum", "typing", "object", "collections", "dataclasses"})
 """Packages whose classes call no methods of those that derive from them."""
+_PUBLIC: Final[dict[tuple[str, ...], tuple[str, ...]]] = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
+_SEVERAL: Final = {"py_trees_ros": frozenset({"ToBlackboard", "FromBlackboard", "FromConstant"})}
+"""Classes whose names several modules of a package give, so that the module is a part of the name."""
+
+
+def public(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the name of a class or function by its package and its own name: `rclpy.Node` of `rclpy.node.Node`."""
+    if len(names) < 2 or names[-1] in _SEVERAL.get(names[0], ()):  # noqa: PLR2004 - a package and a name
+        return names
+    return _PUBLIC.get(names, (names[0], names[-1]))
 
 
 class Calls:
@@ -135,7 +144,7 @@ class Calls:
         if this is None:
             made.this = called.frame.this
         if function.owner is not None:
-            made.types[_CLASS] = TypeValue(Kind(("class",), cls=function.owner))
+            made.types[CLASS] = TypeValue(Kind(("class",), cls=function.owner))
         return made
 
     def method(self, of: Value, name: str, given: Arguments, written: Expression | None = None) -> Value:
@@ -183,8 +192,6 @@ class Calls:
 
     def outside(self, called: TypeValue, given: Arguments) -> Value:
         """Call a function or construct a class that is not in the sources."""
-        from kg.extract.python.language import public  # noqa: PLC0415 - each needs the other
-
         language, names = self._language, called.kind.names
         framework = language.machine.framework
         if names[-1] == "__init__" and given.values and isinstance(given.values[0], Object):
@@ -226,8 +233,9 @@ class Calls:
             for base in outside:
                 machine.framework.construct_base(made, base, given)
         machine.framework.constructed(made)
-        if not hosted and any(self._calls_back(base) for base in outside):
-            self._open(made)
+        if not hosted and any(map(self._calls_back, outside)):
+            methods = dict.fromkeys(name for cls, _ in chain for name in cls.methods)
+            self.escape([language.of_object(made, name) for name in methods if not name.startswith("_")])
         return made
 
     def _initialise(self, called: Closure, given: Arguments) -> None:
@@ -246,11 +254,6 @@ class Calls:
         """Check whether a base outside of the sources may call any method of the classes that derive from it."""
         framework = self._language.machine.framework
         return base.names[0] not in _PLAIN and not framework.constructs(base) and not base.name.endswith("Exception")
-
-    def _open(self, made: Object) -> None:
-        """Schedule the methods of an object that code outside of the sources may call."""
-        names = dict.fromkeys(name for cls, _ in self._language.chain(made.kind)[0] for name in cls.methods)
-        self.escape([self._language.of_object(made, name) for name in names if not name.startswith("_")])
 
     # Callbacks
 
@@ -283,28 +286,14 @@ class Calls:
         """Schedule the creation of an object of a class by code outside of the sources."""
         for one in alternatives(value):
             if isinstance(one, TypeValue) and one.kind.cls is not None:
-                self._later((one.kind.cls, "create"), partial(self.construct, one.kind, Arguments([])))
+                work = partial(self.construct, one.kind, Arguments([]))
+                self._language.machine.schedule((one.kind.cls, "create"), work)
 
     def _schedule(self, called: Closure) -> None:
         self._callbacks.register(called)
         owners = tuple(id(one) for one in called.bound if isinstance(one, Object))
         key = (id(called.function), owners or id(called.frame.this))
-        self._later(key, partial(self._invoke, called, Arguments([])))
-
-    def _later(self, key: object, work: Callable[[], object]) -> None:
-        """Schedule work as part of the calls that lead to it, once for each key."""
-        machine = self._language.machine
-        stack, guards = machine.stack[:_MOST_SITES], list(machine.guards)
-
-        def run() -> None:
-            outer = machine.stack, machine.guards
-            machine.stack, machine.guards = list(stack), list(guards)
-            try:
-                work()
-            finally:
-                machine.stack, machine.guards = outer
-
-        machine.schedule(key, run)
+        self._language.machine.schedule(key, partial(self._invoke, called, Arguments([])))
 
 
 def _last(function: form.Name | form.Member) -> str:
@@ -313,7 +302,7 @@ def _last(function: form.Name | form.Member) -> str:
 
 def _super(arguments: list[Value], frame: Frame) -> Value:
     """Return what `super()` and `super(Class, self)` give: the object, seen as one of the bases behind a class."""
-    after = arguments[0] if arguments else frame.bound_type(_CLASS)
+    after = arguments[0] if arguments else frame.bound_type(CLASS)
     of = arguments[1] if len(arguments) > 1 else next((one.this for one in frame.outward() if one.this), None)
     if not isinstance(of, Object) or not isinstance(after, TypeValue):
         return Unknown("it is not known what super() means")

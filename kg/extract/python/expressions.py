@@ -98,12 +98,6 @@ class Expressions:
 
     # Names and literals
 
-    def _identifier(self, node: Node) -> Expression:
-        return Name(line_of(node), (code(node),))
-
-    def _constant(self, node: Node) -> Expression:
-        return Literal(line_of(node), {"true": True, "false": False}.get(node.type))
-
     def _number(self, node: Node) -> Expression:
         written = code(node)
         plain = written.rstrip("lL").replace("_", "")
@@ -155,7 +149,7 @@ class Expressions:
 
     def _field(self, node: Node) -> tuple[Expression, str]:
         parts = {child.type: child for child in node.named_children}
-        value = self.expression(node.named_children[0] if node.named_child_count else None)
+        value = self.expression(_first(node))
         specification = parts.get("format_specifier")
         if specification is not None and specification.named_child_count:
             return Opaque(line_of(node), code(node)[:_SHOWN], (value,)), ""
@@ -176,9 +170,6 @@ class Expressions:
             minus, rest = ("", held.written[1:]) if held.written.startswith("-") else ("-", held.written)
             return Literal(line_of(node), -held.value, f"{minus}{rest}")
         return Unary(line_of(node), sign, held)
-
-    def _not(self, node: Node) -> Expression:
-        return Unary(line_of(node), "not", self.expression(node.child_by_field_name("argument")))
 
     def _comparison(self, node: Node) -> Expression:
         line, held = line_of(node), self._all(node.named_children)
@@ -233,7 +224,7 @@ class Expressions:
         return Call(line_of(node), function, tuple(given), tuple(named))
 
     def _splat(self, node: Node) -> Expression:
-        return Spread(line_of(node), self.expression(node.named_children[0] if node.named_child_count else None))
+        return Spread(line_of(node), self.expression(_first(node)))
 
     # Collections
 
@@ -269,7 +260,7 @@ class Expressions:
             statement = Step(line, Assign(line, result, Display(line, (self.expression(body),)), "+"))
         for clause in reversed(node.named_children):
             if clause.type == "if_clause":
-                condition = self.expression(clause.named_children[0] if clause.named_child_count else None)
+                condition = self.expression(_first(clause))
                 statement = If(line, ((condition, Block(line, (statement,))),))
             elif clause.type == "for_in_clause":
                 over = self.expression(clause.child_by_field_name("right"))
@@ -325,9 +316,6 @@ class Expressions:
         target = self.expression(node.child_by_field_name("name"))
         return Assign(line_of(node), target, self.expression(node.child_by_field_name("value")))
 
-    def _inner(self, node: Node) -> Expression:
-        return self.expression(node.named_children[0] if node.named_child_count else None)
-
     def _yield(self, node: Node) -> Expression:
         """Return the addition of what a generator yields to the list of all that it yields."""
         line, given = line_of(node), _children(node)
@@ -335,17 +323,18 @@ class Expressions:
         value = self.expression(given[0]) if given else Literal(line, None)
         return Call(line, Member(line, Name(line, (YIELDED,)), "extend" if several else "append"), (value,))
 
-    def _effects(self, node: Node) -> Expression:
-        return Opaque(line_of(node), code(node)[:_SHOWN], self._all(node.named_children))
-
     _lowered: ClassVar[dict[str, Callable[[Expressions, Node], Expression]]] = {
-        "identifier": _identifier,
-        **dict.fromkeys(("true", "false", "none"), _constant),
+        "identifier": lambda _, node: Name(line_of(node), (code(node),)),
+        "true": lambda _, node: Literal(line_of(node), True),
+        "false": lambda _, node: Literal(line_of(node), False),
+        "none": lambda _, node: Literal(line_of(node), None),
         **dict.fromkeys(("integer", "float"), _number),
         **dict.fromkeys(("string", "concatenated_string"), _string),
         **dict.fromkeys(("binary_operator", "boolean_operator"), _binary),
         "unary_operator": _unary,
-        "not_operator": _not,
+        "not_operator": lambda self, node: Unary(
+            line_of(node), "not", self.expression(node.child_by_field_name("argument"))
+        ),
         "comparison_operator": _comparison,
         "conditional_expression": _conditional,
         "attribute": _attribute,
@@ -360,14 +349,21 @@ class Expressions:
         ),
         "lambda": _lambda,
         "named_expression": _walrus,
-        **dict.fromkeys(("await", "as_pattern_target"), _inner),
-        **dict.fromkeys(("exec_statement", "chevron"), _effects),
+        **dict.fromkeys(("await", "as_pattern_target"), lambda self, node: self.expression(_first(node))),
+        **dict.fromkeys(
+            ("exec_statement", "chevron"),
+            lambda self, node: Opaque(line_of(node), code(node)[:_SHOWN], self._all(node.named_children)),
+        ),
         "yield": _yield,
     }
 
 
 def _children(node: Node | None) -> list[Node]:
     return [child for child in node.named_children if child.type != "comment"] if node is not None else []
+
+
+def _first(node: Node) -> Node | None:
+    return node.named_children[0] if node.named_child_count else None
 
 
 def _decoded(prefix: str, body: str) -> str:

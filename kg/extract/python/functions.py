@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import paths, texts
@@ -52,14 +53,6 @@ def is_open(of: Value) -> bool:
     return isinstance(of, Sequence | Mapping) and of.open
 
 
-def _first(values: list[Value]) -> Value:
-    return values[0] if values else _COMPUTED
-
-
-def _string(values: list[Value]) -> Value:
-    return concatenate(texts.stringified(values[0])) if values else Text.of("")
-
-
 def _listed(values: list[Value]) -> Value:
     """`list(x)`, `tuple(x)`, `set(x)`."""
     if not values:
@@ -78,11 +71,10 @@ def countable(value: Value) -> list[Value] | None:
 
 
 def _zip(values: list[Value]) -> Value:
-    columns = [countable(value) for value in values]
-    known = [column for column in columns if column is not None]
-    if len(known) != len(columns):
+    columns = [column for value in values if (column := countable(value)) is not None]
+    if len(columns) < len(values):
         return _COMPUTED
-    return Sequence(tuple(Sequence(row) for row in zip(*known, strict=False)))
+    return Sequence(tuple(Sequence(row) for row in zip(*columns, strict=False)))
 
 
 def _range(values: list[Value]) -> Value:
@@ -104,23 +96,15 @@ def _length(values: list[Value]) -> Value:
     return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
 
 
-def _evaluated(values: list[Value]) -> Value:
-    return values[0] if values and isinstance(values[0], Truth | Number) else _COMPUTED
-
-
 def _join_names(values: list[Value]) -> Value:
     """The joins of names; a private name starts again."""
     private = [index for index, one in enumerate(values) if isinstance(one, Text) and one.shown.startswith("~")]
     return paths.joined(values[private[-1] if private else 0 :])
 
 
-def _path(apply: Callable[[Text], Value]) -> Callable[[list[Value]], Value]:
-    """Return a function of one path."""
-
-    def called(values: list[Value]) -> Value:
-        return apply(as_text(values[0])) if values else _COMPUTED
-
-    return called
+def _of_path(values: list[Value], apply: Callable[[Text], Value]) -> Value:
+    """Return the result of a function of one path."""
+    return apply(as_text(values[0])) if values else _COMPUTED
 
 
 def _typed(kind: str) -> Callable[[list[Value]], Value]:
@@ -132,16 +116,6 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
         return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
 
     return apply
-
-
-def _whole(values: list[Value]) -> Value:
-    """`int(x)`."""
-    return _converted(values, lambda value: number(int(value)))
-
-
-def _floating(values: list[Value]) -> Value:
-    """`float(x)`."""
-    return _converted(values, lambda value: Number(float(value), repr(float(value))))
 
 
 def _converted(values: list[Value], convert: Callable[[str | float], Value]) -> Value:
@@ -222,21 +196,23 @@ def _chain(values: list[Value]) -> Value:
 
 def _product(values: list[Value]) -> Value:
     """`itertools.product(*x)`."""
-    columns = [countable(value) for value in values]
-    known = [column for column in columns if column is not None]
-    if len(known) < len(columns) or math.prod(map(len, known)) > _MOST_ITEMS:
+    columns = [column for value in values if (column := countable(value)) is not None]
+    if len(columns) < len(values) or math.prod(map(len, columns)) > _MOST_ITEMS:
         return _COMPUTED
-    return Sequence(tuple(Sequence(row) for row in itertools.product(*known)))
+    return Sequence(tuple(Sequence(row) for row in itertools.product(*columns)))
 
 
 FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
     **{f"builtins.{name}": _listed for name in ("list", "tuple", "set", "frozenset", "iter")},
-    **{f"builtins.{name}": _string for name in ("str", "unicode", "repr")},
+    **dict.fromkeys(
+        ("builtins.str", "builtins.unicode", "builtins.repr"),
+        lambda values: concatenate(texts.stringified(values[0])) if values else Text.of(""),
+    ),
     **{f"builtins.{name}": _range for name in ("range", "xrange")},
     **dict.fromkeys(("builtins.zip", "itertools.izip"), _zip),
     "builtins.len": _length,
-    "builtins.int": _whole,
-    "builtins.float": _floating,
+    "builtins.int": lambda values: _converted(values, lambda value: number(int(value))),
+    "builtins.float": lambda values: _converted(values, lambda value: Number(float(value), repr(float(value)))),
     "builtins.bool": _truth,
     "builtins.abs": _absolute,
     "builtins.reversed": _reversed,
@@ -247,10 +223,12 @@ FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
     "builtins.any": _all_of(False),
     "itertools.chain": _chain,
     "itertools.product": _product,
-    **dict.fromkeys(("rospy.numpy_msg.numpy_msg", "copy.copy", "copy.deepcopy"), _first),
-    "ast.literal_eval": _evaluated,
+    **dict.fromkeys(
+        ("rospy.numpy_msg.numpy_msg", "copy.copy", "copy.deepcopy"), lambda values: values[0] if values else _COMPUTED
+    ),
+    "ast.literal_eval": lambda values: values[0] if values and isinstance(values[0], Truth | Number) else _COMPUTED,
     "collections.defaultdict": lambda values: Mapping((), default=values[0] if values else None),
-    **{name: _path(apply) for name, apply in paths.FUNCTIONS.items()},
+    **{name: partial(_of_path, apply=apply) for name, apply in paths.FUNCTIONS.items()},
     **{f"pathlib.{name}": paths.joined for name in ("Path", "PurePath", "PosixPath")},
     **dict.fromkeys(("os.path.join", "posixpath.join"), paths.joined),
     **{f"{package}.names.ns_join": _join_names for package in ("rosgraph", "roslib", "rospy")},
@@ -278,12 +256,10 @@ def _sorted(values: list[Value], named: Names[str, Value]) -> Value:
 def _enumerate(values: list[Value], named: Names[str, Value]) -> Value:
     items = countable(values[0]) if values else None
     start = named.get("start", values[1] if len(values) > 1 else number(0))
+    if not values:
+        return _COMPUTED
     if items is None or not isinstance(start, Number):
-        return (
-            Sequence(tuple(Sequence((_COMPUTED, one)) for one in elements(values[0])), open=True)
-            if values
-            else _COMPUTED
-        )
+        return Sequence(tuple(Sequence((_COMPUTED, one)) for one in elements(values[0])), open=True)
     return Sequence(tuple(Sequence((number(start.value + index), item)) for index, item in enumerate(items)))
 
 

@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.extract.python import library
-from kg.extract.python.calls import Calls
+from kg.extract.python.calls import CLASS, Calls, public
 from kg.extract.python.functions import elements
 from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, Modules, PythonUnit, mentions_ros
 from kg.extract.python.texts import percent
@@ -42,25 +42,11 @@ if TYPE_CHECKING:
     from kg.symbolic.form import Class, Expression, Function, Type
     from kg.symbolic.machine import Machine
 
-CLASS: Final = "__class__"
-"""The name under which the frame of a method has the class that defines it."""
 MODULE: Final = "<module>"
 _MOST_BASES: Final = 200
-_PUBLIC: Final[dict[tuple[str, ...], tuple[str, ...]]] = {("rclpy", "lifecycle", "Node"): ("rclpy", "LifecycleNode")}
-_SEVERAL: Final = {"py_trees_ros": frozenset({"ToBlackboard", "FromBlackboard", "FromConstant"})}
-"""Classes whose names several modules of a package give, so that the module is a part of the name."""
 _PRESETS: Final = {name.removeprefix("rmw_qos_profile_"): qos for name, qos in PROFILES.items()}
-
-
 _OF_NODES: Final = re.compile(rb"\bself\.create_(?:publisher|subscription|service|client)\(")
 """Calls of methods that only nodes of ROS 2 have."""
-
-
-def public(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the name of a class or function by its package and its own name: `rclpy.Node` of `rclpy.node.Node`."""
-    if len(names) < 2 or names[-1] in _SEVERAL.get(names[0], ()):  # noqa: PLR2004 - a package and a name
-        return names
-    return _PUBLIC.get(names, (names[0], names[-1]))
 
 
 class Python:
@@ -258,7 +244,7 @@ class Python:
                 outside.append(Kind(public(current.names)))
             elif current.cls not in classes:
                 classes[current.cls] = None
-                pending = [*self._bases.get(current.cls, ()), *pending]
+                pending = [*self._bases.get(current.cls, ()), *pending]  # depth first, as Python where no base recurs
         return [(cls, {}) for cls in classes], [self._as_node(base, classes) for base in outside]
 
     @staticmethod

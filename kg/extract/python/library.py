@@ -130,9 +130,8 @@ def _set_attribute(language: Python, given: Arguments) -> Value:
     return _NOTHING
 
 
-def _partial(language: Python, given: Arguments) -> Value:
+def _partial(given: Arguments) -> Value:
     """`functools.partial(function, ...)`."""
-    del language
     first = given.values[0] if given.values else _COMPUTED
     if not isinstance(first, Closure):
         return first
@@ -149,16 +148,14 @@ def _mapped(language: Python, given: Arguments) -> Value:
     return Sequence(tuple(language.calls.value(given.values[0], one) for one in called))
 
 
-def _next(language: Python, given: Arguments) -> Value:
+def _next(given: Arguments) -> Value:
     """`next(iterator, default)`."""
-    del language
     found = [*(elements(given.values[0]) if given.values else []), *given.values[1:]]
     return found[0] if found else _COMPUTED
 
 
-def _is_instance(language: Python, given: Arguments) -> Value:
+def _is_instance(given: Arguments) -> Value:
     """`isinstance(value, class)`, as far as the classes are those of texts, numbers and collections."""
-    del language
     of, kinds = (*given.values, _COMPUTED, _COMPUTED)[:2]
     names = {
         kind.kind.name
@@ -180,9 +177,8 @@ _CLASSES: Final = {
 }
 
 
-def _globals(language: Python, given: Arguments) -> Value:
+def _globals(given: Arguments) -> Value:
     """`globals()`: the module as a mapping."""
-    del language
     return Mapping(tuple((Text.of(name), value) for name, value in _module(given).items()))
 
 
@@ -213,11 +209,10 @@ _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
     "builtins.getattr": _attribute,
     "builtins.setattr": _set_attribute,
     "builtins.map": _mapped,
-    "builtins.next": _next,
-    "builtins.isinstance": _is_instance,
-    "builtins.globals": _globals,
-    "builtins.vars": _globals,
-    "functools.partial": _partial,
+    "builtins.next": lambda _, given: _next(given),
+    "builtins.isinstance": lambda _, given: _is_instance(given),
+    **dict.fromkeys(("builtins.globals", "builtins.vars"), lambda _, given: _globals(given)),
+    "functools.partial": lambda _, given: _partial(given),
     "functools.wraps": lambda _, given: _COMPUTED,  # noqa: ARG005 - it calls none of its arguments
     "unittest.main": _tests,
     "rclpy.qos.QoSPresetProfiles.get_from_short_key": _preset,

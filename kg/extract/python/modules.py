@@ -128,14 +128,10 @@ class Modules:
         """Return a file; None if it cannot be read."""
         if file not in self._units:
             source = self.reader.read(file)
-            self._units[file] = None if source is None else self._parsed(file, source)
+            unit = self._units[file] = PythonUnit(file, source) if source is not None else None
+            if unit is not None and unit.error is not None:
+                self.reader.problem("KG115", "part of the file does not parse as Python", file.path, unit.error)
         return self._units[file]
-
-    def _parsed(self, file: FilePath, source: bytes) -> PythonUnit:
-        unit = PythonUnit(file, source)
-        if unit.error is not None:
-            self.reader.problem("KG115", "part of the file does not parse as Python", file.path, unit.error)
-        return unit
 
     def loaded(self) -> list[PythonUnit]:
         """Return the files that were read so far."""

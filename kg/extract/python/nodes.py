@@ -7,13 +7,12 @@ package creates are entries of their own.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
-from kg.extract.declared import bounds_of, facts_of, mark_of
+from kg.extract.declared import bounds_of, facts_of, mark_of, name_of
 from kg.extract.marks import Extracted
 from kg.extract.python.language import Python
 from kg.extract.python.modules import Modules, PythonUnit, mentions_ros
@@ -22,7 +21,7 @@ from kg.facts import FileKind, Location, NodeKind, NodeType, Role
 from kg.names import normalise
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.state import Arguments, Site
+from kg.symbolic.state import Arguments, Site, deep_recursion
 from kg.symbolic.values import Closure, Kind, Object, Text, TypeValue
 
 if TYPE_CHECKING:
@@ -33,8 +32,6 @@ if TYPE_CHECKING:
     from kg.extract.buildmodel import BuildModel, PluginClass
     from kg.symbolic.descriptions import Descriptions
     from kg.symbolic.form import Class
-
-_RECURSION: Final = 20_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +49,8 @@ class _Root:
 
 def read_nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: Descriptions) -> list[Extracted]:
     """Return the nodes in the Python of a package; no content of the sources raises an error."""
-    limit = sys.getrecursionlimit()
-    sys.setrecursionlimit(max(limit, _RECURSION))
-    try:
+    with deep_recursion():
         return list(_Nodes(reader, package, build, calls).read())
-    finally:
-        sys.setrecursionlimit(limit)
 
 
 class _Nodes:
@@ -107,6 +100,7 @@ class _Nodes:
                 yield entry.path
 
     def _language(self, main: PythonUnit | None = None) -> tuple[Python, Framework]:
+        """Return a new interpretation, in which the module `main` runs first."""
         language, framework = Python(self._modules, main), Framework(self._calls)
         language.machine = framework.machine = Machine(language, framework)
         return language, framework
@@ -165,10 +159,9 @@ class _Nodes:
         module = language.module(unit) if unit is not None else Object(Kind(()))
         for value in list(module.fields.values()):
             cls = value.kind.cls if isinstance(value, TypeValue) else None
-            if cls is None or cls.unit is not unit or cls in self._started:
+            if not isinstance(value, TypeValue) or cls is None or cls.unit is not unit or cls in self._started:
                 continue
-            described = framework.described(value.kind) if isinstance(value, TypeValue) else []
-            if any(one.is_a == "node" for one in described):
+            if any(one.is_a == "node" for one in framework.described(value.kind)):
                 found = self._created(cls, _Root(cls.name, None, NodeKind.CLASS, path, cls.line))
                 if found is not None:
                     yield found
@@ -181,10 +174,8 @@ class _Nodes:
             return None
         language.machine.stack.append(Site(unit, cls.line))
         held = language.member(language.module(unit), cls.name)
-        arguments = []
-        if hosted:
-            arguments.append(Object(Kind(("qt_gui", "PluginContext")), fields={"node": framework.host_node()}))
-        language.calls.value(held, Arguments(list(arguments)))
+        context = Object(Kind(("qt_gui", "PluginContext")), fields={"node": framework.host_node()}) if hosted else None
+        language.calls.value(held, Arguments([context] if context is not None else []))
         language.machine.drain()
         if not framework.nodes and not hosted:
             return None
@@ -195,7 +186,7 @@ class _Nodes:
     def _extracted(self, framework: Framework, root: _Root) -> Extracted:
         self._started.update(made.kind.cls for made in framework.nodes)
         ros = self._version(framework, root)
-        named = _name(framework)
+        named = name_of(framework, framework.nodes)
         interfaces, parameters = facts_of(framework.declared, self._modules, ros, named or root.name)
         interfaces = tuple(replace(one, name=_clean(one.name)) for one in interfaces)
         parameters = tuple(replace(one, name=_clean(one.name)) for one in parameters)
@@ -246,13 +237,6 @@ def _uses_a_node(framework: Framework) -> bool:
     """
     effects = [one.effect for one in framework.declared if one.effect.role is not None]
     return any(one.ros != 1 or one.role is not Role.CLIENTS for one in effects)
-
-
-def _name(framework: Framework) -> str | None:
-    """Return the name that the code gives to a node; None if it gives none."""
-    own = (made.native.get("name") for made in framework.nodes)
-    named = (value.known for value in (*own, *framework.node_names) if isinstance(value, Text))
-    return next((name for name in named if name), None)
 
 
 def _clean(name: str | None) -> str | None:

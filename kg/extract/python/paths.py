@@ -77,10 +77,6 @@ def _normal(of: Text) -> Value:
     return Text.of(f"{head}/{path}" if path not in ("", ".") else head)
 
 
-def _same(of: Text) -> Value:
-    return of
-
-
 def _ends(of: Text) -> Value:
     """Return `os.path.splitext`."""
     if of.known is None:
@@ -124,7 +120,7 @@ FUNCTIONS: Final[dict[str, Callable[[Text], Value]]] = {
     "os.path.dirname": _parent,
     "os.path.basename": _base,
     **dict.fromkeys(("os.path.abspath", "os.path.realpath", "os.path.normpath"), _normal),
-    **dict.fromkeys(("os.path.expanduser", "os.fspath"), _same),
+    **dict.fromkeys(("os.path.expanduser", "os.fspath"), lambda of: of),
     "os.path.splitext": _ends,
 }
 """Functions of one path."""

@@ -180,19 +180,12 @@ class Statements:
             return [Return(line, Name(line, (YIELDED,)))]
         return [Return(line, self._expressions.expression(inner) if inner is not None else Literal(line, None))]
 
-    def _raise(self, node: Node) -> list[Statement]:
-        return [Jump(line_of(node), "raise")]
-
-    def _break(self, node: Node) -> list[Statement]:
-        return [Jump(line_of(node), "break")]
-
-    def _continue(self, node: Node) -> list[Statement]:
-        return [Jump(line_of(node), "continue")]
-
     def _delete(self, node: Node) -> list[Statement]:
         """Return the removal of entries: `del of[key]` as `of.pop(key)`."""
         line = line_of(node)
-        targets = chain.from_iterable(_parts(child) for child in node.named_children)
+        targets: list[Node] = []
+        for child in node.named_children:
+            targets += child.named_children if child.type == "expression_list" else [child]
         held = [self._expressions.expression(target) for target in targets]
         found = [one for one in held if isinstance(one, Index)]
         return [Step(line, Call(line, Member(line, one.of, "pop"), (one.key,))) for one in found]
@@ -248,11 +241,10 @@ class Statements:
         handlers: list[Block] = []
         parts: dict[str, Block] = {}
         for child in node.named_children:
+            inner = next((part for part in child.named_children if part.type == "block"), None)
             if child.type in ("except_clause", "except_group_clause"):
-                inner = next((part for part in child.named_children if part.type == "block"), None)
                 handlers.append(self._block(inner))
             elif child.type in ("else_clause", "finally_clause"):
-                inner = next((part for part in child.named_children if part.type == "block"), None)
                 parts[child.type] = self._block(inner)
         return [Try(line_of(node), body, tuple(handlers), parts.get("else_clause"), parts.get("finally_clause"))]
 
@@ -327,12 +319,6 @@ class Statements:
         defined = Lambda(line_of(node), method)
         return [Step(line_of(one), self._decorate(one, defined)) for one in reversed(decorators)]
 
-    def _function(self, node: Node) -> list[Statement]:
-        return [self._named(node, self._function_of(node))]
-
-    def _class(self, node: Node) -> list[Statement]:
-        return [self._named(node, self._class_of(node))]
-
     def _named(self, node: Node, value: Expression) -> Statement:
         line, name = line_of(node), code(node.child_by_field_name("name"))
         return Step(line, Assign(line, Name(line, (name,)), value))
@@ -390,9 +376,9 @@ class Statements:
         "ERROR": _broken,
         "delete_statement": _delete,
         "return_statement": _return,
-        "raise_statement": _raise,
-        "break_statement": _break,
-        "continue_statement": _continue,
+        "raise_statement": lambda _, node: [Jump(line_of(node), "raise")],
+        "break_statement": lambda _, node: [Jump(line_of(node), "break")],
+        "continue_statement": lambda _, node: [Jump(line_of(node), "continue")],
         "import_statement": _import,
         "import_from_statement": _import_from,
         "if_statement": _if,
@@ -402,13 +388,9 @@ class Statements:
         "with_statement": _with,
         "match_statement": _match,
         "decorated_definition": _decorated,
-        "function_definition": _function,
-        "class_definition": _class,
+        "function_definition": lambda self, node: [self._named(node, self._function_of(node))],
+        "class_definition": lambda self, node: [self._named(node, self._class_of(node))],
     }
-
-
-def _parts(node: Node) -> list[Node]:
-    return node.named_children if node.type == "expression_list" else [node]
 
 
 def _import_names(node: Node) -> tuple[str, str | None]:

@@ -122,16 +122,12 @@ def of_manifest(reader: Reader, package: PackageFolder) -> Iterator[Description]
 
 def _manifest(reader: Reader, package: PackageFolder) -> Iterator[Description]:
     data = reader.read(package.manifest) if package.manifest else None
-    text = _COMMENT.sub(_blank, data.decode()) if data else ""
+    # Comments become as many line breaks as they have, so that lines keep their numbers.
+    text = _COMMENT.sub(lambda match: "\n" * match[0].count("\n"), data.decode()) if data else ""
     found = _DESCRIPTION.search(text)
     for line, said in _paragraphs(text, *found.span(1)) if found else ():
         if _is_description(said):
             yield Description(shortened(said), DescriptionKind.MANIFEST, Location(package.manifest or "", line))
-
-
-def _blank(match: re.Match[str]) -> str:
-    """Return as many line breaks as a comment has, so that lines keep their numbers."""
-    return "\n" * match[0].count("\n")
 
 
 def _is_description(text: str) -> bool:
@@ -189,7 +185,9 @@ def read_descriptions(
         *of_documents(reader, package, nodes),
         *of_launch_files(reader, package, nodes),
     ]
-    return tuple(sorted(_bounded(found), key=_place))
+    return tuple(
+        sorted(_bounded(found), key=lambda one: (one.location.path, one.location.line, one.node or "", one.text))
+    )
 
 
 def _bounded(found: Iterable[Description]) -> Iterator[Description]:
@@ -202,7 +200,3 @@ def _bounded(found: Iterable[Description]) -> Iterator[Description]:
             seen.add(said)
             counts[kind] += 1
             yield one
-
-
-def _place(one: Description) -> tuple[str, int, str, str]:
-    return one.location.path, one.location.line, one.node or "", one.text

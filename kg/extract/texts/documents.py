@@ -72,7 +72,9 @@ def of_documents(reader: Reader, package: PackageFolder, nodes: tuple[NodeType, 
     for file in reader.workspace.documents(reader.repository, package.path)[:_MOST_PAGES]:
         own = reader.workspace.owner(file) == reader.place or reader.workspace.is_alone(reader.place)
         data = reader.read(file)
-        if data is None or len(data) > _LARGEST_PAGE or not (own or _concerns(data, package, names)):
+        if data is None or len(data) > _LARGEST_PAGE:
+            continue
+        if not (own or package.name.encode() in data or names.mentioned(data)):
             continue
         text = data.decode()
         about = About(names, package.name, is_neighbour, own=own and _is_main(file, package))
@@ -107,10 +109,6 @@ def _of_wiki(file: FilePath, text: str, about: About) -> Iterator[Description]:
             for node in about.names.of_lead(documented.name or ""):
                 place = Location(file.path, documented.line)
                 yield Description(shortened(said), DescriptionKind.WIKI, place, node)
-
-
-def _concerns(data: bytes, package: PackageFolder, names: Names) -> bool:
-    return package.name.encode() in data or names.mentioned(data)
 
 
 def _is_main(file: FilePath, package: PackageFolder) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.buildmodel import last_part
 from kg.names import key
 
 if TYPE_CHECKING:
@@ -27,11 +28,6 @@ _REMEMBERED: Final = 8192
 """Words whose forms are kept, for pages are read for each package around which they stand."""
 
 
-def last_part(name: str) -> str:
-    """Return the last word of a plugin's name or class."""
-    return name.replace(" ", "").rpartition("::")[2].rpartition("/")[2]
-
-
 @dataclass(frozen=True, slots=True)
 class _Name:
     """A name of a node; `distinct` ones mean the node wherever they are, others only if the context shows it."""
@@ -49,21 +45,16 @@ class Names:
     def __init__(self, nodes: Iterable[NodeType], is_common: Callable[[str], bool]) -> None:
         self._is_common = is_common
         self._found: dict[str, list[_Name]] = {}
-        self._words: dict[str, list[bytes]] = {}
         for node in nodes:
             for name in _names_of(node):
-                self._add(name, node.name)
+                entries = self._found.setdefault(key(name), [])
+                if all(one.node != node.name for one in entries):
+                    entries.append(_Name(node.name, _is_distinct(name)))
         for node in nodes:
             for name in _names_of(node):
                 stem = _SUFFIX.sub("", key(name))
                 if len(stem) >= _SHORTEST_STEM and stem != key(name) and stem not in self._found:
                     self._found[stem] = [_Name(node.name, distinct=False)]
-
-    def _add(self, name: str, node: str) -> None:
-        entry = _Name(node, _is_distinct(name))
-        entries = self._found.setdefault(key(name), [])
-        if all(one.node != node for one in entries):
-            entries.append(entry)
 
     def __bool__(self) -> bool:
         return bool(self._found)
@@ -79,7 +70,7 @@ class Names:
         whole = key(text.replace(" ", ""))
         for candidate in (whole, _SUFFIX.sub("", whole.removesuffix("s"))):
             if candidate in self._found and not self._is_common(candidate):
-                return self._nodes(candidate)
+                return tuple(name.node for name in self._found[candidate])
         tokens = _tokens(text)
         if len([token for token in tokens if key(token) not in _KINDS]) > _LONGEST_HEADING:
             return ()
@@ -114,9 +105,6 @@ class Names:
                 if names:
                     return tuple(names)
         return ()
-
-    def _nodes(self, candidate: str) -> tuple[str, ...]:
-        return tuple(name.node for name in self._found[candidate])
 
 
 _LONGEST_HEADING: Final = 4
@@ -153,7 +141,5 @@ def _forms(token: str) -> tuple[str, ...]:
 def _beside_kind(token: str, text: str) -> bool:
     """Return whether a paragraph calls a word a node."""
     name = re.escape(token)
-    return (
-        re.search(rf"(?<![\w/]){name}['\"*]* {_KIND_WORDS}|{_KIND_WORDS}[ '\"*(:]+{name}(?![\w/])", text, re.IGNORECASE)
-        is not None
-    )
+    called = rf"(?<![\w/]){name}['\"*]* {_KIND_WORDS}|{_KIND_WORDS}[ '\"*(:]+{name}(?![\w/])"
+    return re.search(called, text, re.IGNORECASE) is not None

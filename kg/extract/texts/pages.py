@@ -152,15 +152,12 @@ def _entries(values: dict[str, _Value]) -> Iterator[WikiEntry]:
         if found and found[1] in _KINDS:
             grouped.setdefault((found[1], found[2]), {})[found[3]] = value
     for (kind, _), fields in grouped.items():
-        name = fields.get("name") or _transform(fields)
+        name, source, target = (fields.get(key) for key in ("name", "from", "to"))
+        if name is None and source and target:
+            name = _Value(f"{source.text} -> {target.text}", source.line)
         if name:
             kept = {key: fields[key].text for key in ("type", "desc", "default") if key in fields}
             yield WikiEntry(_KINDS[kind], name.text, kept.get("type"), kept.get("desc"), name.line, kept.get("default"))
-
-
-def _transform(fields: dict[str, _Value]) -> _Value | None:
-    source, target = fields.get("from"), fields.get("to")
-    return _Value(f"{source.text} -> {target.text}", source.line) if source and target else None
 
 
 _HEADING: Final = re.compile(r"^\s*(={1,5})\s+(.{1,300}?)\s+\1\s*$")
@@ -339,7 +336,9 @@ def _take(page: _Page, number: int, line: str) -> None:
     if underline:
         _underlined(page, underline[1])
         return
-    atx = None if page.rst else _ATX.match(line) or _html_heading(line)
+    atx = None
+    if not page.rst:
+        atx = _ATX.match(line) or (_HTML_HEADING.search(line) if "<h" in line.lower() else None)
     item = _ITEM.match(line)
     if atx:
         page.heading(number, atx[2], len(atx[1]) if atx[1].startswith("#") else int(atx[1]))
@@ -365,10 +364,6 @@ def _gather(page: _Page, number: int, line: str) -> None:
     page.gather(number, line.removesuffix("::") + ":")
     page.end()
     page.literal = len(line) - len(line.lstrip())
-
-
-def _html_heading(line: str) -> re.Match[str] | None:
-    return _HTML_HEADING.search(line) if "<h" in line.lower() else None
 
 
 def _underlined(page: _Page, sign: str) -> None:

@@ -103,7 +103,7 @@ def joined(lines: Iterable[tuple[int, str]]) -> Iterator[Paragraph]:
             gathered, command = [], word
             silent = bool(word and word not in _STARTING | _NAMING | _INLINE) or _FIELD.match(text.strip()) is not None
             if found and word and word not in _INLINE:
-                text = found[2] if word not in _NAMING else _after_name(found[2])
+                text = found[2] if word not in _NAMING else found[2].partition(" ")[2]
             text = _ITEM.sub("", text)
         content = _FRAME.sub("", text.strip(" \t|#"))
         if silent or _DECORATION.match(content):
@@ -113,10 +113,6 @@ def joined(lines: Iterable[tuple[int, str]]) -> Iterator[Paragraph]:
         gathered.append(content)
     if gathered:
         yield Paragraph(first, plain(" ".join(gathered)), command)
-
-
-def _after_name(text: str) -> str:
-    return text.partition(" ")[2]
 
 
 def prose(paragraphs: Iterable[Paragraph]) -> Iterator[Paragraph]:

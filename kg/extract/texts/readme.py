@@ -105,7 +105,7 @@ class About:
     """Subjects of a page: the names of the nodes and of the package, and the names of other packages.
 
     `is_neighbour` tells whether another package of the repository has a name, given by its `kg.names.key`.
-    `own` tells that the page belongs to the package, `alone` that the package is the only one it can be about.
+    `own` tells that the page belongs to the package.
     """
 
     names: Names

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.texts.naming import last_part
+from kg.extract.buildmodel import last_part
 from kg.extract.texts.paragraphs import Paragraph, joined, prose
 from kg.facts import Description, DescriptionKind, FileKind, Location, NodeType
 from kg.names import key
@@ -35,6 +35,8 @@ _CLASS: Final = re.compile(
     r"(?:template\s*<[^{};]{0,200}>\s*)?(class|struct)\s+(?:\[\[[^\]]{0,60}\]\]\s*)?"
     r"(?:[A-Z][A-Z0-9_]+(?:\([^()]{0,60}\))?\s+)?(?:\w+::)*(\w+)(?:\s+final)?\s*(?=[:{])"
 )
+_SIGNS: Final = re.compile(r"^\s*(?:/\*+[!<]?|//[/!]*<?|\*+(?!\w*\*)/?)?[ \t]?")
+"""The comment signs at the begin of a line."""
 _MAIN: Final = re.compile(r"(?:int|void)\s+main\s*\(")
 _NAMED: Final = re.compile(r"[@\\](?:class|struct)\s+(?:\w+::)*(\w+)")
 _FILE: Final = re.compile(r"[@\\]file\b")
@@ -65,11 +67,7 @@ class Comments:
         self.classes: dict[str, list[Paragraph]] = {}
         self.structs: set[str] = set()
         self.main: list[Paragraph] = []
-        self._read()
-
-    def _read(self) -> None:
-        text, top = self._text, True
-        at = 0
+        at, top = 0, True
         for block in self._blocks():
             between = _BEFORE_CODE.match(text, at)
             top = top and between is not None and between.end() >= block.start
@@ -118,12 +116,8 @@ class Comments:
 
     def _paragraphs(self, block: _Block) -> list[Paragraph]:
         lines = self._text[block.start : block.end].split("\n")
-        return list(prose(joined((block.line + n, _bare(line)) for n, line in enumerate(lines))))
-
-
-def read_comments(text: str) -> Comments:
-    """Return the comments of a C++ file that can describe something."""
-    return Comments(text)
+        bare = (_SIGNS.sub("", line.rstrip().removesuffix("*/"), count=1) for line in lines)
+        return list(prose(joined(enumerate(bare, block.line))))
 
 
 def _begins_line(text: str, start: int) -> bool:
@@ -136,14 +130,6 @@ def _begins_line(text: str, start: int) -> bool:
 def _adjacent(text: str, end: int, start: int) -> bool:
     between = text[end:start]
     return between.count("\n") == 1 and not between.strip()
-
-
-_SIGNS: Final = re.compile(r"^\s*(?:/\*+[!<]?|//[/!]*<?|\*+(?!\w*\*)/?)?[ \t]?")
-
-
-def _bare(line: str) -> str:
-    """Return a line of a comment without comment signs."""
-    return _SIGNS.sub("", line.rstrip().removesuffix("*/"), count=1)
 
 
 _DOCSTRING: Final = re.compile(r'[rRuU]?("""|\'\'\'|"(?!")|\'(?!\'))(.*?)(?<!\\)\1', re.DOTALL)
@@ -205,11 +191,6 @@ class Docstrings:
         return list(prose(joined(enumerate(found[2].split("\n"), line))))
 
 
-def read_docstrings(text: str) -> Docstrings:
-    """Return the documentation of a Python file, its classes and its functions."""
-    return Docstrings(text)
-
-
 _MOST_NODES: Final = 3
 """A file that is a source of more nodes than these is about none of them."""
 _MOST_FILES: Final = 12
@@ -250,14 +231,14 @@ class _Sources:
         """Return the comments of a C++ file."""
         if path not in self._cpp:
             text = self.text(path)
-            self._cpp[path] = read_comments(text) if text else None
+            self._cpp[path] = Comments(text) if text else None
         return self._cpp[path]
 
     def python(self, path: str) -> Docstrings | None:
         """Return the docstrings and comments of a Python file."""
         if path not in self._python:
             text = self.text(path)
-            self._python[path] = read_docstrings(text) if text else None
+            self._python[path] = Docstrings(text) if text else None
         return self._python[path]
 
     def headers(self, path: str) -> list[str]:
@@ -291,7 +272,9 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
     files = _files(node)
     files = list(dict.fromkeys(path for file in files for path in (file, *sources.headers(file))))[:_MOST_FILES]
     main = sources.text(node.location.path) or ""
-    used = {_stem(path) for path in _beginnings(sources, node)}
+    # The classes that a program may be are where it begins, and where few programs make interfaces.
+    own = (path for path in _made(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES)
+    used = {_stem(path) for path in (node.location.path, *own)}
     for path in files:
         comments = sources.cpp(path)
         if comments is None:
@@ -309,12 +292,6 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
 def _files(node: NodeType) -> list[str]:
     """Return the files of a node: where it begins, its sources, and where it makes interfaces itself."""
     return list(dict.fromkeys([node.location.path, *node.sources, *_made(node)]))[:_MOST_FILES]
-
-
-def _beginnings(sources: _Sources, node: NodeType) -> list[str]:
-    """Return the files whose classes a program may be: where it begins, and where few programs make interfaces."""
-    made = [path for path in _made(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES]
-    return [node.location.path, *made]
 
 
 def _made(node: NodeType) -> list[str]:

@@ -14,7 +14,7 @@ from kg.corpus.workspace import Workspace, scan
 from kg.extract.package import extract_package
 from kg.extract.texts.describing import MOST_OF_ONE, of_launch_files
 from kg.extract.texts.prose import LONGEST_TEXT
-from kg.extract.texts.sources import read_comments, read_docstrings
+from kg.extract.texts.sources import Comments, Docstrings
 from kg.facts import Description, Location, NodeKind, NodeType, Repository
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ def test_what_is_said_twice_stands_once(tmp_path: Path) -> None:
 def test_hostile_sources_end(piece: str) -> None:
     """C++ and Python with one piece repeated up to the size limit are read."""
     text = piece * (400_000 // len(piece))
-    read_comments(text)
-    read_docstrings(text.replace("//", "#").replace("/*", '"""').replace("class A{", "class A:\n"))
+    Comments(text)
+    Docstrings(text.replace("//", "#").replace("/*", '"""').replace("class A{", "class A:\n"))
 
 
 @pytest.mark.parametrize("piece", ["<!--", "<!-- a -->", "#\n", "# a\nNode(", "<node ", "Node(package='demo',\n"])
@@ -106,7 +106,7 @@ def test_hostile_launch_files_end(tmp_path: Path, name: str, piece: str) -> None
 @given(st.text(alphabet="/*!<\\@ \nab{}\"'#class:Ad", max_size=300))
 def test_any_source_is_read(text: str) -> None:
     """Comments of any text are found, with existing lines."""
-    cpp, python = read_comments(text), read_docstrings(text)
+    cpp, python = Comments(text), Docstrings(text)
     found = [*cpp.header, *cpp.main, *python.header, *python.module]
     found += [one for paragraphs in (*cpp.classes.values(), *python.classes.values()) for one in paragraphs]
     assert all(1 <= one.line <= text.count("\n") + 1 for one in found)
