@@ -679,9 +679,8 @@ class Machine:
             self.fruitful.add(id(function))
         elif not written:  # a text that it finds for its caller can be a name
             self.barren[id(function)] += (taken := self.steps - steps)
-            idle = isinstance(result, _PLAIN) and self._outer_writes == writes
-            if idle and taken > MOST_BRIEF and id(function) not in self.fruitful:
-                self.fruitless[id(function)] += 1
+            idle = taken > MOST_BRIEF and isinstance(result, _PLAIN) and self._outer_writes == writes
+            self.fruitless[id(function)] += idle and id(function) not in self.fruitful
         return result
 
     @contextmanager

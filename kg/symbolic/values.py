@@ -449,8 +449,9 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
 
 def _or_unknown(value: Value) -> Value:
     """Return a value that can also be unknown: comparisons with a text that is empty at first decide nothing."""
-    empty = isinstance(value, Text) and value.parameter is None and value.known == ""
-    return replace(value, unsure=True) if empty else value
+    if isinstance(value, Text) and value.parameter is None and value.known == "":
+        return replace(value, unsure=True)
+    return value
 
 
 def _is_nothing(value: Value) -> bool:
