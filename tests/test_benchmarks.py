@@ -1,4 +1,4 @@
-"""Every figure of docs/benchmarks.md is reproducible: its command and its commit exist."""
+"""Every figure of docs/benchmarks.md is in the log, and those of the log have commands and commits that exist."""
 
 from __future__ import annotations
 
@@ -13,13 +13,18 @@ from repository import ROOT
 from test_docs import COMMANDS
 
 PAGE: Final = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+LOG: Final = (ROOT / "docs" / "benchmarks-log.md").read_text(encoding="utf-8")
 OPEN: Final = "not measured on this version"
 
-_HEADINGS: Final = [*re.finditer(r"^## (.*)\n", PAGE, re.MULTILINE), re.search(r"\Z", PAGE)]
-SECTIONS: Final = {
-    here[1]: PAGE[here.end() : after.start()] for here, after in pairwise(_HEADINGS) if here is not None and after
-}
-"""The text of each section by its heading."""
+
+def sections(page: str, level: str = "##") -> dict[str, str]:
+    """Return the text of each section by its heading."""
+    headings = [*re.finditer(rf"^{level} (.*)\n", page, re.MULTILINE), re.search(r"\Z", page)]
+    return {here[1]: page[here.end() : after.start()] for here, after in pairwise(headings) if here and after}
+
+
+RESULTS: Final = sections(PAGE)
+SECTIONS: Final = sections(LOG)
 
 
 def rows(section: str) -> list[dict[str, str]]:
@@ -50,8 +55,8 @@ def history() -> tuple[str, ...]:
 
 
 def test_commits_are_in_the_history() -> None:
-    """A commit named by the page is an ancestor of the current one."""
-    named = set(re.findall(r"(?<![@\w])(?=[0-9a-f]*[a-f])(?=[0-9a-f]*[0-9])[0-9a-f]{7,40}\b", PAGE))
+    """A commit named by a page is an ancestor of the current one."""
+    named = set(re.findall(r"(?<![@\w])(?=[0-9a-f]*[a-f])(?=[0-9a-f]*[0-9])[0-9a-f]{7,40}\b", PAGE + LOG))
     assert named
     assert not {one for one in named if not any(commit.startswith(one) for commit in history())}
 
@@ -79,3 +84,19 @@ def test_a_figure_has_its_commit_or_is_marked(heading: str) -> None:
     table = rows(SECTIONS[heading])
     assert table
     assert not [row for row in table if bool(row["commit"]) is (OPEN in row.values())]
+
+
+def anchor(heading: str) -> str:
+    """Return the address of a heading within its page."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("heading", RESULTS)
+def test_a_result_is_in_the_sections_of_the_log_that_its_section_links_to(heading: str) -> None:
+    """Each row of the page in force names commits that the linked sections of the log name too."""
+    section = RESULTS[heading]
+    log = {anchor(name): text for level in ("##", "###") for name, text in sections(LOG, level).items()}
+    linked = "".join(log[name] for name in re.findall(r"\(benchmarks-log\.md#([\w-]+)\)", section))
+    table = rows(section)
+    assert table
+    assert not [row for row in table for commit in row["commit"].split(", ") if not commit or commit not in linked]

@@ -69,10 +69,10 @@ rospy.Publisher('chatter', String)
 
 
 def test_the_sheet_gives_the_figures_of_the_page() -> None:
-    """The judged sheet gives the figures of docs/benchmarks.md."""
+    """The judged sheet gives the figures of docs/benchmarks-log.md."""
     command = [sys.executable, str(FOLDER), "score", str(FOLDER / "sheet.csv"), str(FOLDER / "key.csv")]
     told = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT, env={"PYTHONPATH": str(ROOT)})
-    page = (ROOT / "docs" / "benchmarks.md").read_text("utf-8")
+    page = (ROOT / "docs" / "benchmarks-log.md").read_text("utf-8")
     for line in told.stdout.splitlines():
         right, _, interval = line.partition(": ")[2].partition(", ")
         assert f"{right}: " in page

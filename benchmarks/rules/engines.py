@@ -86,6 +86,7 @@ def kg_memory(data: Path, output: Path) -> Figures:
         wanted,
     )
     from kg.rules.engine.evaluate import Program, evaluate  # noqa: PLC0415 - each engine loads its own
+    from kg.rules.engine.terms import Dictionary  # noqa: PLC0415 - each engine loads its own
     from kg.store import bulk  # noqa: PLC0415 - each engine loads its own
 
     db, rules = ox.Store(), rule_sets.seventeen()
@@ -101,7 +102,8 @@ def kg_memory(data: Path, output: Path) -> Figures:
 
     begin = _now()
     program = Program(rules.rules)
-    dictionary, asserted = read_columns(Memory(), wanted(rules.rules), [source])
+    dictionary = Dictionary()
+    asserted = read_columns(Memory(), wanted(rules.rules), [source], dictionary)
     read = _now()
     outcome = evaluate(program, dictionary, asserted)
     evaluated = _now()

@@ -34,17 +34,13 @@ async def run_command(*arguments: str, seconds: float) -> tuple[int, str]:
         written, _ = await asyncio.wait_for(process.communicate(), seconds)
     finally:
         if process.returncode is None:
-            await _end(process)
+            with suppress(ProcessLookupError):
+                process.send_signal(signal.SIGINT)
+                try:
+                    await asyncio.wait_for(process.communicate(), _GRACE)
+                except TimeoutError:
+                    process.kill()
     return process.returncode or 0, written.decode(errors="replace")
-
-
-async def _end(process: asyncio.subprocess.Process) -> None:
-    with suppress(ProcessLookupError):
-        process.send_signal(signal.SIGINT)
-        try:
-            await asyncio.wait_for(process.communicate(), _GRACE)
-        except TimeoutError:
-            process.kill()
 
 
 @contextmanager

@@ -38,16 +38,12 @@ class Where:
         if not source:
             return text
         if self._source is None:
-            self._source = source
-            self._note(evidence)
+            self._source, file = source, evidence.get("file")
+            if file and file.endswith(f"/{path}"):
+                self.legend.append(f"paths are below {file.removesuffix(path)}")
+            elif evidence.get("commit"):
+                self.legend.append(f"paths are of {source} at commit {evidence['commit'][:12]}")
         return text if source == self._source else f"{source} {text}"
-
-    def _note(self, evidence: dict[str, Any]) -> None:
-        path, file = evidence["path"], evidence.get("file")
-        if file and file.endswith(f"/{path}"):
-            self.legend.append(f"paths are below {file.removesuffix(path)}")
-        elif evidence.get("commit"):
-            self.legend.append(f"paths are of {self._source} at commit {evidence['commit'][:12]}")
 
 
 def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
@@ -63,7 +59,8 @@ def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     for kind in ("functions", "hardware", "devices", "capabilities"):
         shown = [one for one in found[kind] if detail or kind != "capabilities" or one["evidence"]]
         if shown:
-            yield f"{kind}: {'; '.join(_graded(one) for one in shown)}"
+            graded = (f"{one['label']} ({one['grade']})" if one["grade"] else str(one["label"]) for one in shown)
+            yield f"{kind}: {'; '.join(graded)}"
     for one in found["descriptions"][: None if detail else _TEXTS]:
         text = one["text"] if detail or len(one["text"]) <= _WORDS else f"{one['text'][:_WORDS]}..."
         yield _line(f"{one['kind']}: {' '.join(text.split())}", where(one["evidence"]))
@@ -266,10 +263,6 @@ def _code(one: dict[str, Any], *, detail: bool) -> str:
     """Return the line of code; without `detail` only where it is from the store, as its file cannot be opened."""
     code = quoted(one) if detail or one.get("line_stored") else ""
     return f"`{code}`" if code else ""
-
-
-def _graded(one: dict[str, Any]) -> str:
-    return f"{one['label']} ({one['grade']})" if one["grade"] else str(one["label"])
 
 
 def _line(*parts: str) -> str:

@@ -213,8 +213,10 @@ class Tools:
         """Show what changed between two commits in interfaces of nodes and in the wiring of launch files."""
         if ".." not in commits or commits.startswith("-"):
             raise ToolError("name two commits as main..HEAD")
-        checkout = folder or await self._checkout()
-        return await self._command("diff", commits, "--repository", checkout, seconds=_DIFF_SECONDS, page=page)
+        if not folder:
+            roots = [one["root"] for one in (await self._answer("overview", {}))["sources"]]
+            folder = roots[0] if len(roots) == 1 and roots[0] else "."  # else the folder of the server
+        return await self._command("diff", commits, "--repository", folder, seconds=_DIFF_SECONDS, page=page)
 
     async def query(
         self,
@@ -373,11 +375,6 @@ class Tools:
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
         return found
-
-    async def _checkout(self) -> str:
-        """Return the folder of the store's only source, otherwise that of the server."""
-        roots = [one["root"] for one in (await self._answer("overview", {}))["sources"]]
-        return roots[0] if len(roots) == 1 and roots[0] else "."
 
     async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "") -> str:
         try:

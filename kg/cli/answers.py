@@ -49,7 +49,10 @@ def format_for(name: str) -> str:
 
 
 def answer(result: Result, name: str, *, automatic: bool = False, links: Links | None = None) -> None:
-    """Write a result in a format of `format_for`; an `automatic` format becomes Turtle for a graph."""
+    """Write a result in a format of `format_for`; an `automatic` format becomes Turtle for a graph.
+
+    Notes report the number of rows to people, and missing rows to everyone.
+    """
     if name == "table" and isinstance(result, Solutions):
         table(result, links)
     elif name == "table" and isinstance(result, Boolean):
@@ -61,7 +64,13 @@ def answer(result: Result, name: str, *, automatic: bool = False, links: Links |
         raise QueryError("KG504", "a terminal cannot show Parquet", hint=hint)
     else:
         write_bytes(written(result, name))
-    _remarks(result, name)
+    if isinstance(result, Boolean):
+        return
+    rows = count(len(result.rows), "row") if isinstance(result, Solutions) else count(len(result.triples), "triple")
+    if result.limit is not None:
+        note(f"only the first {rows} shown; --limit 0 shows all")
+    elif name == "table":
+        note(f"{rows} in {result.seconds:.3f} s")
 
 
 def is_empty(result: Result) -> bool:
@@ -75,12 +84,14 @@ def table(result: Solutions, links: Links | None = None) -> None:
     """Write rows as a table: numbers aligned right, `?file` and `?line` as one place with a link."""
     if not result.rows:
         return
-    place: dict[str, int] = {
-        name: result.variables.index(name) for name in ("file", "line") if name in result.variables
-    }
-    joined = place if len(place) == len(("file", "line")) else {}
+    has_places = {"file", "line"} <= set(result.variables)
+    joined = {name: result.variables.index(name) for name in ("file", "line")} if has_places else {}
     others = [index for index in range(len(result.variables)) if index not in joined.values()]
-    columns = [_column(result, index) for index in others]
+    columns = []
+    for index in others:
+        values = [plain(row[index]) for row in result.rows if row[index] is not None]
+        numeric = all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
+        columns.append(Column(result.variables[index], "number" if values and numeric else "text"))
     rows: list[list[object]] = [[display(row[index]) for index in others] for row in result.rows]
     if joined:
         columns.append(Column("file:line", "dim"))
@@ -89,12 +100,6 @@ def table(result: Solutions, links: Links | None = None) -> None:
         )
         _add_places(rows, result, joined, line_width() - taken, links)
     print_table(columns, rows)
-
-
-def _column(result: Solutions, index: int) -> Column:
-    values = [plain(row[index]) for row in result.rows if row[index] is not None]
-    number = bool(values) and all(isinstance(value, int | float) and not isinstance(value, bool) for value in values)
-    return Column(result.variables[index], "number" if number else "text")
 
 
 def _add_places(
@@ -106,17 +111,3 @@ def _add_places(
     for row, (file, line), text in zip(rows, found, shown, strict=True):
         address = links.find(file, int(line)) if links and line.isdigit() else None
         row.append(Linked(text, address))
-
-
-def _remarks(result: Result, name: str) -> None:
-    """Report the number of rows to people, and missing rows to everyone."""
-    if isinstance(result, Boolean):
-        return
-    if isinstance(result, Solutions):
-        number, noun = len(result.rows), "row"
-    else:
-        number, noun = len(result.triples), "triple"
-    if result.limit is not None:
-        note(f"only the first {count(number, noun)} shown; --limit 0 shows all")
-    elif name == "table":
-        note(f"{count(number, noun)} in {result.seconds:.3f} s")

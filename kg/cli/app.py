@@ -287,12 +287,6 @@ def kg(  # noqa: PLR0913 - the options before the command
         write(context.get_help())
 
 
-def _config(context: typer.Context) -> None:
-    """Show settings and their origins."""
-    if context.invoked_subcommand is None:
-        show(context)
-
-
 for _name, _commands, _panel, _help in (
     ("rules", RULE_COMMANDS, "Ask", RULES),
     ("robot", ROBOT_COMMANDS, "Ask", ROBOT),
@@ -304,5 +298,11 @@ for _name, _commands, _panel, _help in (
     _below = typer.Typer(cls=_group(_commands), rich_markup_mode=None, help=_help)
     app.add_typer(_below, name=_name, rich_help_panel=_panel)
 _settings = typer.Typer(cls=_group(CONFIG_COMMANDS), rich_markup_mode=None)
-_settings.callback(invoke_without_command=True)(_config)
 app.add_typer(_settings, name="config", rich_help_panel="Maintain")
+
+
+@_settings.callback(invoke_without_command=True)
+def _config(context: typer.Context) -> None:
+    """Show settings and their origins."""
+    if context.invoked_subcommand is None:
+        show(context)

@@ -33,30 +33,23 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
         unchanged = f", {report.reused:,} unchanged" if report.reused else ""
         gone = f", {removed:,} gone" if removed else ""
         yield f"read {count(report.read, 'package')} of {sources}{unchanged}{gone} in {report.seconds:.2f} s"
-    yield _found(report)
+    kinds = (("nodes", "node"), ("interfaces", "interface"), ("parameters", "parameter"))
+    found = [count(report.total(key), noun) for key, noun in kinds]
+    definitions = count(report.total("definitions"), "interface type")
+    yield f"found {', '.join(found)}, {definitions} in {count(report.total('files'), 'file')}"
     if report.systems and report.systems.configurations:
         instances = count(report.systems.instances, "instance")
         yield f"wired {instances} of {count(report.systems.configurations, 'launch file')}"
         yield from (f"  KG121 {failed}" for failed in report.systems.failed)
-    if report.inferred:
-        yield _inferred(report.inferred)
+    inferred = report.inferred
+    if inferred and inferred.mode == "none":
+        yield "inferred nothing: the rules cannot run"
+    elif inferred:
+        changes = "" if inferred.mode == "full" else f" ({inferred.added:,} new, {inferred.removed:,} gone)"
+        yield f"inferred {count(inferred.triples, 'triple')}{changes} in {inferred.seconds:.2f} s"
     yield from _unresolved(report, every=every)
     yield from _problems(report, every=every)
     yield f"store {near(store)}"
-
-
-def _found(report: BuildReport) -> str:
-    kinds = (("nodes", "node"), ("interfaces", "interface"), ("parameters", "parameter"))
-    found = [count(report.total(key), noun) for key, noun in kinds]
-    definitions = count(report.total("definitions"), "interface type")
-    return f"found {', '.join(found)}, {definitions} in {count(report.total('files'), 'file')}"
-
-
-def _inferred(inferred: Inferred) -> str:
-    if inferred.mode == "none":
-        return "inferred nothing: the rules cannot run"
-    changes = "" if inferred.mode == "full" else f" ({inferred.added:,} new, {inferred.removed:,} gone)"
-    return f"inferred {count(inferred.triples, 'triple')}{changes} in {inferred.seconds:.2f} s"
 
 
 def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
@@ -73,25 +66,22 @@ def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
         yield f"  {rest:>5,}  other reasons (`kg build --problems` lists all)"
 
 
+def _problems_of(source: SourceReport) -> list[Problem]:
+    return [*source.problems, *(one for package in source.packages for one in package.problems)]
+
+
 def _problems(report: BuildReport, *, every: bool) -> Iterator[str]:
-    listed = [
-        (source, problem)
-        for source in report.sources
-        for problem in (*source.problems, *(one for package in source.packages for one in package.problems))
-    ]
+    listed = [(source, problem) for source in report.sources for problem in _problems_of(source)]
     if not listed:
         return
     files = len({(source.repository.name, problem.path) for source, problem in listed})
     yield f"problems {len(listed):,} in {count(files, 'file')}; the rest was built:"
     for source, problem in listed[: None if every else _FEW]:
-        yield f"  {_place(source, problem)}: {problem.code} {printable(problem.message)}"
+        place = near(Path(source.repository.root) / problem.path)
+        line = f":{problem.line}" if problem.line else ""
+        yield f"  {printable(place)}{line}: {problem.code} {printable(problem.message)}"
     if not every and len(listed) > _FEW:
         yield f"  and {len(listed) - _FEW:,} more (`kg build --problems` lists all)"
-
-
-def _place(source: SourceReport, problem: Problem) -> str:
-    line = f":{problem.line}" if problem.line else ""
-    return printable(f"{near(Path(source.repository.root) / problem.path)}{line}")
 
 
 def near(path: Path) -> str:
@@ -177,7 +167,6 @@ def _inferred_object(inferred: Inferred | None) -> dict[str, Any] | None:
 
 
 def _source_object(source: SourceReport) -> dict[str, Any]:
-    problems = [*source.problems, *(one for package in source.packages for one in package.problems)]
     return {
         "name": source.repository.name,
         "commit": source.repository.commit,
@@ -186,6 +175,7 @@ def _source_object(source: SourceReport) -> dict[str, Any]:
         "reused": source.reused,
         "removed": source.removed,
         "problems": [
-            {"code": one.code, "message": one.message, "file": one.path, "line": one.line} for one in problems
+            {"code": one.code, "message": one.message, "file": one.path, "line": one.line}
+            for one in _problems_of(source)
         ],
     }

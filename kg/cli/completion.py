@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kg.errors import CATALOGUE, KgError
@@ -10,9 +9,7 @@ from kg.lazily import lazily
 from kg.settings import load
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from kg.store.interface import Snapshot
+    from collections.abc import Callable, Iterable
 
 with lazily():
     from kg.graph.overview import package_names
@@ -37,12 +34,6 @@ def completing(names: Callable[[str], Iterable[str]]) -> Callable[[str], list[st
     return complete
 
 
-@contextmanager
-def _snapshot() -> Iterator[Snapshot]:
-    with reading(load()) as snapshot:
-        yield snapshot
-
-
 def codes(incomplete: str) -> list[tuple[str, str]]:
     """Return the error codes with their titles."""
     return [(code, entry.title) for code, entry in CATALOGUE.items() if code.startswith(incomplete.upper())]
@@ -51,14 +42,14 @@ def codes(incomplete: str) -> list[tuple[str, str]]:
 @completing
 def nodes(_: str) -> Iterable[str]:
     """Return the names of nodes."""
-    with _snapshot() as snapshot:
+    with reading(load()) as snapshot:
         return node_names(snapshot)
 
 
 @completing
 def packages(_: str) -> Iterable[str]:
     """Return the names of packages."""
-    with _snapshot() as snapshot:
+    with reading(load()) as snapshot:
         return package_names(snapshot)
 
 
@@ -90,7 +81,7 @@ def rules(_: str) -> Iterable[str]:
 @completing
 def launches(_: str) -> Iterable[str]:
     """Return the names of launch files."""
-    with _snapshot() as snapshot:
+    with reading(load()) as snapshot:
         return [one.name for one in system_names(snapshot)]
 
 
@@ -104,7 +95,7 @@ def channels(kind: str) -> Callable[[str], list[str]]:
     def complete(incomplete: str) -> Iterable[str]:
         from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
 
-        with _snapshot() as snapshot:
+        with reading(load()) as snapshot:
             found = known(snapshot, kind)
         return [name.removeprefix("/") for name in found] if incomplete and not incomplete.startswith("/") else found
 
@@ -119,5 +110,5 @@ def subjects(incomplete: str) -> list[str]:
 @completing
 def parameters(_: str) -> Iterable[str]:
     """Return the names of parameters declared in code, or set in launch and parameter files."""
-    with _snapshot() as snapshot:
+    with reading(load()) as snapshot:
         return sorted({*(name for name in declared_names(snapshot) if "{" not in name), *set_names(snapshot)})

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.output import Column
-from kg.corpus.selection_figures import STATISTICS, Figures, paper_figures
+from kg.corpus.selection_figures import STATISTICS, paper_figures
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -40,15 +40,12 @@ def step_rows(found: Selection) -> Iterator[tuple[object, ...]]:
 def figure_rows(found: Selection) -> Iterator[tuple[object, ...]]:
     """Yield the rows of Table 2: our figure, the paper's, and the difference in percent."""
     paper = paper_figures()
-    for name, ours in found.figures.items():
-        yield from _rows(name.replace("_", " "), ours, paper.table.get(name, {}))
-
-
-def _rows(name: str, ours: Figures, paper: Figures) -> Iterator[tuple[object, ...]]:
-    yield name, "ours", *(_figure(ours.get(one), one) for one in STATISTICS)
-    if paper:
-        yield name, "RNKG", *(_figure(paper.get(one), one) for one in STATISTICS)
-        yield name, "more", *(_more(ours.get(one), paper.get(one)) for one in STATISTICS)
+    for key, ours in found.figures.items():
+        name, theirs = key.replace("_", " "), paper.table.get(key, {})
+        yield name, "ours", *(_figure(ours.get(one), one) for one in STATISTICS)
+        if theirs:
+            yield name, "RNKG", *(_figure(theirs.get(one), one) for one in STATISTICS)
+            yield name, "more", *(_more(ours.get(one), theirs.get(one)) for one in STATISTICS)
 
 
 def _figure(value: float | None, statistic: str) -> str:

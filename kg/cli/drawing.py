@@ -9,8 +9,8 @@ from typing import Annotated, Final
 import typer
 
 from kg.cli.diagnostics import say
-from kg.cli.output import terminal, write_bytes
-from kg.errors import Place, UsageError
+from kg.cli.output import save, terminal, write_bytes
+from kg.errors import UsageError
 
 _ENDINGS: Final = {
     ".svg": "svg",
@@ -55,8 +55,5 @@ def deliver(text: str, form: str, output: str | None, name: str) -> None:
         write_bytes(text.encode())
         return
     path = Path(output or f"{name}.svg")
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError("KG003", f"it cannot be written: {error.strerror}", place=Place(str(path))) from error
+    save(path, text.encode())
     say(f"wrote {path}")

@@ -17,7 +17,7 @@ from kg.cli.diagnostics import note, report, say
 from kg.cli.interruptible import interruptible
 from kg.cli.numbers import frequency, whole
 from kg.cli.numbers import seconds as seconds_of
-from kg.cli.output import json_line, terminal, write
+from kg.cli.output import json_lines, json_value, terminal, write
 from kg.errors import CATALOGUE, RobotError, UsageError
 from kg.render.text import count, printable
 from kg.robot.clock import within
@@ -108,13 +108,11 @@ async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Dri
 
 def read_capability(settings: Settings, name: str, asked: Reading) -> None:
     """Write the values of a capability as they arrive; RobotError as `Driver.read`, KG825 if none arrived in time."""
-    interruptible(_read(settings, name, asked))
+    read = _read_topic if name.startswith("/") else _read
+    interruptible(read(settings, name, asked))
 
 
 async def _read(settings: Settings, name: str, asked: Reading) -> None:
-    if name.startswith("/"):
-        await _read_topic(settings, name, asked)
-        return
     async with _driver(settings) as (driver, _):
         capability = find(driver.capabilities, name, "read")
         for doubt in await driver.doubts(name, "read", way=asked.way):
@@ -156,24 +154,21 @@ async def _tell_in_time(
     except (TimeoutError, StopAsyncIteration):
         raise RobotError("KG825", f"nothing was read of `{name}`") from None
     show(first)
-    rest = _tell_all(values, None if asked.count is None else asked.count - 1, show)
+
+    async def show_rest() -> None:
+        shown = 1
+        while asked.count is None or shown < asked.count:
+            value = await anext(values, None)
+            if value is None:
+                return
+            show(value)
+            shown += 1
+
     if asked.seconds is None:
-        await rest
+        await show_rest()
     else:
         with suppress(TimeoutError):
-            await within(connection.clock, asked.seconds, rest)
-
-
-async def _tell_all(
-    values: AsyncGenerator[dict[str, Any], None], most: int | None, show: Callable[[dict[str, Any]], None]
-) -> None:
-    told = 0
-    while most is None or told < most:
-        value = await anext(values, None)
-        if value is None:
-            return
-        show(value)
-        told += 1
+            await within(connection.clock, asked.seconds, show_rest())
 
 
 def do_capability(settings: Settings, name: str, asked: Doing) -> None:
@@ -182,9 +177,8 @@ def do_capability(settings: Settings, name: str, asked: Doing) -> None:
 
 
 async def _do(settings: Settings, name: str, asked: Doing) -> None:
-    own = (
-        read_places(settings.places) if AT in asked.arguments else {}
-    )  # landing must not fail because a file is missing
+    # Without `at`, the file is not read: landing must not fail because it is missing.
+    own = read_places(settings.places) if AT in asked.arguments else {}
     options = {"exclusive": asked.exclusive, "on_problem": lambda one: warn(one, json=asked.json)}
     if is_recording(address_of(settings)):
         raise not_commanded(address_of(settings))
@@ -215,7 +209,11 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
             if throttle.takes(monotonic()):
                 tell_feedback(told, capability, json=asked.json)
 
-        following = spawn(_follow(driver), "following who else drives the robot")
+        async def follow() -> None:
+            async for changed in driver.connection.changes():
+                driver.saw(changed)
+
+        following = spawn(follow(), "following who else drives the robot")
         try:
             outcome = await driver.do(name, arguments, seconds=seconds, way=asked.way, on_feedback=feedback)
         finally:
@@ -223,11 +221,6 @@ async def _do(settings: Settings, name: str, asked: Doing) -> None:
         show_outcome(outcome, capability, json=asked.json)
         if outcome.problem is not None:
             raise outcome.problem
-
-
-async def _follow(driver: Driver) -> None:
-    async for graph in driver.connection.changes():
-        driver.saw(graph)
 
 
 _LONGEST: Final = 60
@@ -238,15 +231,15 @@ _QUATERNION: Final = {"x", "y", "z", "w"}
 def tell(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
     """Write values by parameter, with units on a terminal, else as a line of JSON."""
     if json or not terminal():
-        sys.stdout.write(json_line(_plain(value)))
+        tell_message(value)
     else:
         write(_words(value, capability))
-    sys.stdout.flush()
+        sys.stdout.flush()
 
 
 def tell_message(value: Mapping[str, Any]) -> None:
     """Write a message as a line of JSON."""
-    sys.stdout.write(json_line(_plain(value)))
+    json_lines([json_value(value, _of_bytes)])
     sys.stdout.flush()
 
 
@@ -257,8 +250,7 @@ def warn(doubt: GraphProblem, *, json: bool) -> None:
     if json:
         hint = CATALOGUE[doubt.code].way_out
         told = {"event": "warning", "code": doubt.code, "name": doubt.subject, "message": doubt.message, "hint": hint}
-        sys.stdout.write(json_line(told))
-        sys.stdout.flush()
+        tell_message(told)
 
 
 def tell_feedback(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
@@ -275,7 +267,7 @@ def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> Non
         found = {"ended": outcome.ended, "sent": outcome.sent, "values": outcome.values}
         if outcome.moved is not None:
             found["moved"] = outcome.moved
-        sys.stdout.write(json_line(_plain(found)))
+        json_lines([json_value(found, _of_bytes)])
         return
     if outcome.values:
         write(_words(outcome.values, capability))
@@ -290,7 +282,7 @@ def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> Non
 def show_plan(plan: Plan, *, json: bool) -> None:
     """Write the plan of a dry run."""
     if json or not terminal():
-        sys.stdout.write(json_line(_plain(msgspec.to_builtins(plan))))
+        json_lines([json_value(msgspec.to_builtins(plan), _of_bytes)])
         return
     often = f" {plan.rate:g} times a second" if plan.rate else ""
     time = f" for {plan.seconds:g} s" if plan.rate and plan.seconds else ""
@@ -316,7 +308,10 @@ def _words(value: Mapping[str, Any], capability: Capability) -> str:
     leaves = dict(_leaves(value))
     shared = Counter(ending for name in leaves for ending in _endings(name))
     short = {next((one for one in _endings(name) if shared[one] == 1), name): told for name, told in leaves.items()}
-    parts = [f"{name} {_short(one):>8}{_unit(one, units.get(name))}" for name, one in short.items()]
+    parts = []
+    for name, one in short.items():
+        unit = f" {units[name]}" if units.get(name) and isinstance(one, int | float) else ""
+        parts.append(f"{name} {_short(one):>8}{unit}")
     return printable("   ".join(parts)).rstrip()
 
 
@@ -333,10 +328,6 @@ def _leaves(value: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, A
             yield before + name, one
         elif name != "header" and set(one) != _QUATERNION:
             yield from _leaves(one, f"{before}{name}.")
-
-
-def _unit(value: Any, unit: str | None) -> str:
-    return f" {unit}" if unit and isinstance(value, int | float) else ""
 
 
 def _short(value: Any) -> str:
@@ -356,14 +347,3 @@ _SHOWN: Final = 16
 
 def _of_bytes(value: bytes) -> str:
     return value.hex() if len(value) <= _SHOWN else f"{len(value)} bytes"
-
-
-def _plain(value: Any) -> Any:
-    """Return a value for JSON: null for numbers that are not finite."""
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, bytes):
-        return _of_bytes(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -50,13 +50,16 @@ def endpoint_view(
         "in": Column("launch file") if every else Column("in", spare=1),
         "code": Column("code", "dim"),
     }
-    rows = _endpoints(ends, _Places(links, columns, ends, ("evidence", "launched")), every=every, via=via)
-    yield _table(titles, rows)
+    rows = list(_endpoints(ends, _Places(links, columns, ends, ("evidence", "launched")), every=every, via=via))
+    shown = {name: column for name, column in titles.items() if column and any(row.get(name) for row in rows)}
+    yield make_table(tuple(shown.values()), [[row.get(name, "") for name in shown] for row in rows])
     if found["findings"]:
         yield Text()
     for one in found["findings"]:
         yield Text.assemble((f"{one['severity']}[{one['code']}]", "bold"), f": {printable(one['message'])}")
-        yield Text(f"  in {_listed(one['systems'])}", style="dim")
+        systems = one["systems"]
+        more = f" and {count(len(systems) - _MOST, 'other launch file')}" if len(systems) > _MOST else ""
+        yield Text(f"  in {', '.join(systems[:_MOST])}{more}", style="dim")
 
 
 def parameter_view(
@@ -83,13 +86,6 @@ def parameter_view(
         yield make_table((*titles, named), rows)
 
 
-def _table(titles: Mapping[str, Column | None], rows: Iterable[Mapping[str, object]]) -> RenderableType:
-    """Return a table of the non-empty columns."""
-    every = list(rows)
-    shown = {name: column for name, column in titles.items() if column and any(row.get(name) for row in every)}
-    return make_table(tuple(shown.values()), [[row.get(name, "") for name in shown] for row in every])
-
-
 def plain(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row of a view for other programs: without page fields, places as `file`, `line`, `repository`."""
     return {
@@ -110,11 +106,6 @@ def _fit(found: Mapping[str, Any]) -> str:
         return NOBODY[found["kind"], role in {"publishes", "clients", "action_clients"}]
     fit = "types and QoS fit" if found["kind"] == "topic" else "types fit"
     return fit if sides else "only code has it"
-
-
-def _listed(systems: Sequence[str]) -> str:
-    more = f" and {count(len(systems) - _MOST, 'other launch file')}" if len(systems) > _MOST else ""
-    return f"{', '.join(systems[:_MOST])}{more}"
 
 
 class _Places:

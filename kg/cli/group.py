@@ -88,6 +88,7 @@ class _Commands(UserDict[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         held = self.data[name]
+        # `kg --help` needs none of the modules of commands, so each is imported when its command is looked up.
         if isinstance(held, Later):
             held = self.data[name] = held.load()
         return held

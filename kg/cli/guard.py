@@ -28,11 +28,9 @@ def as_usage_error(error: TyperException) -> UsageError:
     message = error.message if hasattr(error, "option_name") else error.format_message()
     near = getattr(error, "possibilities", None)
     hint = did_you_mean(getattr(error, "option_name", ""), near) if near else None
-    return UsageError("KG003", _lower(" ".join(message.split()).rstrip(".")), hint="\n".join(filter(None, (hint, see))))
-
-
-def _lower(sentence: str) -> str:
-    return sentence[:1].lower() + sentence[1:]
+    sentence = " ".join(message.split()).rstrip(".")
+    lowered = sentence[:1].lower() + sentence[1:]
+    return UsageError("KG003", lowered, hint="\n".join(filter(None, (hint, see))))
 
 
 def guarded(work: Callable[[], object]) -> int:

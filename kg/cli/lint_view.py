@@ -25,7 +25,7 @@ from kg.graph.chains import chain_of
 from kg.lint.finding import Evidence
 from kg.lint.lines import Lines
 from kg.lint.objects import spelled
-from kg.render.text import count, printable
+from kg.render.text import count, printable, some
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -146,7 +146,7 @@ def leftovers(found: Report) -> Iterator[str]:
         way = "write the reason after the code"
         yield f"{_near(place)}: the comment gives no reason, so {code} is still reported; {way}"
     if found.gone:
-        named = _listed([f"{one.code} {', '.join(one.subjects)}".strip() for one in found.gone])
+        named = some([printable(f"{one.code} {', '.join(one.subjects)}".strip()) for one in found.gone], 3, "; ")
         entries = count(len(found.gone), "finding")
         yield f"{entries} of the baseline {'is' if len(found.gone) == 1 else 'are'} fixed: {named}"
 
@@ -155,8 +155,3 @@ def _near(place: Place) -> str:
     """Return a place relative to the working folder."""
     path, here = Path(place.path), Path.cwd()
     return str(replace(place, path=str(path.relative_to(here)))) if path.is_relative_to(here) else str(place)
-
-
-def _listed(words: Sequence[str], most: int = 3) -> str:
-    more = f" and {len(words) - most:,} more" if len(words) > most else ""
-    return "; ".join(map(printable, words[:most])) + more

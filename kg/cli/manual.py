@@ -39,9 +39,12 @@ def page(command: Any, context: Any) -> Page:
     """Return the manual of a typer command in its context."""
     arguments = [param for param in command.params if param.param_type_name == "argument" and not param.hidden]
     options = [param for param in command.get_params(context) if param.param_type_name == "option" and not param.hidden]
+    commands: dict[str, list[Entry]] = {}
+    for panel, name, sentence in command.commands.entries() if hasattr(command, "commands") else ():
+        commands.setdefault(panel, []).append(Entry(name, sentence))
     sections = [
         ("Arguments", tuple(Entry(_argument(param), param.help or "") for param in arguments)),
-        *_command_sections(command),
+        *((title, tuple(entries)) for title, entries in commands.items()),
         ("Options", tuple(Entry(_option(param), param.help or "") for param in options)),
     ]
     usage = " ".join([context.command_path, "[OPTIONS]", *(_argument(param) for param in arguments)])
@@ -65,13 +68,6 @@ def _argument(param: Any) -> str:
 def _option(param: Any) -> str:
     names = ", ".join(sorted(param.opts, key=len)) + "".join(f" / {name}" for name in param.secondary_opts)
     return names if param.is_flag else f"{names} {param.metavar or param.name.upper()}"
-
-
-def _command_sections(group: Any) -> list[tuple[str, tuple[Entry, ...]]]:
-    sections: dict[str, list[Entry]] = {}
-    for panel, name, sentence in group.commands.entries() if hasattr(group, "commands") else ():
-        sections.setdefault(panel, []).append(Entry(name, sentence))
-    return [(title, tuple(entries)) for title, entries in sections.items()]
 
 
 def first_paragraph(command: Any) -> str:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
-from kg.facts import Description, Interface, NodeKind, NodeType, Parameter, PluginSlot
+from kg.facts import NodeKind, NodeType, Parameter, PluginSlot
 from kg.graph.classes_reading import Class, Classes
 from kg.graph.records import how_to_start
 from kg.lazily import lazily
-from kg.render.text import printable
+from kg.render.text import printable, some
 from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups, quoted
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ with lazily():
     from rich.text import Text
 
 _MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
+_MOST_SOURCES: Final = 4
 _NO_CLASSES: Final = Classes()
 
 
@@ -46,16 +47,24 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
 
     If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
     """
-    parts: list[RenderableType] = [*_header(record, links), *_inferred(classes)]
+    parts: list[RenderableType] = list(_header(record, links))
+    parts.append(Text.assemble(_field("function", ""), _listed(classes.functions) if classes.functions else "unknown"))
+    if classes.hardware or classes.devices:
+        parts.append(Text.assemble(_field("hardware", ""), _listed((*classes.hardware, *classes.devices))))
     said = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
     for one in said:
-        parts += [Text(), *_description(one, record.repository, links)]
+        place = Text.assemble(("  ", "dim"), place_text(one.location, record.repository, links))
+        parts += [Text(), Padding(Text(printable(one.text)), (0, 0, 0, 2)), place]
     if len(said) < len(record.descriptions):
         parts.append(Text(f"  and {len(record.descriptions) - len(said)} more texts; --all shows them", style="dim"))
-    groups = [*_groups(record.node, every=every, via=via), *_slots(record, via=via)]
+    groups = _groups(record.node, every=every, via=via)
+    if record.node.slots:
+        groups.append(("plugins it loads", [_slot(one, record, via=via) for one in record.node.slots]))
     if groups:
         parts += [Text(), interface_table(groups, record.repository, links, columns)]
-    parameters = _parameters(record.node.parameters, every=every, via=via)
+    # One row per parameter, even if code reads and writes it at many places.
+    told = parameter_groups(fact for fact in record.node.parameters if every or not fact.implicit)
+    parameters = [_parameter(group, via=via) for group in told]
     shown = parameters if every else parameters[:most]
     if shown:
         parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
@@ -106,14 +115,7 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
         yield text.append_text(place_text(bound.location, record.repository, links))
     others = [path for path in node.sources if path != node.location.path]
     if others:
-        yield _field("sources", _some(others))
-
-
-def _inferred(classes: Classes) -> Iterable[Text]:
-    """Yield the node's functions and hardware; `kg why` explains both."""
-    yield Text.assemble(_field("function", ""), _listed(classes.functions) if classes.functions else "unknown")
-    if classes.hardware or classes.devices:
-        yield Text.assemble(_field("hardware", ""), _listed((*classes.hardware, *classes.devices)))
+        yield _field("sources", some(others, _MOST_SOURCES))
 
 
 def _listed(held: Iterable[Class]) -> Text:
@@ -121,33 +123,23 @@ def _listed(held: Iterable[Class]) -> Text:
     return Text(", ").join(Text(str(one), "dim" if one.grade.grade == "weak" else "") for one in held)
 
 
-def _description(said: Description, repository: str, links: Links) -> Iterable[RenderableType]:
-    """Yield the descriptions of a node and, dimmed, their places."""
-    yield Padding(Text(printable(said.text)), (0, 0, 0, 2))
-    yield Text.assemble(("  ", "dim"), place_text(said.location, repository, links))
-
-
 def _field(name: str, value: str) -> Text:
     return Text.assemble((f"  {name:<9} ", "dim"), printable(value))
-
-
-def _some(paths: Sequence[str], most: int = 4) -> str:
-    more = f" and {len(paths) - most} more" if len(paths) > most else ""
-    return ", ".join(paths[:most]) + more
 
 
 def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[Row]]]:
     groups: list[tuple[str, list[Row]]] = []
     for role, title in TITLES.items():
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
-        chosen.sort(key=lambda one: one.implicit)
-        groups.append((title, [_interface(one, via=via) for one in chosen]))
-    return [(title, rows) for title, rows in groups if rows]
-
-
-def _slots(record: NodeRecord, *, via: bool) -> list[tuple[str, list[Row]]]:
-    rows = [_slot(one, record, via=via) for one in record.node.slots]
-    return [("plugins it loads", rows)] if rows else []
+        if chosen:
+            chosen.sort(key=lambda one: one.implicit)
+            rows = []
+            for one in chosen:
+                name = one.name if one.name is not None else "(not resolved)"
+                kind, calls = one.type or "(type not known)", one.via if via else ()
+                rows.append(Row(name, kind, how(one), one.location, one.implicit, calls))
+            groups.append((title, rows))
+    return groups
 
 
 def _slot(fact: PluginSlot, record: NodeRecord, *, via: bool) -> Row:
@@ -158,17 +150,6 @@ def _slot(fact: PluginSlot, record: NodeRecord, *, via: bool) -> Row:
         shown.append(f"{named} ({known[0].package}/{known[0].node})" if known is not None else named)
     remark, calls = f"= {', '.join(shown)}" if shown else "", fact.via if via else ()
     return Row(fact.base_class or "(not known)", how_loaded(fact), remark, fact.location, dim=False, via=calls)
-
-
-def _interface(fact: Interface, *, via: bool) -> Row:
-    name = fact.name if fact.name is not None else "(not resolved)"
-    return Row(name, fact.type or "(type not known)", how(fact), fact.location, fact.implicit, fact.via if via else ())
-
-
-def _parameters(facts: Iterable[Parameter], *, every: bool, via: bool) -> list[Row]:
-    """Return one row per parameter, even if code reads and writes it at many places."""
-    shown = parameter_groups(fact for fact in facts if every or not fact.implicit)
-    return [_parameter(group, via=via) for group in shown]
 
 
 def _parameter(facts: Sequence[Parameter], *, via: bool) -> Row:

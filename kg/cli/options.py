@@ -10,7 +10,9 @@ import typer
 
 from kg.cli.completion import launches, packages
 from kg.cli.session import session
+from kg.errors import UsageError
 from kg.settings import DECLARED, Declaration, Settings
+from kg.similar import did_you_mean
 
 _Command = TypeVar("_Command", bound=Callable[..., None])
 
@@ -40,6 +42,7 @@ def with_settings(*names: str) -> Callable[[Callable[..., None]], Callable[..., 
                 given["settings"] = session(context).settings(**flags)
             command(*words, **given)
 
+        # typer makes the options from the signature, which therefore has those of the settings in place of `settings`.
         signature = inspect.signature(command)
         own = [one for one in signature.parameters.values() if one.name != "settings"]
         rest = [own.pop()] if own and own[-1].kind is inspect.Parameter.VAR_KEYWORD else []
@@ -47,6 +50,14 @@ def with_settings(*names: str) -> Callable[[Callable[..., None]], Callable[..., 
         return run
 
     return add
+
+
+def require_one_of(word: str, allowed: Iterable[str], what: str, hint: str = "") -> None:
+    """Raise UsageError KG003 for an unknown `what`, by default with similar or all allowed words as the hint."""
+    known = list(allowed)
+    if word not in known:
+        hint = hint or did_you_mean(word, known) or f"One of {', '.join(known)}."
+        raise UsageError("KG003", f"unknown {what} `{word}`", hint=hint)
 
 
 def is_given(settings: Settings, name: str) -> bool:
@@ -59,7 +70,11 @@ def takes(declared: Iterable[Declaration]) -> Callable[[_Command], _Command]:
 
     Options that the user did not give are None there, so that `kg.settings.load_table` looks elsewhere.
     """
-    return with_options({one.name: Annotated[_kind(one), _option(one)] for one in declared})
+    options: dict[str, Any] = {}
+    for one in declared:
+        kind: Any = bool if one.switch else list[str] if one.several else str
+        options[one.name] = Annotated[kind | None, _option(one)]
+    return with_options(options)
 
 
 def with_options(options: Mapping[str, Any]) -> Callable[[_Command], _Command]:
@@ -83,12 +98,6 @@ def _parameter(name: str, kind: Any) -> inspect.Parameter:
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kind)
 
 
-def _kind(declaration: Declaration) -> Any:
-    if declaration.switch:
-        return bool | None
-    return list[str] | None if declaration.several else str | None
-
-
 def _option(declaration: Declaration, **more: Any) -> Any:
     default = f" [default: {declaration.shown}]" if declaration.table and declaration.shown else ""
     return typer.Option(
@@ -102,6 +111,10 @@ def _option(declaration: Declaration, **more: Any) -> Any:
 
 
 Store = Annotated[str | None, from_setting("store")]
+Via = Annotated[
+    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
+]
+OutputFile = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Exclusive = Annotated[
     bool, typer.Option("--exclusive", help="Refuse to move what another node also moves, and stop if one appears.")
 ]

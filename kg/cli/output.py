@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from shutil import get_terminal_size
 from typing import IO, TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from kg.lazily import lazily
 from kg.render.text import json_text, printable, width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from rich.console import RenderableType
 
@@ -25,6 +26,7 @@ with lazily():
 
 _GAP = 2  # spaces between two columns of a table
 _UNBOUNDED = 100_000
+_NARROWEST = 24  # least number of columns that text is folded to
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,21 +71,38 @@ def write_bytes(data: bytes) -> None:
     sys.stdout.buffer.flush()
 
 
+def save(path: str | Path, data: bytes) -> None:
+    """Write bytes to a file; UsageError KG003 if it cannot be written."""
+    try:
+        Path(path).expanduser().write_bytes(data)
+    except OSError as error:
+        hint = "Check the path."
+        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(path)), hint=hint) from error
+
+
 def write_text(text: str, output: str | None) -> None:
     """Write a text to a file, else to standard output; UsageError KG003 if the file cannot be written."""
     if output is None or output == "-":
-        write_bytes(text.encode("utf-8"))
-        return
-    try:
-        Path(output).expanduser().write_text(text, "utf-8")
-    except OSError as error:
-        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(output)) from None
+        write_bytes(text.encode())
+    else:
+        save(output, text.encode())
 
 
 def json_lines(records: Iterable[Any]) -> None:
     """Write one JSON object per line."""
     for record in records:
         sys.stdout.write(json_line(record))
+
+
+def json_value(value: Any, of_bytes: Callable[[bytes], object] = list) -> Any:
+    """Return a value of a robot for JSON: null for numbers that are not finite, `of_bytes` of byte arrays."""
+    if isinstance(value, dict):
+        return {name: json_value(one, of_bytes) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_value(one, of_bytes) for one in value]
+    if isinstance(value, bytes):
+        return of_bytes(value)
+    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def json_line(record: Any) -> str:
@@ -171,25 +190,41 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
             no_wrap=column.kind in {"number", "name"},
         )
     for row in cells:
-        table.add_row(*(_drawn(row[index]) for index in kept))
+        drawn = [
+            Text(cell.text, style=f"link {cell.address}" if cell.address else "") if isinstance(cell, Linked) else cell
+            for cell in (row[index] for index in kept)
+        ]
+        table.add_row(*drawn)
     return table
 
 
-def _drawn(cell: str | Linked) -> RenderableType:
-    if isinstance(cell, Linked):
-        return Text(cell.text, style=f"link {cell.address}" if cell.address else "")
-    return cell
+def folded(words: Text, place: Text | None, first: Text, later: Text) -> list[Text]:
+    """Return the rows of words and their place, folded to the line; places are never broken.
+
+    The first row begins with `first`, each of the others with `later`.
+    """
+    columns = max(first.cell_len + _NARROWEST, line_width())
+    fits = first.cell_len + words.cell_len <= columns
+    rows = [words] if fits else list(words.wrap(console(), columns - later.cell_len))
+    start = first if len(rows) == 1 else later
+    if place and start.cell_len + rows[-1].cell_len + _GAP + place.cell_len > columns:
+        rows.append(place)
+    elif place:
+        rows[-1] = Text.assemble(rows[-1], " " * _GAP, place)
+    return [unfolded(Text.assemble(later if number else first, row)) for number, row in enumerate(rows)]
 
 
-def _width(cell: str | Linked) -> int:
-    return width(cell.text if isinstance(cell, Linked) else cell)
+def unfolded(text: Text) -> Text:
+    """Mark a text as one row, however wide, and return it."""
+    text.no_wrap, text.overflow = True, "ignore"
+    return text
 
 
 def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str | Linked]]) -> list[int]:
     """Return the positions of the columns that fit on a line, or cannot be dropped."""
+    texts = [[cell.text if isinstance(cell, Linked) else cell for cell in row] for row in cells]
     widths = [
-        max([width(column.title), *(_width(row[index]) for row in cells)]) + _GAP
-        for index, column in enumerate(columns)
+        max([width(column.title), *(width(row[index]) for row in texts)]) + _GAP for index, column in enumerate(columns)
     ]
     kept = list(range(len(columns)))
     spare = [index for index, column in enumerate(columns) if column.spare]

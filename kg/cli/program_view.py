@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json as as_json
-import math
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import typer
 
 from kg.cli.diagnostics import colored, dim, report
-from kg.cli.output import json_line, json_lines, write
+from kg.cli.output import json_lines, json_value, write
 from kg.errors import Exit, Place, RobotError
 from kg.render.text import count, printable
 from kg.robot.programs.events import Problem
@@ -78,7 +77,7 @@ class Log:
     def __call__(self, event: dict[str, Any]) -> None:
         """Write an event."""
         if self._json:
-            sys.stdout.write(json_line(_plain(event)))
+            json_lines([json_value(event)])
         else:
             text = self._words(event)
             if text is not None:
@@ -104,21 +103,10 @@ class Log:
             case "event":
                 return f"  it happened: {self._heads[path]}"
             case "planned":
-                value = as_json.dumps(_plain(event["value"]))
+                value = as_json.dumps(json_value(event["value"]))
                 return f"  would send to {event['kind']} {event['name']} ({event['type']}): {value}"
             case "paused" | "resumed":
                 return str(event["event"])
             case "done" | "stopped" | "failed" | "cancelled":
                 return f"{event['event']} after {count(event['statements'], 'statement')}"
         return None
-
-
-def _plain(value: Any) -> Any:
-    """Return a value for JSON: numbers that are not finite become null."""
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, bytes):
-        return list(value)
-    return None if isinstance(value, float) and not math.isfinite(value) else value

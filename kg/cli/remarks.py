@@ -7,8 +7,8 @@ from typing import Annotated, Final
 
 import typer
 
+from kg.cli.options import require_one_of
 from kg.codes import SEVERITIES
-from kg.errors import UsageError
 
 _FORMATS: Final = ("text", "json", "sarif", "github")
 
@@ -20,7 +20,5 @@ Level = Annotated[
 
 def require_known(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
     """Raise UsageError KG003 for an unknown format or severity; `hints` maps some words to a hint."""
-    for word, allowed, what in ((form, _FORMATS, "format"), (level, SEVERITIES, "severity")):
-        if word not in allowed:
-            hint = (hints or {}).get(word) or f"One of {', '.join(allowed)}."
-            raise UsageError("KG003", f"unknown {what} `{word}`", hint=hint)
+    require_one_of(form, _FORMATS, "format", (hints or {}).get(form, ""))
+    require_one_of(level, SEVERITIES, "severity")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.cli.diagnostics import note, problem
-from kg.cli.output import Column, json_line, json_lines, listing, terminal, write
+from kg.cli.output import Column, json_lines, listing, terminal, write
 from kg.lazily import lazily
 from kg.render.text import count, printable
 
@@ -53,11 +53,19 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
     `none` is the text for an empty list.
     """
     chosen = [one for one in found.capabilities if every or one.ways]
-    columns: tuple[Column, ...] = _COLUMNS
-    rows = [_row(one) for one in chosen]
-    if any(one.unavailable for one in chosen):
-        columns = (*columns, _UNAVAILABLE)
-        rows = [(*row, one.unavailable or "") for row, one in zip(rows, chosen, strict=True)]
+    columns = (*_COLUMNS, _UNAVAILABLE) if any(one.unavailable for one in chosen) else _COLUMNS
+    rows = [
+        (
+            one.kinds[0] if one.kinds else "",
+            one.name,
+            one.label,
+            one.modality,
+            ", ".join(_parameters(one)),
+            "; ".join(_ways(one)),
+            one.unavailable or "",
+        )[: len(columns)]
+        for one in chosen
+    ]
     listing(columns, rows, objects=map(capability_object, found.capabilities) if json else None)
     if json:
         return
@@ -109,7 +117,7 @@ async def follow(watching: Watching, *, once: bool, json: bool) -> None:
 
 def _tell(event: Event, *, json: bool) -> None:
     if json:
-        sys.stdout.write(json_line(msgspec.to_builtins(event)))
+        json_lines([msgspec.to_builtins(event)])
     else:
         _say(event)
     sys.stdout.flush()
@@ -132,17 +140,6 @@ def _say(event: Event) -> None:
         "kept": f"generation {event.generation}, in {event.seconds} s",
     }
     note(words[event.event])
-
-
-def _row(one: Capability) -> tuple[str, ...]:
-    return (
-        one.kinds[0] if one.kinds else "",
-        one.name,
-        one.label,
-        one.modality,
-        ", ".join(_parameters(one)),
-        "; ".join(_ways(one)),
-    )
 
 
 def _parameters(one: Capability) -> Iterator[str]:

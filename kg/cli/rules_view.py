@@ -76,10 +76,12 @@ def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) 
 
 def manual_lines(known: Manual) -> Iterator[RenderableType]:
     """Yield the lines about one rule: its description, documentation, dependencies and text."""
+    from kg.rules.files import NOTATIONS  # noqa: PLC0415 - start-up time
+
     file = known.file
     since = f", since {file.documentation.since}" if file.documentation.since else ""
     severity = f", reports a {file.documentation.severity}" if file.documentation.severity else ""
-    yield Text.assemble((file.name, "bold"), f"  {_notation(known)}{since}{severity}")
+    yield Text.assemble((file.name, "bold"), f"  {NOTATIONS[file.notation]}{since}{severity}")
     yield Text(printable(file.documentation.title))
     for heading, text in known.sections:
         yield Text()
@@ -110,12 +112,6 @@ def paragraphs(text: str) -> Iterator[str]:
             lines.append(line.strip())
     if lines:
         yield " ".join(lines)
-
-
-def _notation(known: Manual) -> str:
-    from kg.rules.files import NOTATIONS  # noqa: PLC0415 - start-up time
-
-    return NOTATIONS[known.file.notation]
 
 
 def _fields(known: Manual) -> Table:
@@ -192,6 +188,7 @@ def changed_line(sign: str, text: str, about: str = "", *, indent: int = 0) -> T
 
 def change_lines(changes: Sequence[Changed], view: View) -> Iterator[Text]:
     """Yield added or removed triples with labels of their parts, or names if labels are ambiguous."""
+    # Labels are short, but may be shared: changes that read alike get the labels of parents too, then whole names.
     texts = [" ".join(_called(term, change, view) for term in _terms(change)) for change in changes]
     signs = [change.sign for change in changes]
     alike = Counter(zip(texts, signs, strict=True))

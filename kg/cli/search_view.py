@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.diagnostics import note
-from kg.cli.output import console, line_width, show
+from kg.cli.output import folded, show, unfolded
 from kg.facts import Location
 from kg.lazily import lazily
-from kg.render.text import printable
+from kg.render.text import printable, some
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -23,13 +23,13 @@ with lazily():
 
 _REASONS: Final = 3
 _MOST: Final = 4  # maximum number of copies and variants listed for a hit
-_FIRST, _LATER, _NARROWEST = "   ", "     ", 24
 
 
 def row(hit: Hit) -> tuple[object, ...]:
     """Return the cells of a hit: rank, score, package, node, why, also in, file:line."""
     why = "; ".join(str(reason) for reason in hit.why[:_REASONS])
-    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, ", ".join(_others(hit)), _declared(hit)
+    declared = f"{hit.node.path}:{hit.node.line}"
+    return hit.rank, f"{hit.score:.2f}", hit.package.name, hit.name, why, ", ".join(_others(hit)), declared
 
 
 def show_hits(hits: Iterable[Hit], links: Links) -> None:
@@ -40,22 +40,12 @@ def show_hits(hits: Iterable[Hit], links: Links) -> None:
         version = hit.node.ros or hit.package.ros
         about = ", ".join([hit.node.kind, *([f"ROS {version}"] if version else []), hit.package.repository])
         head = f"{hit.rank}. {hit.package.name}/{hit.name}"
-        show(_line(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
+        show(unfolded(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
         for text, place in _told(hit):
             address = links.to(hit.package.repository, place) if place else None
             style = f"green link {address}" if address else "green"
-            show(*_folded(Text(printable(text)), Text(printable(str(place or "")), style=style)))
-
-
-def _folded(words: Text, place: Text) -> list[Text]:
-    """Return the lines of a reason, folded; places are never broken."""
-    room = max(_NARROWEST, line_width() - len(_FIRST))
-    parts = [words] if words.cell_len <= room else list(words.wrap(console(), room - 2))
-    if place and parts[-1].cell_len + place.cell_len + 4 > room:
-        parts.append(place)
-    elif place:
-        parts[-1] = Text.assemble(parts[-1], "  ", place)
-    return [_line(Text.assemble(_FIRST if at == 0 else _LATER, part)) for at, part in enumerate(parts)]
+            where = Text(printable(str(place)), style=style) if place else None
+            show(*folded(Text(printable(text)), where, Text(" " * 3), Text(" " * 5)))
 
 
 def _told(hit: Hit) -> Iterator[tuple[str, Location | None]]:
@@ -69,17 +59,7 @@ def _told(hit: Hit) -> Iterator[tuple[str, Location | None]]:
         yield "declared", declared
     others = _others(hit)
     if others:
-        more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""
-        yield f"also as {', '.join(others[:_MOST])}{more}", None
-
-
-def _line(text: Text) -> Text:
-    text.no_wrap, text.overflow = True, "ignore"
-    return text
-
-
-def _declared(hit: Hit) -> str:
-    return f"{hit.node.path}:{hit.node.line}"
+        yield f"also as {some(others, _MOST)}", None
 
 
 def _others(hit: Hit) -> list[str]:

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from rich.text import Text
 
 from kg.cli.links import Links
-from kg.cli.output import console, line_width, show
+from kg.cli.output import folded, show
 from kg.facts import Location
 from kg.render.text import printable
 from kg.views.wording import quoted
@@ -31,7 +31,6 @@ _STYLES: Final = {
     "fact": "bold",
 }
 _BRANCHES: Final = {"├─ ": "│  ", "└─ ": "   "}
-_NARROWEST: Final = 24
 
 
 def print_tree(lines: Iterable[Line], where: Places, iris: Iris | None = None) -> None:
@@ -60,40 +59,30 @@ def _code(line: Line, where: Places, iris: Iris) -> Text | None:
     code = quoted(where.code(thing.parts[0], place))
     if not code:
         return None
-    below = line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])
-    text = Text(f"{below}  {printable(code)}", style="dim")
+    text = Text(f"{_below(line)}  {printable(code)}", style="dim")
     text.no_wrap, text.overflow = True, "ellipsis"
     return text
 
 
 def _folded(line: Line, links: Links) -> list[Text]:
     """Return the rows of a line, folded inside its branch; places are never broken."""
-    room = max(_NARROWEST, line_width() - len(line.branches))
-    text, place = Text(line.text, style=_STYLES[line.kind]), _place(line, links)
-    parts = [text] if text.cell_len <= room else list(text.wrap(console(), room - 2))
-    if place and parts[-1].cell_len + place.cell_len + 2 > room - (2 if len(parts) > 1 else 0):
-        parts.append(place)
-    elif place:
-        parts[-1] = Text.assemble(parts[-1], "  ", place)
-    below = line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])
-    starts = [line.branches, *[f"{below}  "] * (len(parts) - 1)]
-    rows = [Text.assemble((start, "dim"), part) for start, part in zip(starts, parts, strict=True)]
-    for row in rows:
-        row.no_wrap, row.overflow = True, "ignore"
-    return rows
+    words, place = Text(line.text, style=_STYLES[line.kind]), _place(line, links)
+    return folded(words, place, Text(line.branches, "dim"), Text(f"{_below(line)}  ", "dim"))
 
 
 def _place(line: Line, links: Links) -> Text | None:
-    if line.evidence:
-        path = Path(line.evidence.path)
-        address = _file(path) if path.is_absolute() else links.find(line.evidence.path, line.evidence.line or 1)
-        return Text(line.where, style=_linked(address))
-    return Text(line.where, style=_linked(_file(Path(line.place.path)))) if line.place else None
+    """Return where the evidence of a line is, or else its rule, with a link."""
+    found = line.evidence or line.place
+    if found is None:
+        return None
+    path = Path(found.path)
+    if line.evidence and not path.is_absolute():
+        address = links.find(found.path, found.line or 1)
+    else:
+        address = f"file://{gethostname()}{quote(str(path.absolute()))}"
+    return Text(line.where, style=f"green link {address}" if address else "green")
 
 
-def _file(path: Path) -> str:
-    return f"file://{gethostname()}{quote(str(path.absolute()))}"
-
-
-def _linked(address: str | None) -> str:
-    return f"green link {address}" if address else "green"
+def _below(line: Line) -> str:
+    """Return the branches of the rows below a line."""
+    return line.branches[:-3] + _BRANCHES.get(line.branches[-3:], line.branches[-3:])

@@ -13,14 +13,14 @@ import os
 import shutil
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from threading import Event
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.corpus.fetching_git import Limits, StoppedError
+from kg.corpus.fetching_git import StoppedError
 from kg.corpus.fetching_list import Wanted, wanted_among
 from kg.corpus.fetching_lock import FETCHED, Entry, Lock, read_lock, write_lock
-from kg.corpus.fetching_one import Choice, fetch_one
+from kg.corpus.fetching_one import Options, fetch_one
 from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:
@@ -29,17 +29,6 @@ if TYPE_CHECKING:
 
 _WORKSPACE: Final = ".fetching"
 _TICK_SECONDS: Final = 0.2
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """Options: `jobs` in parallel; with `update`, pinned commits are replaced by current ones."""
-
-    ros: str = "any"
-    jobs: int = 4
-    submodules: bool = False
-    update: bool = False
-    limits: Limits = field(default_factory=Limits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +94,6 @@ def _all(
 ) -> Iterator[Entry]:
     """Yield the entries as they finish; if the caller stops early, all work is stopped first."""
     stop = Event()
-    choice = Choice(options.ros, options.submodules, options.limits)
     with ThreadPoolExecutor(options.jobs, thread_name_prefix="fetch") as pool:
 
         def work(number: int, one: Wanted, pin: Entry | None) -> Entry:
@@ -114,17 +102,19 @@ def _all(
                 raise StoppedError
             own.mkdir()
             try:
-                return fetch_one(one, pin, folder / one.name, own, choice, stop)
+                return fetch_one(one, pin, folder / one.name, own, options, stop)
             except OSError as error:
                 known = pin or Entry(one.name, one.url)
                 return replace(known, state="failed", reason=f"{error.strerror}: {error.filename or own}")
             finally:
                 shutil.rmtree(own, ignore_errors=True)
 
-        pins = {one.name: _pin(one, entries, update=options.update) for one in wanted}
-        pending: set[Future[Entry]] = {
-            pool.submit(work, number, one, pins[one.name]) for number, one in enumerate(wanted)
-        }
+        pending: set[Future[Entry]] = set()
+        for number, one in enumerate(wanted):
+            pin = None if options.update else entries.get(one.name)
+            if pin and one.ref and one.ref not in {pin.branch, pin.commit}:
+                pin = None  # a newly requested ref overrides the pin of another
+            pending.add(pool.submit(work, number, one, pin))
         try:
             while pending:
                 finished, pending = wait(pending, _TICK_SECONDS, FIRST_COMPLETED)
@@ -132,12 +122,6 @@ def _all(
         finally:
             stop.set()
             pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _pin(one: Wanted, entries: dict[str, Entry], *, update: bool) -> Entry | None:
-    """Return the pinned entry to use: a newly requested ref overrides the pin of another."""
-    found = entries.get(one.name)
-    return None if found is None or update or (one.ref and one.ref not in {found.branch, found.commit}) else found
 
 
 @contextmanager

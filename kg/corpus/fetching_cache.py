@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Final
 from kg.corpus.fetching import wanted_of
 from kg.corpus.fetching_git import Limits
 from kg.corpus.fetching_lock import FETCHED, Entry
-from kg.corpus.fetching_one import Choice, fetch_one
+from kg.corpus.fetching_one import Options, fetch_one
 from kg.corpus.scanning import scan
 from kg.errors import SourceError
 
@@ -55,8 +55,9 @@ def checkout(pin: Pin, name: str, cache: Path) -> tuple[Entry, Path]:
                 shutil.rmtree(left, ignore_errors=True)
             workspace = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=around))
             try:
-                choice = Choice("any", submodules=False, limits=LIMITS)
-                return fetch_one(wanted, known, around / name, workspace, choice, Event()), around / name
+                return fetch_one(
+                    wanted, known, around / name, workspace, Options(limits=LIMITS), Event()
+                ), around / name
             finally:
                 shutil.rmtree(workspace, ignore_errors=True)
     except OSError as error:

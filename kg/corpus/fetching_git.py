@@ -129,7 +129,10 @@ class Watch:
             try:
                 self._attend(process)
             finally:
-                _kill(process)
+                if process.poll() is None:
+                    with suppress(ProcessLookupError, PermissionError):
+                        os.killpg(process.pid, signal.SIGKILL)  # git and its children
+                    process.wait()
         with err.open("rb") as said:
             self.words = said.read(_MOST_WORDS).decode("utf-8", "replace")
         if process.returncode:
@@ -147,7 +150,9 @@ class Watch:
 
     def large(self) -> FetchingError:
         """Return the error for a repository above the size limit."""
-        return FetchingError("too large", f"it is larger than {_megabytes(self._limits.bytes)}")
+        most = self._limits.bytes
+        shown = f"{most / (1 << 20):,.0f} MB" if most >= 1 << 20 else f"{most:,} bytes"
+        return FetchingError("too large", f"it is larger than {shown}")
 
     @property
     def room(self) -> int:
@@ -189,14 +194,6 @@ def folder_bytes(folder: Path) -> int:
     return size
 
 
-def _kill(process: subprocess.Popen[bytes]) -> None:
-    """Kill git and its children, unless they have exited."""
-    if process.poll() is None:
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-
-
 def _failure(words: str, code: int) -> FetchingError:
     lines = [re.sub(r"^(?:fatal|error|remote|ERROR): ", "", line.strip("\0 \t")) for line in words.splitlines()]
     telling = [line for line in lines if line and not line.startswith(_IDLE)]
@@ -210,7 +207,3 @@ def _failure(words: str, code: int) -> FetchingError:
     if _PASSING.search(words):
         return FetchingError("unreachable", reason, passing=True)
     return FetchingError("failed", reason)
-
-
-def _megabytes(number: int) -> str:
-    return f"{number / (1 << 20):,.0f} MB" if number >= 1 << 20 else f"{number:,} bytes"

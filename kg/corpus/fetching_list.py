@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.git import repository_name
-from kg.corpus.sources import parse_source
-from kg.errors import SourceError
+from kg.corpus.sources import listed, parse_source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -43,12 +42,7 @@ def read_wanted(path: Path) -> tuple[Wanted, ...]:
     Raises:
         SourceError: KG101 an unreadable file.
     """
-    try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise SourceError("KG101", f"the list of repositories {path} cannot be read: {error}") from error
-    lines = (re.split(r"(?:^|\s)#", line, maxsplit=1)[0].strip() for line in text.splitlines())
-    return wanted_among(line for line in lines if line)
+    return wanted_among(entry for _, entry in listed(path, "repositories"))
 
 
 def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
@@ -60,7 +54,9 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
     found: dict[str, Wanted] = {}
     for one in map(_wanted, addresses):
         held = found.setdefault(one.name, one)
-        if _differs(one, held):
+        # Names with a host determine the address; those of local repositories do not.
+        urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, held)}
+        if one.ref != held.ref or (one.name.startswith("local/") and len(urls) > 1):
             whole = _whole(one)
             found.setdefault(whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(held)}"))
     folders: dict[str, str] = {}
@@ -71,12 +67,6 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
             problem = f"its folder is in that of {above}" if above else f"its folder is that of {first} but for case"
             found[name] = Wanted(name, one.url, one.ref, problem)
     return tuple(found.values())
-
-
-def _differs(one: Wanted, other: Wanted) -> bool:
-    """Return whether two requests of one name differ: by ref, or by address, which names with a host determine."""
-    urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, other)}
-    return one.ref != other.ref or (one.name.startswith("local/") and len(urls) > 1)
 
 
 def _whole(one: Wanted) -> str:

@@ -145,7 +145,10 @@ def write_lock(path: Path, entries: Iterable[Entry]) -> Lock:
         SourceError: KG132 it cannot be written.
     """
     ordered = tuple(sorted(entries, key=lambda entry: entry.name))
-    text = _HEAD + f"version = {VERSION}\n" + "".join(map(_table, ordered))
+    text = _HEAD + f"version = {VERSION}\n"
+    for entry in ordered:
+        text += "\n[[repository]]\n"
+        text += "".join(f"{key} = {_value(value)}\n" for key, value in asdict(entry).items())
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
@@ -162,11 +165,6 @@ def write_lock(path: Path, entries: Iterable[Entry]) -> Lock:
     except OSError as error:
         raise SourceError("KG132", f"{path} cannot be written: {error.strerror}") from error
     return Lock(path, ordered)
-
-
-def _table(entry: Entry) -> str:
-    lines = [f"{key} = {_value(value)}" for key, value in asdict(entry).items()]
-    return "\n".join(["", "[[repository]]", *lines, ""])
 
 
 def _value(value: str | int) -> str:

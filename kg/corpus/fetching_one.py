@@ -11,7 +11,7 @@ import os
 import re
 import shutil
 import subprocess
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -103,12 +103,17 @@ def _entries(top: Path) -> Iterator[os.DirEntry[str]]:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
-    """Options: the version of ROS, whether to fetch submodules, and the limits of each repository."""
+class Options:
+    """Options of fetching: the version of ROS, submodules, and the limits of each repository.
 
-    ros: str
-    submodules: bool
-    limits: Limits
+    `jobs` run in parallel; with `update`, pinned commits are replaced by current ones.
+    """
+
+    ros: str = "any"
+    jobs: int = 4
+    submodules: bool = False
+    update: bool = False
+    limits: Limits = field(default_factory=Limits)
 
 
 def stands_at(folder: Path, commit: str) -> bool:
@@ -119,7 +124,7 @@ def stands_at(folder: Path, commit: str) -> bool:
         return False
 
 
-def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, choice: Choice, stop: Event) -> Entry:  # noqa: PLR0913, PLR0917 - what one repository needs
+def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, options: Options, stop: Event) -> Entry:  # noqa: PLR0913, PLR0917 - what one repository needs
     """Fetch a repository to the folder `place`, using the empty folder `workspace`, and return its entry.
 
     A `pin` determines the commit. Nothing is done if the checkout is already there. Temporary failures are retried. A
@@ -133,17 +138,17 @@ def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, choi
         return replace(known, state="refused", reason=one.problem)
     if pin and stands_at(place, pin.commit):
         return replace(pin, state=FETCHED, reason=pin.reason if pin.state == FETCHED else "")
-    fetching = _Fetching(one, place, workspace, choice, stop)
+    fetching = _Fetching(one, place, workspace, options, stop)
     attempt = 0
     while True:
         try:
             return fetching.run(pin.commit if pin else "", known)
         except FetchingError as error:
-            if not error.passing or attempt >= choice.limits.retries:
+            if not error.passing or attempt >= options.limits.retries:
                 return replace(known, state=error.state, reason=error.reason)
             failed = error
         try:
-            fetching.watch.wait(choice.limits.pause * 2**attempt)
+            fetching.watch.wait(options.limits.pause * 2**attempt)
         except FetchingError:
             return replace(known, state=failed.state, reason=failed.reason)
         attempt += 1
@@ -152,12 +157,12 @@ def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, choi
 class _Fetching:
     """A repository being fetched."""
 
-    def __init__(self, one: Wanted, place: Path, workspace: Path, choice: Choice, stop: Event) -> None:
-        self.watch = Watch(workspace, choice.limits, stop)
+    def __init__(self, one: Wanted, place: Path, workspace: Path, options: Options, stop: Event) -> None:
+        self.watch = Watch(workspace, options.limits, stop)
         self._one = one
         self._place = place
         self._tree = workspace / "tree"
-        self._choice = choice
+        self._options = options
         self._protocols = protocols(one.url)
         self._moved = ""
         self._bytes = 0
@@ -171,15 +176,16 @@ class _Fetching:
             found = self._fetch(self._one.ref)
             return self._finish(known, "" if found == self._one.ref else self._one.ref, found)
         default, branches = self._remote()
-        names = branches_to_try(default, branches, self._choice.ros)[:_MOST_TRIED]
+        names = branches_to_try(default, branches, self._options.ros)[:_MOST_TRIED]
         for name in names:
             if stands_at(self._place, branches.get(name, "")):
                 return self._present(known, name, branches[name])
             found = self._fetch(f"refs/heads/{name}")
-            if self._suits():
+            versions = ros_versions(self._tree) if self._options.ros != "any" else ""
+            if not versions or self._options.ros in versions:  # a checkout without packages might be for any version
                 return self._finish(known, name, found)
         tried = f"; {', '.join(names)} {'is' if len(names) == 1 else 'are'} not" if names else ""
-        raise FetchingError("other ros", f"no branch is for ROS {self._choice.ros}{tried}")
+        raise FetchingError("other ros", f"no branch is for ROS {self._options.ros}{tried}")
 
     def _check_place(self) -> None:
         """Refuse to replace anything but a clean checkout."""
@@ -228,15 +234,11 @@ class _Fetching:
         self._tree.mkdir(parents=True)
         self._git("init", "--quiet", "--template=")
 
-    def _suits(self) -> bool:
-        """Return whether the packages are for the version of ROS; a checkout without packages might be."""
-        return self._choice.ros == "any" or self._choice.ros in (ros_versions(self._tree) or self._choice.ros)
-
     def _finish(self, known: Entry, branch: str, commit: str) -> Entry:
         """Move the checkout into place."""
-        remarks = self._submodules() if self._choice.submodules else []
+        remarks = self._submodules() if self._options.submodules else []
         links = outward_links(self._tree)
-        if links:
+        if links:  # git must not report them as changes of the checkout, which would then never be replaced
             self._git(
                 "update-index",
                 "--skip-worktree",

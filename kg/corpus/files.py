@@ -127,8 +127,9 @@ def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | 
     if not dot or not stem:
         return None
     kind = _ENDINGS.get(ending.lower())
-    if kind is None and ending in {"in", "em"}:
-        return _template(stem)
+    if kind is None and ending in {"in", "em"}:  # a template of CMake or C++ can be read as its output
+        output = stem.rpartition(".")[2]
+        return FileKind.BUILD if output == "cmake" else FileKind.CPP if output in {"h", "hpp", "cpp"} else None
     if ending == "idl":
         return _IDL_FOLDERS.get(folder)
     if folder == "launch" and not in_module and ending in {"py", "xml"}:
@@ -136,11 +137,3 @@ def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | 
     if kind is FileKind.CONFIG and ending == "xml" and ("plugin" in stem or "nodelet" in stem):
         return FileKind.PLUGIN
     return kind
-
-
-def _template(stem: str) -> FileKind | None:
-    """Return the kind of a template by its output: CMake and C++ can be read as they are."""
-    ending = stem.rpartition(".")[2]
-    if ending == "cmake":
-        return FileKind.BUILD
-    return FileKind.CPP if ending in {"h", "hpp", "cpp"} else None

@@ -118,7 +118,11 @@ def _ask_git(top: Path) -> Repository:
         commit, branch = run_git(("rev-parse", "HEAD", "--abbrev-ref", "HEAD"), folder=top).splitlines()
     except subprocess.CalledProcessError:
         commit, branch = "", "HEAD"
-    configured = _configuration(top)
+    try:
+        listed = run_git(("config", "--local", "--includes", "--null", "--list"), folder=top)
+    except subprocess.CalledProcessError:
+        listed = ""
+    configured = [(key, value) for key, _, value in (entry.partition("\n") for entry in listed.split("\0")) if key]
     remotes = {
         key.removeprefix("remote.").removesuffix(".url"): value
         for key, value in configured
@@ -127,15 +131,6 @@ def _ask_git(top: Path) -> Repository:
     remote = _pick_remote(remotes)
     name, changed = _name(top, remote), _changed(top, {key for key, _ in configured})
     return Repository(name, str(top), commit or None, remote, None if branch == "HEAD" else branch, changed)
-
-
-def _configuration(top: Path) -> list[tuple[str, str]]:
-    """Return the settings of the repository itself, in their order."""
-    try:
-        listed = run_git(("config", "--local", "--includes", "--null", "--list"), folder=top)
-    except subprocess.CalledProcessError:
-        return []
-    return [(key, value) for key, _, value in (entry.partition("\n") for entry in listed.split("\0")) if key]
 
 
 def _changed(top: Path, keys: set[str]) -> bool:
@@ -160,19 +155,14 @@ def _name(top: Path, remote: str | None) -> str:
 
 
 def _read_git_files(top: Path) -> Repository:
-    folder = _git_folder(top)
+    folder = top / ".git"
+    if folder.is_file() and (text := _read(folder)).startswith("gitdir: "):  # of a worktree or submodule
+        folder = top / text.removeprefix("gitdir: ")
     head = _read(folder / "HEAD")
     branch = head.removeprefix("ref: refs/heads/") if head.startswith("ref: refs/heads/") else None
     commit = _resolve_reference(folder, head.removeprefix("ref: ")) if head.startswith("ref: ") else head
     remote = _pick_remote(_configured_remotes(_common_folder(folder)))
     return Repository(_name(top, remote), str(top), commit or None, remote, branch)
-
-
-def _git_folder(top: Path) -> Path:
-    """Return the folder of `.git`, which a worktree or submodule names in a file."""
-    marker = top / ".git"
-    text = _read(marker) if marker.is_file() else ""
-    return (top / text.removeprefix("gitdir: ")) if text.startswith("gitdir: ") else marker
 
 
 def _common_folder(folder: Path) -> Path:

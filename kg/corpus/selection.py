@@ -10,7 +10,7 @@ from kg.errors import Place, SourceError
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from kg.corpus.selection_criteria import Criteria, Criterion
     from kg.corpus.selection_data import Dataset, Project
@@ -54,7 +54,11 @@ def select(dataset: Dataset, criteria: Criteria) -> Selection:
             gone = {project.line for project in removed}
             left = tuple(project for project in left if project.line not in gone)
             steps.append(Step(criterion, removed, len(left)))
-    counted = {name: figures(_values(dataset, left, columns)) for name, columns in criteria.figures.items()}
+    counted: dict[str, Figures] = {}
+    for name, columns in criteria.figures.items():
+        rows = ([dataset.number(project, column) for column in columns] for project in left)
+        whole = ([value for value in row if value is not None] for row in rows if None not in row)
+        counted[name] = figures([sum(row) for row in whole])
     return Selection(dataset, criteria, tuple(steps), left, counted)
 
 
@@ -79,9 +83,3 @@ def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
             hint = did_you_mean(cell, known) or f"{criteria.path} names {', '.join(known) or 'none'}."
             place = Place(str(dataset.path), project.line)
             raise SourceError("KG131", f"no criterion is about `{column}` = {cell!r}", place=place, hint=hint)
-
-
-def _values(dataset: Dataset, projects: Sequence[Project], columns: tuple[str, ...]) -> list[int]:
-    """Return the sum of the columns for each project that has all of them."""
-    rows = ([dataset.number(project, column) for column in columns] for project in projects)
-    return [sum(known) for row in rows if len(known := [value for value in row if value is not None]) == len(row)]

@@ -112,7 +112,9 @@ class _Reader:
         if not isinstance(figures, dict):
             raise self._error("`figures` is a table", self._line("figures"), "Write [figures].")
         found = tuple(self._criterion(table, index) for index, table in enumerate(tables))
-        self._twice(found)
+        for index, one in enumerate(found):
+            if any(one.name == other.name for other in found[:index]):
+                raise self._error(f"there are two criteria {one.name!r}", one.line, "Give one another name.")
         return Criteria(
             path=self.path,
             project=self._text(content, "project", self._line("project")),
@@ -130,12 +132,15 @@ class _Reader:
             self._known(key, _KEYS, self._line(key, line))
         if not any(key in table for key in _TESTS):
             raise self._error("the criterion removes nothing", line, f"Give it one of {', '.join(_TESTS)}.")
+        applies = table.get("applies", True)
+        if not isinstance(applies, bool):
+            raise self._error("`applies` must be true or false", self._line("applies", line), None)
         return Criterion(
             name=self._text(table, "name", line),
             column=self._text(table, "column", line),
             says=self._text(table, "says", line) if "says" in table else "",
             line=line or 1,
-            applies=self._switch(table, line),
+            applies=applies,
             equal=self._values(table, "is", line),
             unequal=self._values(table, "is_not", line),
             least=self._number(table, "least", line),
@@ -146,13 +151,6 @@ class _Reader:
         if key not in keys:
             hint = did_you_mean(key, keys) or f"Keys are {', '.join(keys)}."
             raise self._error(f"unknown key `{key}`", line, hint)
-
-    def _twice(self, found: Sequence[Criterion]) -> None:
-        names: set[str] = set()
-        for one in found:
-            if one.name in names:
-                raise self._error(f"there are two criteria {one.name!r}", one.line, "Give one another name.")
-            names.add(one.name)
 
     def _text(self, table: dict[str, Any], key: str, line: int | None) -> str:
         value = table.get(key)
@@ -174,12 +172,6 @@ class _Reader:
         value = table.get(key)
         if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
             raise self._error(f"`{key}` is not a whole number", self._line(key, line), f"Write {key} = 100.")
-        return value
-
-    def _switch(self, table: dict[str, Any], line: int | None) -> bool:
-        value = table.get("applies", True)
-        if not isinstance(value, bool):
-            raise self._error("`applies` must be true or false", self._line("applies", line), None)
         return value
 
     def _line(self, key: str, start: int | None = None) -> int | None:

@@ -89,9 +89,17 @@ def read_dataset(path: Path) -> Dataset:
         raise SourceError("KG131", "the file is empty", place=Place(str(path)))
     head, *body = rows
     columns = tuple(cell.strip() for cell in head[1])
-    _check_head(columns, path)
+    for column in columns:
+        if not column or columns.count(column) > 1:
+            what = f"duplicate column `{column}`" if column else "a column has no name"
+            raise SourceError("KG131", f"{what} in the head", place=Place(str(path), 1))
     projects = tuple(_project(columns, cells, line, path) for line, cells in body)
-    _check_keys(columns[0], projects, path)
+    lines: dict[str, int] = {}
+    for project in projects:
+        key = project.cells[columns[0]]
+        first = lines.setdefault(key, project.line)
+        if first != project.line:
+            raise SourceError("KG131", f"{key!r} is already in line {first}", place=Place(str(path), project.line))
     return Dataset(path, columns, projects)
 
 
@@ -113,13 +121,6 @@ def _rows(stream: Iterable[str], path: Path) -> Iterator[tuple[int, list[str]]]:
         line = reader.line_num + 1
 
 
-def _check_head(columns: tuple[str, ...], path: Path) -> None:
-    for column in columns:
-        if not column or columns.count(column) > 1:
-            what = f"duplicate column `{column}`" if column else "a column has no name"
-            raise SourceError("KG131", f"{what} in the head", place=Place(str(path), 1))
-
-
 def _project(columns: tuple[str, ...], cells: list[str], line: int, path: Path) -> Project:
     if len(cells) != len(columns):
         raise SourceError(
@@ -129,12 +130,3 @@ def _project(columns: tuple[str, ...], cells: list[str], line: int, path: Path) 
             hint="Quote cells that contain a comma.",
         )
     return Project(dict(zip(columns, map(str.strip, cells), strict=True)), line)
-
-
-def _check_keys(key: str, projects: tuple[Project, ...], path: Path) -> None:
-    lines: dict[str, int] = {}
-    for project in projects:
-        first = lines.setdefault(project.cells[key], project.line)
-        if first != project.line:
-            message = f"{project.cells[key]!r} is already in line {first}"
-            raise SourceError("KG131", message, place=Place(str(path), project.line))

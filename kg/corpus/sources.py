@@ -48,18 +48,20 @@ def read_list(path: Path) -> tuple[ListedSource, ...]:
 
     Raises `SourceError` (KG101) for an unreadable file.
     """
+    return tuple(
+        parse_source(entry, number) if is_address(entry) else ListedSource(str(path.parent / entry), None, number)
+        for number, entry in listed(path, "sources")
+    )
+
+
+def listed(path: Path, what: str) -> list[tuple[int, str]]:
+    """Return the entries of a list of `what` with their lines, without comments; SourceError (KG101) if unreadable."""
     try:
         text = path.read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise SourceError("KG101", f"the list of sources {path} cannot be read: {error}") from error
-    found: list[ListedSource] = []
-    for number, written in enumerate(text.splitlines(), 1):
-        entry = re.split(r"(?:^|\s)#", written, maxsplit=1)[0].strip()
-        if entry and is_address(entry):
-            found.append(parse_source(entry, number))
-        elif entry:
-            found.append(ListedSource(str(path.parent / entry), None, number))
-    return tuple(found)
+        raise SourceError("KG101", f"the list of {what} {path} cannot be read: {error}") from error
+    entries = (re.split(r"(?:^|\s)#", line, maxsplit=1)[0].strip() for line in text.splitlines())
+    return [(number, entry) for number, entry in enumerate(entries, 1) if entry]
 
 
 def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[str], None] = lambda _: None) -> Path:

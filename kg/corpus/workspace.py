@@ -99,18 +99,14 @@ class Documents:
 
 
 def _pages(entries: Iterable[FileEntry]) -> list[str]:
-    """Return the pages among files: READMEs, and those in documentation formats."""
-    return sorted(
-        (e.path for e in entries if e.kind is FileKind.TEXT and _is_page(posixpath.basename(e.path))), key=_order
-    )
-
-
-def _is_page(name: str) -> bool:
-    return _README.match(name) is not None or (name.lower().endswith(_ENDINGS) and not _OTHER.search(name))
-
-
-def _order(path: str) -> tuple[int, bool, str]:
-    return path.count("/"), not _README.match(posixpath.basename(path)), path
+    """Return the pages among files, READMEs of outer folders first: READMEs, and those in documentation formats."""
+    found: list[tuple[int, bool, str]] = []
+    for path in (entry.path for entry in entries if entry.kind is FileKind.TEXT):
+        name = posixpath.basename(path)
+        readme = _README.match(name) is not None
+        if readme or (name.lower().endswith(_ENDINGS) and not _OTHER.search(name)):
+            found.append((path.count("/"), not readme, path))
+    return [path for _, _, path in sorted(found)]
 
 
 def _folder_of(path: str) -> str | None:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from pygls.workspace import Workspace
 
-    from kg.rules.checks.finding import Context, Finding
+    from kg.rules.checks.finding import Context
 
 _KINDS: Final = {
     "variable": types.CompletionItemKind.Variable,
@@ -72,14 +72,14 @@ class Rules:
         if found is None:
             return None
         text, path = found
-        findings = diagnose(text.source, path, self._knowledge.name_of(path), self._knowledge.context)
-        return [self._diagnostic(each, text, uri) for each in findings if Path(each.place.path).resolve() == path]
-
-    def _diagnostic(self, finding: Finding, text: Text, uri: str) -> types.Diagnostic:
-        where = text.span(finding.place, width(text.source, finding.place))
-        message = f"{finding.message}\n{finding.hint}" if finding.hint else finding.message
-        fixes = [_fix(each, where, text, uri) for each in finding.fixes]
-        return diagnostic(where, message, finding.severity, finding.code, fixes)
+        result = []
+        for each in diagnose(text.source, path, self._knowledge.name_of(path), self._knowledge.context):
+            if Path(each.place.path).resolve() == path:
+                where = text.span(each.place, width(text.source, each.place))
+                message = f"{each.message}\n{each.hint}" if each.hint else each.message
+                fixes = [_fix(fix, where, text, uri) for fix in each.fixes]
+                result.append(diagnostic(where, message, each.severity, each.code, fixes))
+        return result
 
     def completions(self, uri: str, position: types.Position) -> list[types.CompletionItem]:
         """Return the completions at a position."""

@@ -152,14 +152,9 @@ class _Session:
     def actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
         """Return the quick fixes of what was published at a range."""
         published = self._published.get(path_of(params.text_document.uri), ())
-        return actions((each for each in published if _meet(each.range, params.range)), self._server.workspace)
-
-
-def _meet(one: types.Range, other: types.Range) -> bool:
-    def pair(position: types.Position) -> tuple[int, int]:
-        return position.line, position.character
-
-    return pair(one.start) <= pair(other.end) and pair(other.start) <= pair(one.end)
+        start, end = params.range.start, params.range.end
+        here = [each for each in published if each.range.start <= end and start <= each.range.end]
+        return actions(here, self._server.workspace)
 
 
 def language_server(source: Source) -> LanguageServer:
@@ -244,18 +239,12 @@ def _features(server: LanguageServer, session: _Session) -> None:
     @server.feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
     def renamed(params: types.RenameParams) -> types.WorkspaceEdit | None:
         try:
-            return session.rules.rename(
-                params.text_document.uri, params.position, params.new_name, files=_renames_files(server)
-            )
+            workspace = server.client_capabilities.workspace
+            edit = workspace.workspace_edit if workspace else None
+            files = types.ResourceOperationKind.Rename in ((edit.resource_operations if edit else None) or ())
+            return session.rules.rename(params.text_document.uri, params.position, params.new_name, files=files)
         except KgError as error:
             raise JsonRpcInvalidParams(_sentence(error)) from None
-
-
-def _renames_files(server: LanguageServer) -> bool:
-    """Return whether the editor applies edits that rename files."""
-    workspace = server.client_capabilities.workspace
-    edit = workspace.workspace_edit if workspace else None
-    return types.ResourceOperationKind.Rename in ((edit.resource_operations if edit else None) or ())
 
 
 def _sentence(error: KgError) -> str:

@@ -114,7 +114,12 @@ def actions(found: Iterable[types.Diagnostic], workspace: Workspace) -> list[typ
     """Return the quick fixes of diagnostics: the edits in their data that still fit the texts."""
     result = []
     for each in found:
-        fixes = [fix for fix in (each.data or {}).get("fixes", ()) if _fits(fix, workspace)]
+        fixes = []
+        for fix in (each.data or {}).get("fixes", ()):
+            path = path_of(fix["uri"])
+            text = read(path, workspace) if path else None
+            if text is not None and text.has(fix["range"], fix["written"]):
+                fixes.append(fix)
         for fix in fixes:
             edit = types.TextEdit(fix["range"], fix["text"])
             result.append(
@@ -127,10 +132,3 @@ def actions(found: Iterable[types.Diagnostic], workspace: Workspace) -> list[typ
                 )
             )
     return result
-
-
-def _fits(fix: dict[str, Any], workspace: Workspace) -> bool:
-    """Return whether the text that a fix replaces is still where it was."""
-    path = path_of(fix["uri"])
-    text = read(path, workspace) if path else None
-    return text is not None and text.has(fix["range"], fix["written"])

@@ -300,7 +300,12 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
         for fact, right in judged
         if not right
     )
-    notes = _notes(found, absent)
+    told = [f"{found.files:,} files of C++ and Python were searched for calls."]
+    if found.left_out:
+        told.append(f"Left out: {'; '.join(f'{number:,} {why}' for why, number in found.left_out.most_common())}.")
+    if absent:
+        told.append(f"{absent:,} sampled facts are in files that are missing or have changed.")
+    notes = tuple(told)
     table = Table("code", "The graph against the code", ("measure", "kind", "share", "number"), tuple(rows), notes)
     return Checked(beside(table, ("measure", "kind")), tuple(missed))
 
@@ -319,15 +324,6 @@ def _rows(measure: str, judged: Iterable[tuple[str, bool]], sizes: Mapping[str, 
 
 def _miss(measure: str, kind: str, lines: SourceLines, place: tuple[str, str, int]) -> Miss:
     return Miss(measure, kind, lines.address(*place), lines.text(*place) or "")
-
-
-def _notes(found: _Found, absent: int) -> tuple[str, ...]:
-    told = [f"{found.files:,} files of C++ and Python were searched for calls."]
-    if found.left_out:
-        told.append(f"Left out: {'; '.join(f'{number:,} {why}' for why, number in found.left_out.most_common())}.")
-    if absent:
-        told.append(f"{absent:,} sampled facts are in files that are missing or have changed.")
-    return tuple(told)
 
 
 def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Found:
@@ -359,12 +355,9 @@ def _search(repository: str, root: Path, path: str, places: Places, found: _Foun
         found.left_out["files that were changed since"] += 1
         return
     found.files += 1
-    for site in sites(data.decode("utf-8", "replace"), _language(path)):
+    language = "python" if PurePosixPath(path).suffix.lower() in PYTHON else "cpp"
+    for site in sites(data.decode("utf-8", "replace"), language):
         found.calls[site.kind].append(((repository, path), site))
-
-
-def _language(path: str) -> str:
-    return "python" if PurePosixPath(path).suffix.lower() in PYTHON else "cpp"
 
 
 def _files(root: Path) -> Iterator[str]:
@@ -381,21 +374,16 @@ def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list
     """Return sampled facts with whether their lines contain them, and the number of those without a line here."""
     judged, absent = [], 0
     for relation, pair in drawn(facts, tuple(STATED), size, seed):
-        fact = _at_call(facts.told(relation, pair))
+        fact = facts.told(relation, pair)
+        if fact.call is not None:  # the line that calls the framework counts, also in another package than the node's
+            source = fact.call.repository or fact.repository
+            fact = replace(fact, file_repository=source, path=fact.call.path, line=fact.call.line)
         text = lines.lines(fact.file_repository, fact.path)
         if text is None or not 0 < fact.line <= len(text):
             absent += 1
         else:
             judged.append((fact, holds(fact, text)))
     return judged, absent
-
-
-def _at_call(fact: Fact) -> Fact:
-    """Return a fact at the line that calls the framework, if that is in another package than the node."""
-    if fact.call is None:
-        return fact
-    source = fact.call.repository or fact.repository
-    return replace(fact, file_repository=source, path=fact.call.path, line=fact.call.line)
 
 
 _WORDS: Final = {

@@ -27,7 +27,6 @@ from kg.robot.simulation.plan import Place  # noqa: TC001 - msgspec reads the an
 from kg.robot.simulation.running import hosted_in_memory
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
     from pathlib import Path
 
     from kg.robot.capability import Capabilities
@@ -149,7 +148,9 @@ def missed(variant: Variant, world: World) -> list[str]:
     """Return the missed goals, in words."""
     pose, robot, start = world.robot.pose, world.robot, world.start
     wrong: list[str] = []
-    if not _in_order(variant.visits, world.visited):
+    # The visited places contain the wanted ones in order: the search for one continues behind the one before.
+    rest = iter(world.visited)
+    if not all(one in rest for one in variant.visits):
         wrong.append(
             f"it visited {', '.join(world.visited) or 'nothing'}, not {', '.join(variant.visits)} in this order"
         )
@@ -173,9 +174,3 @@ def _faces(pose: Pose, tag: TagPlace) -> bool:
     far, beside = _VIEW
     bearing = math.atan2(tag.y - pose.y, tag.x - pose.x) - pose.heading
     return pose.distance(tag.x, tag.y) <= far and abs(math.remainder(bearing, math.tau)) <= beside
-
-
-def _in_order(wanted: Iterable[str], visited: Iterable[str]) -> bool:
-    """Return whether the visited places contain the wanted ones in order."""
-    rest = iter(visited)
-    return all(one in rest for one in wanted)

@@ -113,7 +113,12 @@ class Linker:
             if repository not in self._read:
                 self._read[repository] = tuple(_interfaces(self._snapshot, repository))
             store.extend(self._read[repository])
-        parts = _parts(store)
+        # Ends and parameters by package, role and plain name.
+        parts: dict[str, dict[str, dict[str, list[str]]]] = {}
+        for package, part, kind, name in rows(MemorySnapshot(store), _PARTS, union=True):
+            role, plain = _CLASSES.get(f"<{kind}>"), plain_name(name)
+            if role and plain:
+                parts.setdefault(package, {}).setdefault(role, {}).setdefault(plain, []).append(part)
         writer = Writer()
         for number, one in enumerate(linked, 1):
             _write(writer, number, one, parts.get(one.package or "", {}))
@@ -160,16 +165,6 @@ def _interfaces(snapshot: Snapshot, repository: str) -> Iterator[Quad]:
         if of is not None and type_ is not None:
             triples += [(part, of, type_), (type_, _LABEL, label)]
         yield from (Quad(*triple) for triple in triples)  # type: ignore[arg-type]  # columns of a SELECT hold any term
-
-
-def _parts(store: Store) -> dict[str, dict[str, dict[str, list[str]]]]:
-    """Return the ends and parameters of each package by role and plain name."""
-    found: dict[str, dict[str, dict[str, list[str]]]] = {}
-    for package, part, kind, name in rows(MemorySnapshot(store), _PARTS, union=True):
-        role, plain = _CLASSES.get(f"<{kind}>"), plain_name(name)
-        if role and plain:
-            found.setdefault(package, {}).setdefault(role, {}).setdefault(plain, []).append(part)
-    return found
 
 
 def _write(writer: Writer, number: int, linked: Linked, parts: dict[str, dict[str, list[str]]]) -> None:

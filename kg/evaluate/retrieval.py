@@ -172,7 +172,7 @@ def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) 
         **({} if model is None else {"sentence embeddings": embeddings(index, model)}),
     }
     ranked = {name: [_ranked(search, ranker, need) for need in needs] for name, ranker in rankers.items()}
-    ranked[_OURS] = [_found(search, need) for need in needs]
+    ranked[_OURS] = [_hits(search, need) for need in needs]
     rows = tuple(
         row
         for depth in _DEPTHS
@@ -192,7 +192,7 @@ def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) 
     return beside(Table("search", "How well nodes are found", columns, rows, notes), ("method", "measure"))
 
 
-def _found(search: Search, need: Need) -> list[Ranked]:
+def _hits(search: Search, need: Need) -> list[Ranked]:
     hits = search.find(need.query, limit=max(_DEPTHS)).hits
     return [Ranked(hit.package.repository, hit.package.name, hit.name) for hit in hits]
 

@@ -74,11 +74,13 @@ def table(results: Sequence[Result]) -> Table:
     for exercise, robot in groups:
         paper = told.get(f"{exercise} {robot}")
         some = [one for one in results if (one.exercise, one.robot) == (exercise, robot)]
+        seconds = [one.seconds for one in some]
+        deviation = f" ± {_clock(stdev(seconds))}" if len(seconds) > 1 else ""
         rows.append((
             f"{exercise} {titles.get(exercise, some[0].title)}",
             robot,
             len({one.participant for one in some}),
-            _times([one.seconds for one in some]),
+            _clock(fmean(seconds)) + deviation,
             _mean([one.attempts for one in some]),
             sum(one.ended != "failed" for one in some),
             _mean([one.blocks for one in some]),
@@ -90,11 +92,6 @@ def table(results: Sequence[Result]) -> Table:
 
 def _mean(numbers: Sequence[int]) -> str:
     return f"{fmean(numbers):.1f}".removesuffix(".0")
-
-
-def _times(seconds: Sequence[float]) -> str:
-    deviation = f" ± {_clock(stdev(seconds))}" if len(seconds) > 1 else ""
-    return f"{_clock(fmean(seconds))}{deviation}"
 
 
 def _clock(seconds: float) -> str:

@@ -82,21 +82,17 @@ def spelled(cell: Cell) -> str:
     if cell is None:
         return _UNKNOWN
     if isinstance(cell, Share):
-        return _share(cell)
+        if cell.value is None:
+            return _UNKNOWN
+        text = f"{100 * cell.value:.1f} % ({cell.part}/{cell.whole})"
+        if cell.interval is None:
+            return text
+        return f"{text} [{100 * cell.interval[0]:.1f}, {100 * cell.interval[1]:.1f}]"
     if isinstance(cell, Score):
         return _score(cell)
     if isinstance(cell, float):
         return f"{cell:.3f}"
     return f"{cell:,}" if isinstance(cell, int) else cell
-
-
-def _share(cell: Share) -> str:
-    if cell.value is None:
-        return _UNKNOWN
-    text = f"{100 * cell.value:.1f} % ({cell.part}/{cell.whole})"
-    if cell.interval is None:
-        return text
-    return f"{text} [{100 * cell.interval[0]:.1f}, {100 * cell.interval[1]:.1f}]"
 
 
 def _score(cell: Score) -> str:

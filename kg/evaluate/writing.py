@@ -55,7 +55,8 @@ def draw(table: Table) -> str:
     body, bottom = _drawn(bars, start)
     heading = label("title", _MARGIN, _MARGIN + 16, table.title, longest=90)
     drawn = [heading, *_grid(start, bottom), *body]
-    return document("figure", (across, bottom + _MARGIN), table.title, _description(bars), drawn)
+    description = "; ".join(f"{bar.words}: {bar.text}" for bar in bars) or "Nothing could be counted."
+    return document("figure", (across, bottom + _MARGIN), table.title, description, drawn)
 
 
 def _bars(table: Table) -> Iterator[_Bar]:
@@ -110,10 +111,6 @@ def _grid(start: int, bottom: int) -> Iterator[str]:
         x = start + _BAR * step / 5
         yield f'<path class="grid" d="M{x:g} {_TOP - 8}V{bottom}"/>'
         yield label("tick", x, _TOP - 14, f"{step / 5:g}", "middle")
-
-
-def _description(bars: list[_Bar]) -> str:
-    return "; ".join(f"{bar.words}: {bar.text}" for bar in bars) or "Nothing could be counted."
 
 
 def write(table: Table, folder: Path) -> tuple[Path, ...]:

@@ -47,6 +47,11 @@ class Role(StrEnum):
         return _ENDS[self][1]
 
     @property
+    def gives(self) -> bool:
+        """Whether the end makes sense without a peer: the node publishes, or offers a service or an action."""
+        return self.outward is (self.channel == "topic")
+
+    @property
     def opposite(self) -> Role:
         """The role at the other end of the channel."""
         return _ENDS[self][2]

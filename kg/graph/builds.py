@@ -91,7 +91,10 @@ def build_triples(record: BuildRecord, iris: Iris) -> bytes:
     writer.add(subject, v.ENDED, moment(record.ended))
     writer.add(subject, v.USED, source)
     writer.add(subject, v.GENERATED, f"<{iris.source_graph(repository.name)}>")
-    writer.add(subject, v.ASSOCIATED, _agent(writer, iris, record.version))
+    agent = f"<{iris.software('kg', record.version)}>"
+    writer.described(agent, f"kg {record.version}", v.SOFTWARE_AGENT)
+    writer.add(agent, v.VERSION, literal(record.version))
+    writer.add(subject, v.ASSOCIATED, agent)
     writer.text(subject, v.COMMIT, repository.commit)
     writer.text(subject, v.ROOT, repository.root)
     writer.add(subject, v.DIRTY, boolean(repository.dirty))
@@ -99,10 +102,3 @@ def build_triples(record: BuildRecord, iris: Iris) -> bytes:
     for name, predicate in COUNTS.items():
         writer.number(subject, predicate, getattr(record.counts, name))
     return writer.encoded()
-
-
-def _agent(writer: Writer, iris: Iris, version: str) -> str:
-    agent = f"<{iris.software('kg', version)}>"
-    writer.described(agent, f"kg {version}", v.SOFTWARE_AGENT)
-    writer.add(agent, v.VERSION, literal(version))
-    return agent

@@ -47,7 +47,11 @@ def node(scope: Scope, package: str, fact: NodeType) -> Stated:
         writer.text(subject, v.BOUND, f"{bound.limit} {chain_text((bound.location,))}")
     _imports(scope, subject, fact)
     scope.evidence(subject, fact.location)
-    _executable(scope, subject, fact)
+    if fact.executable is not None:
+        executable = f"<{scope.iris.executable(scope.repository, scope.package, fact.executable)}>"
+        scope.writer.add(subject, v.HAS_EXECUTABLE, executable)
+        if scope.writer.described(executable, fact.executable, v.EXECUTABLE):
+            scope.writer.text(executable, v.NAME, fact.executable)
     for path in fact.sources:
         writer.add(subject, v.HAS_SOURCE, scope.file(path))
     ends = [(each, interface(scope, iri, each)) for each in fact.interfaces]
@@ -82,15 +86,6 @@ def _holders(name: str) -> list[str]:
         return [name]
     parts = name.split(mark)
     return [mark.join(parts[:count]) for count in range(1, len(parts) + 1)]
-
-
-def _executable(scope: Scope, subject: str, fact: NodeType) -> None:
-    if fact.executable is None:
-        return
-    iri = f"<{scope.iris.executable(scope.repository, scope.package, fact.executable)}>"
-    scope.writer.add(subject, v.HAS_EXECUTABLE, iri)
-    if scope.writer.described(iri, fact.executable, v.EXECUTABLE):
-        scope.writer.text(iri, v.NAME, fact.executable)
 
 
 def _parameter(scope: Scope, owner: str, fact: Parameter) -> str:

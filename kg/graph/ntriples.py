@@ -37,6 +37,15 @@ def double(number: float) -> str:
     return f'"{plain(number)}"^^<{XSD}double>'
 
 
+def apart(content: bytes, beginnings: bytes | tuple[bytes, ...]) -> tuple[list[bytes], list[bytes]]:
+    """Return the lines of N-Triples that begin otherwise, and those with one of `beginnings`, in their order."""
+    others: list[bytes] = []
+    found: list[bytes] = []
+    for line in content.splitlines(keepends=True):
+        (found if line.startswith(beginnings) else others).append(line)
+    return others, found
+
+
 def boolean(value: bool) -> str:  # noqa: FBT001 - the value is the argument, not a mode
     """Return the `xsd:boolean` literal of `value`."""
     return _BOOLEANS[value]

@@ -71,15 +71,13 @@ class OntologyCheck:
         """The failed check as an error KG602, None if it passed."""
         names = ", ".join(path.name for path in self.files)
         if not self.consistent:
-            return GraphError("KG602", f"{names}: the axioms contradict each other", hint=self._hint())
+            hint = "look for an individual of two disjoint classes, or a property used outside its domain and range"
+            if len(self.files) > 1:
+                hint = "each may be consistent alone: look where they use the same class or individual"
+            return GraphError("KG602", f"{names}: the axioms contradict each other", hint=hint)
         if self.unsatisfiable:
             return GraphError("KG602", f"{names}: no instance is possible of {', '.join(self.unsatisfiable)}")
         return None
-
-    def _hint(self) -> str:
-        if len(self.files) > 1:
-            return "each may be consistent alone: look where they use the same class or individual"
-        return "look for an individual of two disjoint classes, or a property used outside its domain and range"
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,10 +142,15 @@ def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> frozenset[Tr
 
 def _reasoner() -> tuple[str, Path]:
     """Return the paths of Java and of HermiT."""
-    archive = _hermit()
-    if archive is None:
+    package = find_spec("owlready2")
+    if package is None or package.origin is None:
         raise _missing("owlready2")
-    return _java(), archive
+    archive = Path(package.origin).parent / "hermit" / "HermiT.jar"
+    home = os.environ.get("JAVA_HOME")
+    found = (shutil.which("java", path=str(Path(home) / "bin")) if home else None) or shutil.which("java")
+    if found is None:
+        raise GraphError("KG603", "no `java` on the PATH or in JAVA_HOME")
+    return found, archive
 
 
 def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:
@@ -167,24 +170,8 @@ def validate(triples: bytes, shapes: Path | None = None) -> tuple[ShapeFinding, 
     return findings(triples, ontology_triples([shapes or shapes_file()]))
 
 
-def _java() -> str:
-    home = os.environ.get("JAVA_HOME")
-    found = (shutil.which("java", path=str(Path(home) / "bin")) if home else None) or shutil.which("java")
-    if found is None:
-        raise GraphError("KG603", "no `java` on the PATH or in JAVA_HOME")
-    return found
-
-
 def _missing(module: str) -> GraphError:
     return GraphError("KG605", f"{module} is not installed", hint="pip install 'kg-ros[ontology]'")
-
-
-def _hermit() -> Path | None:
-    """Return the path of HermiT's archive, None when owlready2 is not installed."""
-    package = find_spec("owlready2")
-    if package is None or package.origin is None:
-        return None
-    return Path(package.origin).parent / "hermit" / "HermiT.jar"
 
 
 def _unsatisfiable(triples: bytes, java: str, archive: Path) -> tuple[str, ...] | None:

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import FileKind, Location, NodeKind, Role
+from kg.facts import FileKind, Location, NodeKind
 from kg.graph import vocabulary as v
 from kg.graph.queries import column, one_of, texts
 from kg.graph.reading import Queryable, which
@@ -24,7 +24,6 @@ _CHANNELS: Final = {
 """For each kind of channel, the component that gives (publishes, serves), the one that takes, and the property of
 the type.
 """
-_GIVERS: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
 _DECLARES: Final = {
     v.bare(v.PUBLISHER): "publishes",
     v.bare(v.SUBSCRIBER): "subscribes",
@@ -282,7 +281,7 @@ def channels(
         if end.role.channel != kind or not (implicit or end.name in ends) or end.name not in (named or {end.name}):
             continue
         launches[end.name].add(end.system)
-        ends[end.name][0 if end.role in _GIVERS else 1].update(names[end.node])
+        ends[end.name][0 if end.role.gives else 1].update(names[end.node])
         types[end.name].update({end.type} if end.type else ())
     return [
         Channel(name, tuple(sorted(types[name])), tuple(sorted(givers)), tuple(sorted(takers)), len(launches[name]))

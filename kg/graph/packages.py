@@ -16,7 +16,7 @@ from kg.graph.texts import descriptions
 from kg.resources import folder
 
 if TYPE_CHECKING:
-    from kg.facts import Dependency, Package, PackageFacts, Person, Problem, SourceFile
+    from kg.facts import Package, PackageFacts, Person, Problem, SourceFile
     from kg.graph.iris import Iris
 
 
@@ -58,7 +58,14 @@ def package_parts(facts: PackageFacts, iris: Iris) -> tuple[bytes, tuple[Stated,
     for person in facts.package.people:
         _person(scope, subject, person)
     for dependency in facts.package.dependencies:
-        _dependency(scope, iri, dependency)
+        part, name = scope.part(iri, dependency.kind, dependency.name), _package_name(scope, dependency.name)
+        writer = scope.writer
+        writer.once(f"<{iri}>", v.DEPENDS_ON, name)
+        writer.add(f"<{iri}>", v.HAS_DEPENDENCY, part)
+        writer.add(part, v.TYPE, v.DEPENDENCY)
+        writer.add(part, v.ON_PACKAGE, name)
+        writer.add(part, v.DEPENDENCY_KIND, literal(dependency.kind))
+        writer.add(part, v.LINE, integer(dependency.line))
     for file in facts.files:
         _file(scope, subject, file)
     for each in facts.definitions:
@@ -108,17 +115,6 @@ def _person(scope: Scope, subject: str, fact: Person) -> None:
     if writer.described(iri, fact.name, v.PERSON):
         writer.add(iri, v.NAME, literal(fact.name))
         writer.text(iri, v.EMAIL, fact.email)
-
-
-def _dependency(scope: Scope, owner: str, fact: Dependency) -> None:
-    part, name = scope.part(owner, fact.kind, fact.name), _package_name(scope, fact.name)
-    writer = scope.writer
-    writer.once(f"<{owner}>", v.DEPENDS_ON, name)
-    writer.add(f"<{owner}>", v.HAS_DEPENDENCY, part)
-    writer.add(part, v.TYPE, v.DEPENDENCY)
-    writer.add(part, v.ON_PACKAGE, name)
-    writer.add(part, v.DEPENDENCY_KIND, literal(fact.kind))
-    writer.add(part, v.LINE, integer(fact.line))
 
 
 def _file(scope: Scope, package: str, fact: SourceFile) -> None:

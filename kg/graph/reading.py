@@ -303,7 +303,7 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
         nodes[owner.partition("#")[0]].append(owner)
     found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
     for iri, fact in _facts(graph, grouped(select(graph, _PARTS % those))).items():
-        interfaces, parameters = found[_owner(iri, nodes)]
+        interfaces, parameters = found[owner_of(iri, nodes)]
         if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
         else:
@@ -341,7 +341,7 @@ def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[s
     return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
 
 
-def _owner(part: str, nodes: Mapping[str, list[str]]) -> str:
+def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:
     """Return the node that a part belongs to: its IRI is a fragment of that of its node (`kg.graph.iris.fragment`).
 
     `nodes` has the IRIs of nodes by what stands before their fragment; only nodes of one name have one of their own.

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from kg.graph.ntriples import apart
+
 if TYPE_CHECKING:
     from kg.graph.iris import Iris
 
@@ -31,9 +33,4 @@ _KINDS: Final = (
 
 def split(content: bytes, iris: Iris) -> tuple[list[bytes], list[bytes]]:
     """Return the lines of N-Triples that belong to a source, and those about what sources share, in their order."""
-    starts = tuple(f"<{iris.base}{kind}/".encode() for kind in _KINDS)
-    own: list[bytes] = []
-    shared: list[bytes] = []
-    for line in content.splitlines(keepends=True):
-        (shared if line.startswith(starts) else own).append(line)
-    return own, shared
+    return apart(content, tuple(f"<{iris.base}{kind}/".encode() for kind in _KINDS))

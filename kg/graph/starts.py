@@ -12,7 +12,7 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_text, likely_chain
 from kg.graph.fields import SETTING
 from kg.graph.iris import Iris, fragment
-from kg.graph.ntriples import Writer, integer, literal
+from kg.graph.ntriples import Writer, apart, integer, literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,12 +27,7 @@ _BYTES: Final = 12
 
 def starts_apart(content: bytes, iris: Iris) -> tuple[list[bytes], list[bytes]]:
     """Return the lines of N-Triples about anything else, and those that describe starts, in their order."""
-    beginning = f"<{iris.base}start/".encode()
-    others: list[bytes] = []
-    starts: list[bytes] = []
-    for line in content.splitlines(keepends=True):
-        (starts if line.startswith(beginning) else others).append(line)
-    return others, starts
+    return apart(content, f"<{iris.base}start/".encode())
 
 
 def start_of(line: bytes) -> bytes:

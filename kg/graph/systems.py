@@ -189,10 +189,10 @@ class _Writing:
                 writer.once(subject, relation, f"<{self._records[reference].iri}>")
         self._evidence(subject, started.location, started.chain, fact.since)
         self._start(iri, fact)
-        for end in fact.interfaces if self._whole else self._told(subject, fact):
+        for end in fact.interfaces if self._whole else self._stated_ends(subject, fact):
             self._end(iri, end, fact.since)
 
-    def _told(self, subject: str, fact: facts.NodeInstance) -> list[facts.InstanceInterface]:
+    def _stated_ends(self, subject: str, fact: facts.NodeInstance) -> list[facts.InstanceInterface]:
         """Return the ends to be stated; add which of the usual ones the instance has not."""
         record = self._records.get(fact.type) if fact.type else None
         own = {iri: end for end, iri in record.ends.items()} if record else {}

@@ -105,7 +105,9 @@ def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[s
     if name is not None:
         implicit, started = _near(graph, name)
     elif types is not None:
-        implicit, started = _of_types(graph, types)
+        having = column(graph, _TYPED % one_of("label", types))
+        implicit = list(texts(graph, _IMPLICIT % among("node", having)))
+        started = list(texts(graph, _STARTED % among("type", having)))
     else:
         implicit, started = list(texts(graph, _everywhere(_IMPLICIT))), list(texts(graph, _everywhere(_STARTED)))
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
@@ -151,13 +153,6 @@ def _near(graph: Queryable, name: str) -> tuple[list[Any], list[Any]]:
     others = set(texts(graph, _IMPLICIT % one_of("name", [*written, name])))
     started.update(texts(graph, _STARTED % among("type", [row[0] for row in others])))
     return sorted(implicit | others, key=str), sorted(started, key=str)
-
-
-def _of_types(graph: Queryable, types: Collection[str]) -> tuple[list[Any], list[Any]]:
-    """Return the implicit ends of node types that have some of some types, and the instances of these node types."""
-    having = column(graph, _TYPED % one_of("label", types))
-    implicit = list(texts(graph, _IMPLICIT % among("node", having)))
-    return implicit, list(texts(graph, _STARTED % among("type", having)))
 
 
 def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:

@@ -13,7 +13,6 @@ from kg.holes import is_known
 from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
 from kg.impact.model import (
-    GIVING,
     VERBS,
     Area,
     DefinitionRecord,
@@ -281,7 +280,7 @@ def _losing(system: System, end: End, lost: End, now: Mapping[str, NodeInstance]
         reason = f"{reason}, if {condition}"
     elif unknown:
         reason = f"{reason}, unless a name of it that is not known is this one"
-    elif still is None and end[1].declared.role in GIVING:
+    elif still is None and end[1].declared.role.gives:
         reason = f"{reason}; nothing else uses it"
     else:
         grade, reason = Grade.BREAKS, f"{reason} and has no other peer"

@@ -35,7 +35,12 @@ def argument_about(subject: Subject, world: World) -> list[str]:
 
 def argument_effects(subject: Subject, world: World) -> Iterator[Effect]:
     """Yield the lines that read an argument, and those of including files that pass it."""
-    pattern = _reading(subject.name)
+    escaped = re.escape(subject.name)
+    pattern = re.compile(
+        rf"\$\(\s*(?:arg|var)\s+{escaped}\s*\)"
+        rf"|\b(?:LaunchConfiguration(?:Equals|NotEquals)?|arg)\(\s*(?:variable_name\s*=\s*)?['\"]{escaped}['\"]"
+        rf"|\blaunch_configurations\s*(?:\[|\.get\()\s*['\"]{escaped}['\"]"
+    )
     for launch, argument in declaring(subject, world):
         place = argument.location.repository or launch.repository, argument.location.path
         lines = world.lines(*place)
@@ -43,16 +48,20 @@ def argument_effects(subject: Subject, world: World) -> Iterator[Effect]:
             if pattern.search(code_of(line, place[1])):
                 location = Location(place[1], number)
                 yield Effect(Grade.BREAKS, Area.LAUNCH, quoted(line), "reads the argument", location, place[0])
-        for repository, path, owner in _including(world.systems(subject), launch):
-            for number, is_certain in _passing(world.lines(repository, path), path, launch.path, subject.name):
+        for system in world.systems(subject):
+            other = system.configuration
+            if not any((one.repository, one.path) == (launch.repository, launch.path) for one in other.includes):
+                continue
+            lines = world.lines(other.repository, other.path)
+            for number, is_certain in _passing(lines, other.path, launch.path, subject.name):
                 reason = "passes the argument" if is_certain else "passes an argument of this name to one of its files"
                 yield Effect(
                     Grade.BREAKS if is_certain else Grade.MAY,
                     Area.LAUNCH,
-                    f"{owner} passes {subject.name}",
+                    f"{other.name} passes {subject.name}",
                     reason,
-                    Location(path, number),
-                    repository,
+                    Location(other.path, number),
+                    other.repository,
                 )
 
 
@@ -75,22 +84,6 @@ def include_effects(path: str, repository: str, systems: Sequence[System], world
             launch.repository,
             () if number else (launch.name,),
         )
-
-
-def _reading(name: str) -> re.Pattern[str]:
-    escaped = re.escape(name)
-    return re.compile(
-        rf"\$\(\s*(?:arg|var)\s+{escaped}\s*\)"
-        rf"|\b(?:LaunchConfiguration(?:Equals|NotEquals)?|arg)\(\s*(?:variable_name\s*=\s*)?['\"]{escaped}['\"]"
-        rf"|\blaunch_configurations\s*(?:\[|\.get\()\s*['\"]{escaped}['\"]"
-    )
-
-
-def _including(systems: Sequence[System], launch: LaunchConfiguration) -> Iterator[tuple[str, str, str]]:
-    for system in systems:
-        one = system.configuration
-        if any((each.repository, each.path) == (launch.repository, launch.path) for each in one.includes):
-            yield one.repository, one.path, one.name
 
 
 def _passing(lines: Sequence[str], path: str, target: str, name: str) -> Iterator[tuple[int, bool]]:

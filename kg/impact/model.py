@@ -39,8 +39,6 @@ VERBS: Final = {
     Role.ACTION_CLIENTS: "calls",
 }
 """What a node does with a channel, in words."""
-GIVING: Final = frozenset({Role.PUBLISHES, Role.SERVICES, Role.ACTION_SERVERS})
-"""Ends that work without a peer."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Location, NodeInstance, NodeReference, System
 from kg.holes import is_known
-from kg.impact.model import GIVING, Area, Effect, Grade, Subject, World, code_effect, launch_effect
+from kg.impact.model import Area, Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of, elements
 from kg.render.text import count
@@ -41,7 +41,11 @@ def node_effects(subject: Subject, world: World) -> Iterator[Effect]:
     records = node_records_of(subject, world)
     references = {NodeReference(one.repository, one.package, one.node.name) for one in records}
     for record in records:
-        yield from _registered(record)
+        node, name = record.node, f"{record.package}/{record.node.name}"
+        if node.exported is not None:
+            repository = node.exported.repository or record.repository
+            what = f"registers {node.plugin or name}"
+            yield Effect(Grade.BREAKS, Area.PACKAGES, what, "names the class of the node", node.exported, repository)
     yield from _defaults(references, world.nodes(subject))
     for system in world.systems(subject):
         own = [one for one in system.instances if one.name == subject.name or one.type in references]
@@ -137,11 +141,8 @@ def _partner(
     system: System, instance: NodeInstance, other: NodeInstance, end: InstanceInterface, left: list[str]
 ) -> Effect:
     condition = instance.started.condition or other.started.condition
-    if end.declared.role in GIVING:
-        grade, reason = (
-            Grade.MAY,
-            f"loses {instance.name}; nothing else uses it" if not left else f"loses {instance.name}",
-        )
+    if end.declared.role.gives:
+        grade, reason = Grade.MAY, f"loses {instance.name}{'' if left else '; nothing else uses it'}"
     elif left:
         grade, reason = Grade.MAY, f"loses {instance.name}; {', '.join(left[:3])} remain{'s' if len(left) == 1 else ''}"
     elif condition is not None:
@@ -149,14 +150,6 @@ def _partner(
     else:
         grade, reason = Grade.BREAKS, f"loses {instance.name} and has no other peer"
     return end_effect((other, end), grade, reason, [system.configuration.name])
-
-
-def _registered(record: Record) -> Iterator[Effect]:
-    node, name = record.node, f"{record.package}/{record.node.name}"
-    if node.exported is not None:
-        repository = node.exported.repository or record.repository
-        what = f"registers {node.plugin or name}"
-        yield Effect(Grade.BREAKS, Area.PACKAGES, what, "names the class of the node", node.exported, repository)
 
 
 def _defaults(references: set[NodeReference], nodes: Sequence[Record]) -> Iterator[Effect]:

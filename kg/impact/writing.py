@@ -6,6 +6,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 from kg.impact.model import Effect, Grade, Impact
+from kg.launch.comparison.report import code
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def _systems(one: Effect) -> str:
 
 def impact_markdown(found: Impact, link: Link | None = None) -> str:
     """Return Markdown: the numbers, then a table for each area."""
-    parts = [f"### {found.subject.kind} {_code(found.subject.text)}", "", f"**{summary(found)}**", ""]
+    parts = [f"### {found.subject.kind} {code(found.subject.text)}", "", f"**{summary(found)}**", ""]
     for area, effects in _areas(found):
         parts += _table(str(area), effects, link)
     return "\n".join(parts)
@@ -76,8 +77,8 @@ def _row(one: Effect, link: Link | None) -> str:
     where = ""
     if one.location is not None:
         address = link(one.repository, one.location) if link else None
-        where = f"[{_code(str(one.location))}]({address})" if address else _code(str(one.location))
-    return f"| {one.grade} | {_code(one.what)} | {_code(_reason(one))} | {where} |"
+        where = f"[{code(str(one.location))}]({address})" if address else code(str(one.location))
+    return f"| {one.grade} | {code(one.what)} | {code(_reason(one))} | {where} |"
 
 
 def impact_object(found: Impact) -> dict[str, Any]:
@@ -115,12 +116,6 @@ def _areas(found: Impact) -> Iterator[tuple[str, list[Effect]]]:
         yield area, list(effects)
 
 
-def _code(text: str) -> str:
-    """Return text as code in a cell: nothing in it is Markdown, HTML or the name of a user."""
-    safe = printable(text).replace("`", "'").replace("|", "\\|")
-    return f"`{safe}`"
-
-
 def broken_summary(found: Sequence[Broken]) -> str:
     """Return how many changes break something elsewhere, in one sentence."""
     if not found:
@@ -143,10 +138,10 @@ def broken_lines(found: Sequence[Broken]) -> list[str]:
 
 def broken_markdown(found: Sequence[Broken], title: str) -> str:
     """Return Markdown: the numbers, then a table for each change that breaks something."""
-    parts = [f"### {_code(title)}", "", f"**{broken_summary(found)}**", ""]
+    parts = [f"### {code(title)}", "", f"**{broken_summary(found)}**", ""]
     for one in found:
         if one.effects:
-            parts += _table(_code(one.words), one.effects)
+            parts += _table(code(one.words), one.effects)
     return "\n".join(parts)
 
 

@@ -16,9 +16,9 @@ from kg.language.loading import pipeline
 from kg.language.patterns import PhraseFinder, read_patterns
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
-    from spacy.tokens import Doc, Token
+    from spacy.tokens import Doc
 
     from kg.facts.texts import Description, Phrase
 
@@ -69,22 +69,27 @@ def annotate(
         UsageError: KG141, KG142 if the pipeline is unusable, KG143 if the patterns are.
     """
     given = tuple(descriptions)
-    annotated = iter(
-        _annotated(
-            [one for one in given if one.kind is not DescriptionKind.USAGE],
-            model or "",
-            {text: one for text, one in (known or {}).items() if one.kind is not DescriptionKind.USAGE},
-        )
-    )
-    return tuple(one if one.kind is DescriptionKind.USAGE else next(annotated) for one in given)
-
-
-def _annotated(given: Sequence[Description], model: str, earlier: Mapping[str, Description]) -> Iterator[Description]:
-    parts = [[] if one.text in earlier else sentences(one.text) for one in given]
+    earlier = {text: one for text, one in (known or {}).items() if one.kind is not DescriptionKind.USAGE}
+    parts = {
+        one.text: sentences(one.text)
+        for one in given
+        if one.kind is not DescriptionKind.USAGE and one.text not in earlier
+    }
     # Comments and pages repeat sentences, and the tags of a sentence do not depend on its context.
-    tagged = _tag(dict.fromkeys(sentence for part in parts for sentence in part), model)
-    for one, own in zip(given, parts, strict=True):
-        yield _like(one, earlier[one.text]) if one.text in earlier else _filled(one, [tagged[part] for part in own])
+    tagged = _tag(dict.fromkeys(sentence for part in parts.values() for sentence in part), model or "")
+    found = []
+    for one in given:
+        if one.kind is DescriptionKind.USAGE:
+            found.append(one)
+        elif one.text in earlier:
+            like = earlier[one.text]
+            found.append(replace(one, words=like.words, phrases=like.phrases))
+        else:
+            own = [tagged[sentence] for sentence in parts[one.text]]
+            words = sorted(frozenset[str]().union(*(each.words for each in own)))
+            phrases = tuple(dict.fromkeys(phrase for each in own for phrase in each.phrases))
+            found.append(replace(one, words=tuple(words), phrases=phrases))
+    return tuple(found)
 
 
 def prepare(model: str | None = None) -> None:
@@ -134,19 +139,5 @@ def _finder(model: str) -> PhraseFinder:
 
 
 def _words(doc: Doc) -> frozenset[str]:
-    return frozenset(word for token in doc if token.pos_ in _WORD_CLASSES and (word := _word(token)))
-
-
-def _word(token: Token) -> str | None:
-    lemma = (token.lemma_ or token.text).lower()
-    return lemma if _WORD.fullmatch(lemma) and lemma not in STOP_WORDS else None
-
-
-def _like(description: Description, known: Description) -> Description:
-    return replace(description, words=known.words, phrases=known.phrases)
-
-
-def _filled(description: Description, tagged: list[_Tagged]) -> Description:
-    words = sorted(frozenset[str]().union(*(one.words for one in tagged)))
-    phrases = tuple(dict.fromkeys(phrase for one in tagged for phrase in one.phrases))
-    return replace(description, words=tuple(words), phrases=phrases)
+    lemmas = ((token.lemma_ or token.text).lower() for token in doc if token.pos_ in _WORD_CLASSES)
+    return frozenset(lemma for lemma in lemmas if _WORD.fullmatch(lemma) and lemma not in STOP_WORDS)

@@ -80,7 +80,7 @@ def pipeline(model: str) -> Language:
     Raises:
         UsageError: KG141 if it cannot be loaded, KG142 if it does not set parts of speech and lemmas.
     """
-    nlp = _named(model) if model else _shipped()
+    nlp = _named(model) if model else load(SHIPPED)
     probe = nlp(_PROBE) if model else None
     missing = [words for attribute, words in _NEEDED if probe and not probe.has_annotation(attribute)]
     if missing:
@@ -96,7 +96,3 @@ def _named(model: str) -> Language:
         lines = str(problem).strip().splitlines() or [type(problem).__name__]
         hint = "`python -m spacy validate` lists those installed; without `nlp_model` kg uses its own."
         raise UsageError("KG141", f"spaCy cannot load the pipeline {model!r}: {lines[0]}", hint=hint) from None
-
-
-def _shipped() -> Language:
-    return load(SHIPPED)

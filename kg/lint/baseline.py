@@ -71,11 +71,11 @@ def read(file: Path) -> Counter[Known]:
         raise UsageError("KG420", f"not a baseline of version {_VERSION}", place=Place(str(file)))
     found: Counter[Known] = Counter()
     for entry in entries:
-        found[_known(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
+        found[_entry(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
     return found
 
 
-def _known(entry: Any, file: Path) -> Known:
+def _entry(entry: Any, file: Path) -> Known:
     if not isinstance(entry, dict) or not isinstance(entry.get("fingerprint"), str):
         raise UsageError("KG420", "an entry of the baseline has no fingerprint", place=Place(str(file)))
     subjects = entry.get("subjects")

@@ -11,20 +11,19 @@ used.
 
 from __future__ import annotations
 
-import hashlib
 import os
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
-from kg.corpus.files import FilePath, PackageFolder, Source
-from kg.corpus.reading import load, mark
+from kg.corpus.files import Source  # noqa: TC001 - results are read by these annotations
 from kg.errors import Place, SourceError, UsageError
 from kg.facts import Known, Problem  # noqa: TC001 - results are read by these annotations
 from kg.lazily import lazily
 from kg.pipeline import cache
-from kg.pipeline.plan import listing
+from kg.pipeline.known import digest
+from kg.pipeline.plan import listing, mark_of
 from kg.pipeline.recording import Lookup, RecordingWorkspace, answer
 from kg.pipeline.report import PackageResult
 from kg.pipeline.work import Job, Outcome
@@ -32,10 +31,13 @@ from kg.pipeline.work import Job, Outcome
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from kg.corpus.files import PackageFolder
+
 with lazily():
     from msgspec import msgpack
 
-_BYTES: Final = 16
+_NAME_CHARS: Final = 32
+"""Length of the name of a result, the digest of its content."""
 _JOBS: Final = "jobs"
 _RESULTS: Final = "results"
 _Content = TypeVar("_Content")
@@ -139,9 +141,10 @@ class Artifacts:
         A result that the next build must not reuse is not stored; its name is empty.
         """
         repository = source.repository.name
-        marks = {f"{repository}:{one.path}": _mark(job, FilePath(repository, one.path)) for one in package.files}
+        keys = [f"{repository}:{one.path}" for one in package.files]
+        marks = {key: mark_of(job.workspace, key, job.max_file_bytes) for key in keys}
         listed = [version, repository, package.path, listing(package), *map(" ".join, marks.items())]
-        key = _digest("\n".join(listed).encode("utf-8", "surrogateescape"))
+        key = digest("\n".join(listed).encode("utf-8", "surrogateescape"))
         folder = f"{_RESULTS}/{key[:2]}/{key}"
         for name in self._names(folder):
             outcome = self.outcome(name)
@@ -167,7 +170,7 @@ class Artifacts:
         except OSError:
             return ()
         names = (path.rpartition("/")[2] for path in found)
-        return sorted(f"{folder}/{name}" for name in names if len(name) == 2 * _BYTES)
+        return sorted(f"{folder}/{name}" for name in names if len(name) == _NAME_CHARS)
 
     def _read(self, name: str) -> bytes | None:
         """Return the content of a file; None if it is missing, or damaged and then deleted."""
@@ -176,14 +179,14 @@ class Artifacts:
             content: bytes = self._files.cat_file(path)
         except OSError:
             return None
-        if _digest(content) == name.rpartition("/")[2]:
+        if digest(content) == name.rpartition("/")[2]:
             return content
         self._remove(path)
         return None
 
     def _write(self, folder: str, content: bytes) -> str:
         """Write a file under a temporary name, then rename it. A named file is always complete."""
-        name = f"{folder}/{_digest(content)}"
+        name = f"{folder}/{digest(content)}"
         temporary = f"{self._root}/{folder}/{os.urandom(8).hex()}.tmp"
         try:
             self._files.makedirs(f"{self._root}/{folder}", exist_ok=True)
@@ -233,19 +236,8 @@ def _holds(job: Job, outcome: Outcome, marks: Mapping[str, str]) -> bool:
     recorded = {**cache.lookups_of(outcome.packed), **outcome.outside}
     if any(answer(job.workspace, lookup) != before for lookup, before in recorded.items()):
         return False
-    for key, before in outcome.inputs.items():
-        repository, _, path = key.partition(":")
-        if (marks.get(key) or _mark(job, FilePath(repository, path))) != before:
-            return False
-    return True
-
-
-def _mark(job: Job, file: FilePath) -> str:
-    return mark(load(job.workspace, file, job.max_file_bytes))
-
-
-def _digest(content: bytes) -> str:
-    return hashlib.blake2b(content, digest_size=_BYTES).hexdigest()
+    limit = job.max_file_bytes
+    return all((marks.get(key) or mark_of(job.workspace, key, limit)) == mark for key, mark in outcome.inputs.items())
 
 
 def _encode(content: Any) -> bytes:

@@ -22,14 +22,13 @@ from typing import TYPE_CHECKING
 
 from kg.corpus.sources import is_address
 from kg.errors import SourceError
-from kg.facts import FileKind
 from kg.graph.iris import Iris
 from kg.graph.shared import SHARED
 from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
 from kg.pipeline.inferring import Inference
-from kg.pipeline.plan import Key, Plan, code_version, entries_by_name, listing, make_plan, stamp, version
+from kg.pipeline.plan import Key, Plan, code_bytes, code_version, entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.reasoning import digest
 from kg.pipeline.recording import RecordingWorkspace
 from kg.pipeline.report import BuildReport, Inferred, Report, Silent, SourceReport, SystemsReport, totals
@@ -63,7 +62,6 @@ with lazily():
     from kg.pipeline.work import Job
     from kg.pipeline.writing import Writing, untouched
 
-_CODE = frozenset({FileKind.CPP, FileKind.PYTHON})
 _GC_THRESHOLD = 100_000
 """Number of new objects that triggers a garbage collection."""
 
@@ -101,7 +99,10 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     share_pools()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)
-    with _rare_collections(), _cluster(settings, progress, pins) as corpus:
+    cluster: AbstractContextManager[Corpus | None] = nullcontext()
+    if settings.cluster:
+        cluster = connected(settings.cluster, progress, pins)
+    with _rare_collections(), cluster as corpus:
         while True:
             try:
                 with store.write(command) as transaction:
@@ -115,14 +116,6 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
     finished = replace(found, seconds=time.perf_counter() - began)
     progress.finished(finished)
     return finished
-
-
-def _cluster(settings: Settings, report: Report, pins: Mapping[str, Pin]) -> AbstractContextManager[Corpus | None]:
-    """Return the cluster of the settings with the repositories that its workers fetch; None without a cluster."""
-    if not settings.cluster:
-        return nullcontext()
-
-    return connected(settings.cluster, report, pins)
 
 
 @contextmanager
@@ -199,7 +192,8 @@ class _Build:
         if state != self._state:
             with translated(str(self._cache)):
                 save(self._cache, state)
-                cache.keep_only(self._cache, _results(state))
+                packages = (one for source in state.sources.values() for one in source.packages.values())
+                cache.keep_only(self._cache, (package.result for package in packages))
         reports = tuple(self._source_report(source, plan, results) for source in sources)
         return BuildReport(reports, generation, 0.0, self._jobs, gone, inferred, wired, unfetched)
 
@@ -224,12 +218,12 @@ class _Build:
             **results,
             **{(name, path): one for name, source in others.items() for path, one in source.packages.items()},
         }
-        if not changed and self._systems_hold():
+        beginning = f"{self._settings.base}graph/launch/"
+        touched = self._touched
+        if not changed and touched is not None and not any(graph.startswith(beginning) for graph in touched):
             return self._state.systems, totals(self._state.systems)
         iris = Iris(self._settings.base)
-        return update_systems(
-            self._transaction, self._cache, iris, packages, self._state.systems, now, touched=self._touched
-        )
+        return update_systems(self._transaction, self._cache, iris, packages, self._state.systems, now, touched=touched)
 
     def _infer(self, *, changed: bool) -> Inferred | None:
         """Run the rules if the sources or the rules have changed since the last run."""
@@ -250,7 +244,11 @@ class _Build:
         for source in sources:
             name = source.repository.name
             earlier = self._state.sources.get(name)
-            if earlier is None or name in read or name not in trusted or not _same(source, earlier):
+            if earlier is None or name in read or name not in trusted:
+                changed.append(source)
+                continue
+            now = source.repository, source.problems, {package.path for package in source.packages}
+            if now != (earlier.repository, earlier.problems, set(earlier.packages)):
                 changed.append(source)
         return changed
 
@@ -289,15 +287,6 @@ class _Build:
         graphs = since(self._store.layout, self._state.generation, current).graphs
         return None if graphs is None else frozenset(graphs)
 
-    def _shared_holds(self) -> bool:
-        """Return whether the graph shared by sources is unchanged since the last build."""
-        return self._touched is not None and Iris(self._settings.base).graph(SHARED) not in self._touched
-
-    def _systems_hold(self) -> bool:
-        """Return whether the graphs of launch files are unchanged since the last build."""
-        beginning = f"{self._settings.base}graph/launch/"
-        return self._touched is not None and not any(graph.startswith(beginning) for graph in self._touched)
-
     def _write(  # noqa: PLR0913, PLR0917 - called in one place
         self,
         workspace: RecordingWorkspace,
@@ -314,6 +303,7 @@ class _Build:
             trusted = self._trusted(workspace.sources, plan)
             if self._rules is not None:
                 self._inference.watch(self._transaction)
+            shared = Iris(self._settings.base).graph(SHARED)
             writing = Writing(
                 self._transaction,
                 self._cache,
@@ -321,7 +311,7 @@ class _Build:
                 plan,
                 self._settings.base,
                 trusted,
-                shared_intact=self._shared_holds(),
+                shared_intact=self._touched is not None and shared not in self._touched,
             )
             writing.begin(changed)
             writing.drop(gone)
@@ -352,7 +342,7 @@ class _Build:
 
         workspace.prepare()
         model = self._settings.nlp_model
-        largest = sorted(plan.read, key=lambda place: -_code_bytes(place[1]))
+        largest = sorted(plan.read, key=lambda place: -code_bytes(place[1]))
         tasks = [
             Task(source.repository.name, package.name, package.path, self._earlier(source, package, plan))
             for source, package in largest
@@ -381,7 +371,7 @@ class _Build:
         artifacts = Artifacts(settings.artifacts or str(self._cache / "artifacts"))
         job = Job(workspace, settings.base, settings.max_file_bytes, settings.nlp_model, calls=calls)
         name = artifacts.keep_job(plan.version, code_version(settings.nlp_model, self._cache), job)
-        sizes = {(source.repository.name, package.path): _code_bytes(package) for source, package in plan.read}
+        sizes = {(source.repository.name, package.path): code_bytes(package) for source, package in plan.read}
         work = batches((task, sizes[task.source, task.path]) for task in tasks)
         homes = {one.repository.name: corpus.homes[str(one.root)] for one in workspace.sources if one.pin}
         request = Request(artifacts.address, name, PACKAGE_SECONDS)
@@ -427,7 +417,9 @@ class _Build:
             packages = {package.path: results[name, package.path] for package in source.packages}
             head, quads = written[name] if name in written else (found[name].head, found[name].quads)
             found[name] = SourceState(source.repository, source.problems, packages, head, quads, source.pin is not None)
-        roots = dict.fromkeys((*self._state.roots, *(_root(one) for one in named if one not in self._elsewhere)))
+        here = [one for one in named if one not in self._elsewhere]
+        absolute = (one if is_address(one) else str(Path(one).expanduser().absolute()) for one in here)
+        roots = dict.fromkeys((*self._state.roots, *absolute))
         current = generation or self._store.layout.current() or 0
         return State(plan.version, plan.shape, current, tuple(roots), found, self._rules or "")
 
@@ -444,25 +436,3 @@ class _Build:
             removed=len(set(earlier.packages) - present) if earlier else 0,
             problems=source.problems,
         )
-
-
-def _same(source: Source, earlier: SourceState) -> bool:
-    """Return whether the facts about a source itself, and its list of packages, are unchanged."""
-    present = {package.path for package in source.packages}
-    return (source.repository, source.problems, present) == (
-        earlier.repository,
-        earlier.problems,
-        set(earlier.packages),
-    )
-
-
-def _code_bytes(package: PackageFolder) -> int:
-    return sum(entry.bytes for entry in package.files if entry.kind in _CODE)
-
-
-def _root(text: str) -> str:
-    return text if is_address(text) else str(Path(text).expanduser().absolute())
-
-
-def _results(state: State) -> Iterator[str]:
-    return (package.result for source in state.sources.values() for package in source.packages.values())

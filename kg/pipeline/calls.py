@@ -21,11 +21,8 @@ def call_files(settings: Settings) -> list[Path]:
 
     Raises UsageError KG002 for a path of the setting that does not exist.
     """
-    return [file for path in user_paths(settings, "calls") for file in _files(path)]
-
-
-def _files(path: Path) -> list[Path]:
-    return sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    paths = user_paths(settings, "calls")
+    return [file for path in paths for file in (sorted(path.glob("*.toml")) if path.is_dir() else [path])]
 
 
 def read_calls(files: Iterable[Path]) -> dict[str, str]:

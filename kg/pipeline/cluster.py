@@ -149,7 +149,10 @@ class Cluster:
             try:
                 news = self._news.get(timeout=_SILENT_SECONDS)
             except queue.Empty:
-                self._require_worker()
+                try:
+                    self._require()
+                except (OSError, TimeoutError, ValueError) as error:
+                    raise self._lost("no worker is left") from error
                 continue
             if isinstance(news, tuple):  # a log message of a worker, with its time
                 self._show(**news[1])
@@ -204,13 +207,6 @@ class Cluster:
     def _require(self) -> None:
         self._client.wait_for_workers(1, timeout=_CONNECT_SECONDS)
         self._workers = tuple(self._client.nthreads())
-
-    def _require_worker(self) -> None:
-        """Raise if no worker is left to wait for."""
-        try:
-            self._require()
-        except (OSError, TimeoutError, ValueError) as error:
-            raise self._lost("no worker is left") from error
 
     def _lost(self, message: str) -> SourceError:
         hint = "Check that the scheduler and its workers run. What was read is kept, and is not read again."

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.corpus.workspace import Workspace
 from kg.errors import StoreError
-from kg.facts import FileKind
-from kg.pipeline.plan import make_plan, version
+from kg.pipeline.plan import code_bytes, make_plan, version
 from kg.pipeline.sources import gather, installed_folders
 from kg.pipeline.state import load
 from kg.store.layout import Layout
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from kg.pipeline.report import Report
     from kg.settings import Settings
 
-_CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _READING: Final = 2.6
 """Processor seconds per megabyte of code, measured on 77 repositories (docs/cluster.md, "Volumes")."""
 _WRITING: Final = 1.6
@@ -97,6 +95,5 @@ def estimate(named: Sequence[str], settings: Settings, report: Report) -> list[V
 
 
 def _volume(source: Source, read: list[PackageFolder]) -> Volume:
-    entries = [entry for package in read for entry in package.files]
-    code = sum(entry.bytes for entry in entries if entry.kind in _CODE)
-    return Volume(source.repository.name, len(read), len(source.packages) - len(read), len(entries), code)
+    files, code = sum(len(package.files) for package in read), sum(map(code_bytes, read))
+    return Volume(source.repository.name, len(read), len(source.packages) - len(read), files, code)

@@ -120,7 +120,7 @@ class _Ontologies(msgspec.Struct, frozen=True):
     content: bytes
 
 
-def _given(cache: Path) -> _Ontologies | None:
+def _written_ontologies(cache: Path) -> _Ontologies | None:
     """Return the ontologies written to the store; None if unknown."""
     with suppress(OSError, zlib.error, msgspec.DecodeError):
         return msgspec.msgpack.decode(zlib.decompress((cache / _ONTOLOGIES).read_bytes()), type=_Ontologies)
@@ -175,7 +175,7 @@ class Inference:
     def outdated(self) -> bool:
         """Return whether the ontologies in the settings differ from those in the store; raises KG002."""
         cache = self._store.layout.cache
-        given = _given(cache)
+        given = _written_ontologies(cache)
         return given is not None and given.digest != ontology_digest(self._settings, cache)
 
     def update_ontologies(
@@ -191,7 +191,7 @@ class Inference:
             UsageError: KG002 for a folder or file of the settings that does not exist.
         """
         cache, graph = self._store.layout.cache, NamedNode(Iris(self._settings.base).graph("ontology"))
-        given, present = _given(cache), graph in transaction.graphs()
+        given, present = _written_ontologies(cache), graph in transaction.graphs()
         digest_now = ontology_digest(self._settings, cache)
         if present and not anew and (given is None or given.digest == digest_now):
             return

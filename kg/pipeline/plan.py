@@ -18,6 +18,7 @@ from kg import resources
 from kg.corpus.files import FilePath
 from kg.corpus.reading import load, mark
 from kg.corpus.workspace import INSTALLED, FileEntry, PackageFolder, Source, Workspace
+from kg.facts import FileKind
 from kg.language.loading import identity
 from kg.lazily import lazily
 from kg.pipeline import cache
@@ -60,6 +61,7 @@ LIBRARIES: Final = (
 )
 """Distributions that results depend on."""
 
+_LANGUAGES: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _BYTES: Final = 16
 _VERSION: Final = "version"
 """Cache file with the version of code, data and libraries."""
@@ -93,12 +95,12 @@ def code_version(model: str, folder: Path | None = None) -> str:
     own = [*(package / name for name in CODE), *sorted(knowledge)]
     files = (*(state for root in own for state in states(root)), *installations())
     place = folder and folder / _VERSION
-    installed = kept(place, files, sys.version, lambda: _digest([resources.digest(own), *_libraries()]))
-    return _digest([installed, sys.version, identity(model)])
 
+    def compute() -> str:
+        libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
+        return _digest([resources.digest(own), *libraries])
 
-def _libraries() -> list[str]:
-    return [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
+    return _digest([kept(place, files, sys.version, compute), sys.version, identity(model)])
 
 
 def shape(sources: Iterable[Source]) -> str:
@@ -185,15 +187,20 @@ def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
     doubtful = (
         earlier.inputs if now != earlier.stamp else [key for key, before in earlier.inputs.items() if " " in before]
     )
-    if any(_mark(workspace, key, limit_bytes) != earlier.inputs[key] for key in doubtful):
+    if any(mark_of(workspace, key, limit_bytes) != earlier.inputs[key] for key in doubtful):
         return None
     return earlier if now == earlier.stamp else replace(earlier, stamp=now)
 
 
-def _mark(workspace: Workspace, key: str, limit_bytes: int) -> str:
-    """Return the current mark of a file."""
+def mark_of(workspace: Workspace, key: str, limit_bytes: int) -> str:
+    """Return the current mark of a file, given as `repository:path`."""
     repository, _, path = key.partition(":")
     return mark(load(workspace, FilePath(repository, path), limit_bytes))
+
+
+def code_bytes(package: PackageFolder) -> int:
+    """Return the size of the code of a package, in C++ and Python."""
+    return sum(entry.bytes for entry in package.files if entry.kind in _LANGUAGES)
 
 
 def _size_and_time(workspace: Workspace, key: str) -> str:
@@ -201,24 +208,18 @@ def _size_and_time(workspace: Workspace, key: str) -> str:
 
     For a file that only workers have, return the commit.
     """
-    source = workspace.source(key.partition(":")[0])
+    repository, _, inner = key.partition(":")
+    source = workspace.source(repository)
     if source is not None and source.pin is not None:
         return source.pin.commit
-    path = _path(workspace, key)
+    path = Path("/", inner) if repository == INSTALLED else None
+    if source is not None:
+        path = source.root / inner
     try:
         status = path.stat() if path else None
     except OSError:
         status = None
     return f"{status.st_size} {status.st_mtime_ns}" if status else "gone"
-
-
-def _path(workspace: Workspace, key: str) -> Path | None:
-    """Return the path on disk of a file that was read; None if its source is not in the build."""
-    repository, _, path = key.partition(":")
-    source = workspace.source(repository)
-    if source is not None:
-        return source.root / path
-    return Path("/", path) if repository == INSTALLED else None
 
 
 def _same_answers(workspace: Workspace, folder: Path, earlier: PackageState) -> bool:

@@ -122,14 +122,9 @@ class Pool:
 
     def outcomes(self) -> Iterator[Outcome]:
         """Yield the outcome of each task as it arrives."""
-        while self._queue or self._busy:
+        while self._queue or any(worker.given for worker in self._workers):
             self._hand_out()
             yield from self._collect()
-
-    @property
-    def _busy(self) -> bool:
-        """Whether any worker has tasks."""
-        return any(worker.given for worker in self._workers)
 
     def _hand_out(self) -> None:
         """Give tasks to workers with free capacity; start workers while tasks remain."""

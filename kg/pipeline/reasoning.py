@@ -6,7 +6,7 @@ from contextlib import suppress
 from functools import lru_cache, partial
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import pyoxigraph
 from pyoxigraph import NamedNode, RdfFormat, Triple, parse
@@ -66,6 +66,19 @@ _ONTOLOGY_DIGEST: Final = "ontologies-digest"
 
 _Found = tuple[RuleSet, tuple[RuleError, ...]]
 """Rules, and the errors of unusable files."""
+
+
+class _Selection(NamedTuple):
+    """What rules are read from; `mark` is a digest of them, so that equal selections have equal rules."""
+
+    folders: tuple[Path, ...]
+    installed: tuple[Pack, ...]
+    families: tuple[str, ...]
+    mark: str
+
+    def key(self) -> str:
+        """Return a text that also differs if the code that reads rules does."""
+        return f"{_code()} {self.folders} {self.installed} {self.families} {self.mark}"
 
 
 def digest(settings: Settings, cache: Path | None = None) -> str:
@@ -140,23 +153,20 @@ def rules_in_force(settings: Settings, broken: list[RuleError] | None = None, *,
         RuleError: KG201 and others of KG2xx for an unusable file, without `broken`.
         UsageError: KG002 for a folder or a family of the settings that does not exist.
     """
-    made_of = (rule_folders(settings), installed_packs(), families_in_force(settings), digest(settings))
-    return _sound(_read(*made_of) if cache is None else _read_before(cache, *made_of), broken)
+    selection = _Selection(rule_folders(settings), installed_packs(), families_in_force(settings), digest(settings))
+    return _sound(_read(selection) if cache is None else _read_before(cache, selection), broken)
 
 
 @lru_cache(maxsize=2)
-def _read_before(
-    cache: Path, folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str
-) -> _Found:
+def _read_before(cache: Path, selection: _Selection) -> _Found:
     """Return rules as `_read`, from the folder `cache` if they are there."""
-    whole = f"{_code()} {folders} {installed} {families} {mark}"
-    before = compiled.load(cache, whole, cut=False)
+    before = compiled.load(cache, selection.key(), cut=False)
     if before is not None:
         return before, ()
-    found, broken = _read(folders, installed, families, mark)
+    found, broken = _read(selection)
     if not broken:
         with suppress(OSError):  # a read-only store
-            found = compiled.save(cache, whole, found, cut=False)
+            found = compiled.save(cache, selection.key(), found, cut=False)
     return found, broken
 
 
@@ -171,10 +181,10 @@ def _sound(found: _Found, broken: list[RuleError] | None) -> RuleSet:
 
 
 @lru_cache(maxsize=2)
-def _read(folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], _digest: str) -> _Found:
+def _read(selection: _Selection) -> _Found:
     """Return rules, cached in this process until a file changes."""
     broken: list[RuleError] = []
-    rules = discover(folders, installed, families, broken)
+    rules = discover(selection.folders, selection.installed, selection.families, broken)
     return rules, tuple(broken)
 
 
@@ -236,38 +246,29 @@ def rules_over(  # noqa: PLR0913 - selects rules and their cache
     folders = rule_folders(settings) if own else rule_folders(settings)[:1]
     axioms = b"".join(sorted(lines))
     chosen = families_in_force(settings) if families is None else families
-    made_of = (folders, installed_packs(cache), chosen, mark or digest(settings, cache), axioms)
-    return _sound(_cut(*made_of) if cache is None else _kept(cache, *made_of), broken)
+    selection = _Selection(folders, installed_packs(cache), chosen, mark or digest(settings, cache))
+    return _sound(_cut(selection, axioms) if cache is None else _kept(cache, selection, axioms), broken)
 
 
 @lru_cache(maxsize=2)
-def _kept(  # noqa: PLR0913, PLR0917 - the inputs of rules
-    cache: Path,
-    folders: tuple[Path, ...],
-    installed: tuple[Pack, ...],
-    families: tuple[str, ...],
-    mark: str,
-    axioms: bytes,
-) -> _Found:
+def _kept(cache: Path, selection: _Selection, axioms: bytes) -> _Found:
     """Return the rules of `_cut`, reduced to what evaluation needs, from the folder `cache` if they are there."""
-    whole = f"{_code()} {folders} {installed} {families} {mark} {axioms!r}"
+    whole = f"{selection.key()} {axioms!r}"
     before = compiled.load(cache, whole)
     if before is not None:
         return before, ()
-    found, broken = _cut(folders, installed, families, mark, axioms)
+    found, broken = _cut(selection, axioms)
     if broken:
         return found, broken
-    packed = _packed(folders, installed, families, mark, axioms)
+    packed = _packed(selection, axioms)
     with translated(str(cache)):
         return compiled.write(cache, whole, packed), ()
 
 
 @lru_cache(maxsize=1)
-def _packed(
-    folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
-) -> compiled.Packed:
+def _packed(selection: _Selection, axioms: bytes) -> compiled.Packed:
     """Return compiled rules, cached in this process for other stores."""
-    return compiled.pack(_cut(folders, installed, families, mark, axioms)[0])
+    return compiled.pack(_cut(selection, axioms)[0])
 
 
 @lru_cache(maxsize=1)
@@ -280,11 +281,9 @@ def _code() -> str:
 
 
 @lru_cache(maxsize=2)
-def _cut(
-    folders: tuple[Path, ...], installed: tuple[Pack, ...], families: tuple[str, ...], mark: str, axioms: bytes
-) -> _Found:
+def _cut(selection: _Selection, axioms: bytes) -> _Found:
     """Return specialized rules, cached in this process until a file or an axiom changes."""
-    rules, broken = _read(folders, installed, families, mark)
+    rules, broken = _read(selection)
     return specialised(rules, [quad.triple for quad in parse(axioms, RdfFormat.N_TRIPLES)]), broken
 
 

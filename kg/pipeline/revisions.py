@@ -78,7 +78,10 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
         StoreError: as a build.
     """
     top = _top(folder)
-    root = user_cache() / "revisions" / _key(top, revision, settings)
+    # The name depends on everything that the content of the store does.
+    parts = str(top), version(settings), digest(settings) or ""
+    short = blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=8).hexdigest()
+    root = user_cache() / "revisions" / f"{revision}-{short}"
     if root.is_dir() and Layout(root).current() is not None:
         return EmbeddedStore(Layout(root))
     with translated(str(root)):
@@ -88,7 +91,12 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
         _check_out(top, revision, tree)
         store = EmbeddedStore.create(made)
         build([str(tree)], store, replace(settings, store=made), report, f"kg diff, at {revision[:12]}")
-        _keep(made, root)
+        with translated(str(root)):
+            try:
+                made.rename(root)
+            except OSError:
+                if not root.is_dir():
+                    raise
     return EmbeddedStore(Layout(root))
 
 
@@ -151,24 +159,6 @@ def _read_again(store: EmbeddedStore, top: Path, tree: Path, settings: Settings,
             own = Path(source.repository.root).resolve()
             roots[str(tree if own == top else own)] = None
     build([*(roots or {str(tree): None})], store, replace(settings, store=store.layout.root), report, "kg impact")
-
-
-def _keep(made: Path, root: Path) -> None:
-    """Move a finished store to its place, unless another process has done so already."""
-    with translated(str(root)):
-        try:
-            made.rename(root)
-        except OSError:
-            if not root.is_dir():
-                raise
-
-
-def _key(top: Path, revision: Revision, settings: Settings) -> str:
-    """Return a name from everything that the content of a store depends on."""
-    read = version(settings)
-    parts = str(top), read, digest(settings) or ""
-    short = blake2b("\0".join(parts).encode(errors="surrogateescape"), digest_size=8).hexdigest()
-    return f"{revision}-{short}"
 
 
 def _top(folder: Path) -> Path:

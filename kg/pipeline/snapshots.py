@@ -135,7 +135,7 @@ def publish(
         )
         for part, path in (files | own).items():
             _send(place, part.path, path)
-        (folder / "manifest").write_bytes(_encoded(manifest))
+        (folder / "manifest").write_bytes(json.format(json.encode(asdict(manifest))) + b"\n")
         _send(place, _MANIFEST, folder / "manifest")
     if isinstance(place, Path):
         _delete_old_parts(place, manifest)
@@ -178,17 +178,13 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
             target = store.layout.cache / "search" / str(found.snapshot)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(folder / manifest.index.path, target)
-        _keep(folder, kept)
+        # Manifest and rules replace those of the previous snapshot.
+        shutil.rmtree(kept, ignore_errors=True)
+        kept.mkdir(parents=True)
+        if (folder / "rules").is_dir():
+            shutil.copytree(folder / "rules", kept / "rules")
+        write_atomically(kept / _MANIFEST, (folder / _MANIFEST).read_bytes())
     return manifest
-
-
-def _keep(folder: Path, kept: Path) -> None:
-    """Move manifest and rules into the store, in place of those of the previous snapshot."""
-    shutil.rmtree(kept, ignore_errors=True)
-    kept.mkdir(parents=True)
-    if (folder / "rules").is_dir():
-        shutil.copytree(folder / "rules", kept / "rules")
-    write_atomically(kept / _MANIFEST, (folder / _MANIFEST).read_bytes())
 
 
 def _unpack(folder: Path, manifest: Manifest, address: str) -> None:
@@ -295,10 +291,6 @@ def _part(path: Path, name: str) -> Part:
 def _file_digest(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
-
-
-def _encoded(manifest: Manifest) -> bytes:
-    return json.format(json.encode(asdict(manifest))) + b"\n"
 
 
 def _decoded(content: bytes, address: str) -> Manifest:

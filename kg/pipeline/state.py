@@ -9,29 +9,14 @@ import json
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from kg.facts import DataFile, Known, NodeKind, NodeName, Problem, Repository
+import msgspec
+
+from kg.facts import Known, Problem, Repository
 from kg.pipeline.report import PackageResult
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from kg.pipeline.recording import Lookup
-
-__all__ = [
-    "Known",
-    "NodeName",
-    "PackageState",
-    "PackageSystems",
-    "Question",
-    "SourceState",
-    "State",
-    "Systems",
-    "WiredSystem",
-    "discard",
-    "load",
-    "save",
-]
 
 Question: TypeAlias = tuple[str, ...]
 """A look-up of node types by wiring: the name of a method of `NodeTypes`, or `record`, and its arguments."""
@@ -54,7 +39,7 @@ class PackageState:
     listing: str
     stamp: str
     inputs: dict[str, str]
-    outside: tuple[tuple[Lookup, str], ...]
+    outside: tuple[tuple[tuple[str, ...], str], ...]
     result: str
     counts: dict[str, int]
     unresolved: dict[str, int]
@@ -141,8 +126,10 @@ class State:
 def load(cache: Path) -> State:
     """Return the state saved by the last build in the folder `cache`; an empty one if it is missing or unreadable."""
     try:
-        return _state(json.loads((cache / _NAME).read_bytes()))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        # The decoder of msgspec refuses names of files that are not Unicode, which JSON of Python can express.
+        content = json.loads((cache / _NAME).read_bytes())
+        return msgspec.convert(content, State) if content["form"] == _FORM else State()
+    except (OSError, ValueError, KeyError, TypeError, msgspec.ValidationError):
         return State()
 
 
@@ -161,45 +148,3 @@ def _fields(value: Any) -> dict[str, Any]:
 def discard(cache: Path) -> None:
     """Make the next build read everything again."""
     (cache / _NAME).unlink(missing_ok=True)
-
-
-def _state(content: dict[str, Any]) -> State:
-    if content.pop("form") != _FORM:
-        return State()
-    sources = {name: _source(source) for name, source in content.pop("sources").items()}
-    systems = _systems(content.pop("systems"))
-    return State(**{**content, "roots": tuple(content["roots"])}, sources=sources, systems=systems)
-
-
-def _systems(content: dict[str, Any]) -> Systems:
-    packages = {
-        name: {path: PackageSystems(one["result"], _wired(one["graphs"])) for path, one in found.items()}
-        for name, found in content["packages"].items()
-    }
-    answers = tuple((tuple(question), answer) for question, answer in content["answers"])
-    return Systems(content["version"], answers, packages)
-
-
-def _wired(content: dict[str, Any]) -> dict[str, WiredSystem]:
-    return {path: WiredSystem(**{**one, "asked": tuple(one["asked"])}) for path, one in content.items()}
-
-
-def _source(content: dict[str, Any]) -> SourceState:
-    packages = {path: _package(package) for path, package in content["packages"].items()}
-    problems = tuple(Problem(**problem) for problem in content["problems"])
-    repository = Repository(**content["repository"])
-    elsewhere = content.get("elsewhere", False)
-    return SourceState(repository, problems, packages, content["head"], content["quads"], elsewhere)
-
-
-def _named(content: dict[str, Any]) -> NodeName:
-    return NodeName(**{**content, "kind": NodeKind(content["kind"]), "aliases": tuple(content["aliases"])})
-
-
-def _package(content: dict[str, Any]) -> PackageState:
-    problems = tuple(Problem(**problem) for problem in content["problems"])
-    outside = tuple((tuple(lookup), answer) for lookup, answer in content["outside"])
-    named = tuple(_named(one) for one in content["known"]["nodes"])
-    data = tuple(DataFile(**one) for one in content["known"]["data"])
-    known = Known(named, tuple(content["known"]["programs"]), data)
-    return PackageState(**{**content, "problems": problems, "outside": outside, "known": known})

@@ -204,8 +204,11 @@ class _Work:
         found = {path: self._numbered(one, (self._questions[at] for at in one.asked)) for path, one in held.items()}
         if earlier is None or earlier.result != result or len(held) < len(earlier.graphs):
             configurations = {one.path: one for one in cache.launches(folder, result) or ()}
+            kept = {path: one for path, one in found.items() if path in configurations}
             found = {
-                path: self._kept(found.get(path), configuration) or self._wired(key, configuration, earlier)
+                path: kept[path]
+                if path in kept and kept[path].configuration == _mark(configuration)
+                else self._wired(key, configuration, earlier)
                 for path, configuration in configurations.items()
             }
         self._found[key], self._results[key] = found, result
@@ -214,9 +217,6 @@ class _Work:
     def _holds(self, key: Key, path: str, system: WiredSystem) -> bool:
         same = self._last.version == self._version and self._changed.isdisjoint(system.asked)
         return same and self._iris.launch_graph(key[0], path) in self._intact
-
-    def _kept(self, held: WiredSystem | None, configuration: LaunchConfiguration) -> WiredSystem | None:
-        return held if held is not None and held.configuration == _mark(configuration) else None
 
     def _numbered(self, system: WiredSystem, asked: Iterable[Question]) -> WiredSystem:
         """Return a system with the indices of the look-ups of its wiring."""

@@ -18,7 +18,7 @@ from kg.pipeline.state import load
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.facts import InstanceInterface, LaunchArgument, NodeInstance, System
+    from kg.facts import InstanceInterface, NodeInstance, System
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 
@@ -83,13 +83,9 @@ def variants(
 def _flipped(system: System, given: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Yield the boolean arguments that are not given, each with its opposite value."""
     for one in system.configuration.arguments:
-        other = _OTHER.get(_value(one))
+        other = _OTHER.get(one.default or "" if one.value is None else one.value)
         if one.name not in given and not one.fixed and other is not None:
             yield one.name, next((c for c in one.choices if c.lower() == other.lower()), other)
-
-
-def _value(argument: LaunchArgument) -> str:
-    return argument.value if argument.value is not None else argument.default or ""
 
 
 def _unset(system: System, file: LaunchFile, given: Mapping[str, str]) -> dict[str, str]:

@@ -57,7 +57,11 @@ def glances(
     """
     with _RuleStatus(settings) as status:
         wanted = {entry.name for entry in choose(status.library, named)} if named else None
-        first = [entry for entry in status.library.entries.values() if _shown_first(entry, wanted)]
+        first = [
+            entry
+            for entry in status.library.entries.values()
+            if (entry.own if wanted is None else entry.name in wanted)
+        ]
         watched = Watched(status.library)
         yield status.look(first, [])
         while True:
@@ -67,10 +71,6 @@ def glances(
             gone = [name for name in saved.gone if wanted is None or name in wanted]
             if entries or gone:
                 yield status.look(entries, gone)
-
-
-def _shown_first(entry: Entry, wanted: set[str] | None) -> bool:
-    return entry.own if wanted is None else entry.name in wanted
 
 
 class _RuleStatus:

@@ -100,10 +100,12 @@ def _lengths(neighbours: Neighbours, sources: Numbers) -> Counter[int]:
     while ring.size:
         distance += 1
         others, sizes = neighbours.of_each(ring)
+        # Several of the ring may have one neighbour: sorting brings its copies together, so that their bits are joined.
         order = np.argsort(others, kind="stable")
         firsts = np.flatnonzero(np.diff(others[order], prepend=-1))
         ring = others[order[firsts]]
         bits = np.bitwise_or.reduceat(np.repeat(bits, sizes, axis=0)[order], firsts) if ring.size else bits[:0]
+        # The bits that a vertex did not have are those of sources that reach it at this distance.
         bits &= ~seen[ring]
         seen[ring] |= bits
         new = bits.any(axis=1)
@@ -126,6 +128,6 @@ def _parts(neighbours: Neighbours) -> Numbers:
         if joined.size:
             smallest = np.minimum.reduceat(before[neighbours.others], neighbours.starts[joined])
             labels[joined] = np.minimum(before[joined], smallest)
-        labels = labels[labels]
+        labels = labels[labels]  # following labels of labels halves the rounds of long chains
     sizes = np.bincount(labels)
     return sizes[sizes > 0]

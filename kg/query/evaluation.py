@@ -14,7 +14,7 @@ from kg.query.binding import bind
 from kg.query.guard import check
 from kg.query.syntax import syntax_error
 from kg.store.failure import is_of_store, store_error
-from kg.syntax.lexer import Kind, Token, normalise, tokens
+from kg.syntax.lexer import Kind, normalise, tokens
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str 
     text = normalise(text)
     found = list(tokens(text))
     check(found, text, path)
-    words = _words(found)
+    words = {token.text.lower() for token in found if token.kind is Kind.WORD}
     return Prepared(
         typed=text,
         bound=bind(text, parameters),
@@ -120,10 +120,6 @@ def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str 
         names_data=any(word.startswith("from") for word in words),
         path=path,
     )
-
-
-def _words(found: Iterable[Token]) -> set[str]:
-    return {token.text.lower() for token in found if token.kind is Kind.WORD}
 
 
 def prefixes_in(text: str) -> Mapping[str, str]:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import QueryError
 from kg.query.result import Boolean, Graph, Result, Row
 from kg.query.writing import parquet
-from kg.query.writing.graphs import GRAPHS, write_triples
 from kg.query.writing.rows import BOOLEANS, ROWS
 from kg.query.writing.values import display, plain
+from kg.store.serialization import FORMATS, write_serialized
+from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -41,12 +42,14 @@ SOLUTION_FORMATS: Final = ROWS
 BOOLEAN_FORMATS: Final = BOOLEANS
 """Formats of booleans."""
 
-GRAPH_FORMATS: Final = GRAPHS
+GRAPH_FORMATS: Final = FORMATS
 """Formats of graphs."""
+
+_WITH_PREFIXES: Final = frozenset({"turtle", "trig", "rdfxml"})
 
 _KINDS: Final[dict[str, tuple[str, Iterable[str]]]] = {
     "rows": ("rows", ROWS),
-    "graph": ("a graph", GRAPHS),
+    "graph": ("a graph", GRAPH_FORMATS),
     "boolean": ("a boolean", BOOLEANS),
 }
 """The noun and the formats of each kind of result."""
@@ -98,9 +101,9 @@ def write_graph(name: str, triples: Iterable[Triple], output: Callable[[bytes], 
     Raises:
         QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
     """
-    if name not in GRAPHS:
+    if name not in GRAPH_FORMATS:
         raise unfit("graph", name)
-    write_triples(name, triples, output)
+    write_serialized(triples, GRAPH_FORMATS[name], PREFIXES if name in _WITH_PREFIXES else {}, output)
 
 
 def write_boolean(name: str, output: Callable[[bytes], object], *, value: bool) -> None:

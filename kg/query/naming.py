@@ -94,7 +94,7 @@ def facts(
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
         return [fact for fact, rank in zip(held, ranks, strict=True) if rank == min(ranks)], True
     subjects, values = (
-        _meant(snapshot, word, found, [place.format(predicates[0]) for place in places], prefixes)
+        _used_with(snapshot, word, found, [place.format(predicates[0]) for place in places], prefixes)
         if len(predicates) == 1
         else terms(snapshot, word, prefixes=prefixes)
         for word, found, places in zip(words, ends, _PLACES, strict=True)
@@ -149,7 +149,7 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
     ]
 
 
-def _meant(
+def _used_with(
     snapshot: Askable, word: str, found: list[_Term], places: list[str], prefixes: Mapping[str, str]
 ) -> list[_Term]:
     """Return the things called `word` that a property is used with, or else those of a kind that it is, or else all.
@@ -245,22 +245,16 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
     return found
 
 
-def _named(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return the things with exactly this name."""
-    rows: Any = snapshot.query(_CALLED % f"{Literal(word)} {Literal(word, language='en')}", prefixes=PREFIXES)
-    return [row[0] for row in rows if isinstance(row[0], NamedNode)]
-
-
-def _having(snapshot: Askable, word: str) -> list[NamedNode]:
-    """Return the things called `word`, with or without the leading slash of a ROS name."""
-    names = f"{Literal(word)} {Literal('/' + word)} {Literal(word, language='en')}"
-    rows: Any = snapshot.query(_CALLED % names, prefixes=PREFIXES)
+def _named(snapshot: Askable, word: str, *others: str) -> list[NamedNode]:
+    """Return the things with exactly this name, or one of some other names."""
+    names = [Literal(word), Literal(word, language="en"), *map(Literal, others)]
+    rows: Any = snapshot.query(_CALLED % " ".join(map(str, names)), prefixes=PREFIXES)
     return [row[0] for row in rows if isinstance(row[0], NamedNode)]
 
 
 def _called(snapshot: Askable, word: str, among: str | None) -> list[_Term]:
     """Return the things called `word`, or whose IRI ends in it; see `terms`."""
-    found = _having(snapshot, word)
+    found = _named(snapshot, word, f"/{word}")  # ROS names may be typed without their leading slash
     if among is not None:
         ends = (Literal(word), Literal("#" + word), Literal("/" + word))
         ended: Any = snapshot.query(_ENDING % (among, *ends), prefixes=PREFIXES)

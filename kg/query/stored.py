@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import Literal, NamedNode, RdfFormat, parse
@@ -32,7 +33,7 @@ from kg.syntax.names import PREFIXES
 from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
 
 _PARAMETER = re.compile(r'@param\s+(?P<name>\w+)\s+(?P<type>\w+)\s+"(?P<example>[^"]*)"\s+(?P<description>.+)')
@@ -65,14 +66,6 @@ class QueryParameter:
             raise QueryError("KG505", message, hint=f'For example {self.name}="{self.example}".') from error
 
 
-def _name(value: str) -> Literal:
-    return Literal("/" + value.strip().lstrip("/"))
-
-
-def _integer(value: str) -> Literal:
-    return Literal(int(value))
-
-
 def _boolean(value: str) -> Literal:
     words = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
     if value.lower() not in words:
@@ -82,8 +75,8 @@ def _boolean(value: str) -> Literal:
 
 _TERMS: Final[dict[str, Callable[[str], NamedNode | Literal]]] = {
     "string": Literal,
-    "name": _name,
-    "integer": _integer,
+    "name": lambda value: Literal("/" + value.strip().lstrip("/")),
+    "integer": lambda value: Literal(int(value)),
     "boolean": _boolean,
     "iri": NamedNode,
 }
@@ -147,7 +140,8 @@ def read(path: Path, name: str) -> StoredQuery:
     except UnicodeDecodeError as error:
         message = f"the query is not in UTF-8 at byte {error.start}"
         raise UsageError("KG001", message, place=Place(str(path)), hint="Save it in UTF-8.") from error
-    lines = list(_header(text))
+    header = takewhile(lambda line: line.startswith("#"), text.splitlines())
+    lines = [line.removeprefix("#").strip() for line in header]
     prose = [line for line in lines if not line.startswith("@")]
     title, *rest = prose or [""]
     blocks = defaults(text)
@@ -155,14 +149,6 @@ def read(path: Path, name: str) -> StoredQuery:
         _parameter(path, number, line, blocks) for number, line in enumerate(lines, 1) if line.startswith("@")
     )
     return StoredQuery(name, path, title or name, "\n".join(rest).strip(), parameters, text)
-
-
-def _header(text: str) -> Iterator[str]:
-    """Yield the comment lines at the beginning of a query, without their marks."""
-    for line in text.splitlines():
-        if not line.startswith("#"):
-            return
-        yield line.removeprefix("#").strip()
 
 
 def _parameter(path: Path, number: int, line: str, blocks: Mapping[str, str]) -> QueryParameter:

@@ -29,6 +29,7 @@ _SENTENCE = re.compile(r"(?:^|one of |, )([A-Z][a-z]+ [A-Za-z][^\[\]\"']*?)(?=, 
 _BLANKS = 64
 """Longer than any keyword."""
 _FORMS = ("SELECT", "CONSTRUCT", "ASK", "DESCRIBE")
+_BEGINNINGS = "A query begins with SELECT, CONSTRUCT, ASK or DESCRIBE."
 _WORDS = tuple(dict.fromkeys(word for name in (*KEYWORDS, *AGGREGATES, *FUNCTIONS) for word in name.split()))
 _ALIKE = 0.75
 _SHORTEST = 4
@@ -96,7 +97,7 @@ def _parsed(found: list[Token], text: str, path: str, base: str | None, culprit:
         if (offset != culprit) if expected else (culprit is not None and offset > culprit):
             return None
         token = next((token for token in found if token.start == offset), None)
-        hint = error.hint or (_meant(token) if token and expected else None)
+        hint = error.hint or (_suggestion(token) if token and expected else None)
         return QueryError(
             "KG501", error.message, place=place_at(text, offset, path, token.end if token else offset), hint=hint
         )
@@ -110,10 +111,10 @@ def _unexpected(culprit: Token | None, text: str, path: str, *, update: bool) ->
     if culprit.kind is Kind.IRI and not is_absolute(culprit.text[1:-1]):
         hint = "Declare BASE <...> or write it out."
         return QueryError("KG501", f"the IRI `{culprit.text}` is relative", place=place, hint=hint)
-    return QueryError("KG501", f"`{culprit.text}` is not expected here", place=place, hint=_meant(culprit))
+    return QueryError("KG501", f"`{culprit.text}` is not expected here", place=place, hint=_suggestion(culprit))
 
 
-def _meant(token: Token) -> str | None:
+def _suggestion(token: Token) -> str | None:
     return asked(keywords_meant(token.text)) if token.kind is Kind.WORD else None
 
 
@@ -230,14 +231,14 @@ def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that does not begin with a query form."""
     token = _after_prologue(found)
     if token is None:
-        return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_forms())
+        return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_BEGINNINGS)
     if token.text.upper() in _FORMS:
         return None
     place = place_at(text, token.start, path, token.end)
     if token.text.upper() in _UPDATES:
-        return QueryError("KG501", "this is an update, not a query", place=place, hint=_forms())
+        return QueryError("KG501", "this is an update, not a query", place=place, hint=_BEGINNINGS)
     hint = did_you_mean(token.text, (*_FORMS, "PREFIX", "BASE")) if token.kind is Kind.WORD else None
-    return QueryError("KG501", f"a query does not begin with `{token.text}`", place=place, hint=hint or _forms())
+    return QueryError("KG501", f"a query does not begin with `{token.text}`", place=place, hint=hint or _BEGINNINGS)
 
 
 def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
@@ -261,7 +262,3 @@ def _after_prologue(found: list[Token]) -> Token | None:
 
 def _behind(text: str, path: str) -> Place:
     return place_at(text, len(text), path, len(text))
-
-
-def _forms() -> str:
-    return "A query begins with SELECT, CONSTRUCT, ASK or DESCRIBE."

@@ -49,10 +49,10 @@ def unknown(snapshot: Snapshot, text: str, further: Iterable[str] = ()) -> Itera
             if known is None:
                 rows: Any = snapshot.query(_DEFINED, prefixes=PREFIXES)
                 known = sorted({shorten(iri) for iri in (*(row[0].value for row in rows), *further)})
-            yield Unknown(token, _meant(token.text, [term for term in known if not term.startswith("<")]))
+            yield Unknown(token, _suggestions(token.text, [term for term in known if not term.startswith("<")]))
 
 
-def _meant(name: str, known: list[str]) -> list[str]:
+def _suggestions(name: str, known: list[str]) -> list[str]:
     """Return suggestions for a name: the same local name with another prefix, or a similar one with the same prefix."""
     prefix, _, local = name.partition(":")
     elsewhere = sorted(term for term in known if term.partition(":")[2].lower() == local.lower())

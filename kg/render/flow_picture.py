@@ -83,20 +83,13 @@ def draw_flow(title: str, boxes: Sequence[Box], flows: Iterable[Flow]) -> str:
 def _nodes(boxes: Sequence[Box], flows: Sequence[Flow]) -> list[Node]:
     """Return the boxes to be placed, high enough for the lines that end at either side."""
     into, out = Counter(flow.target for flow in flows), Counter(flow.source for flow in flows)
-    return [
-        Node(
-            box.key,
-            _wide(box),
-            max(_BOX_HIGH if box.group else _NAME_HIGH, _PORT * max(into[box.key], out[box.key]) + 8),
-        )
-        for box in boxes
-    ]
-
-
-def _wide(box: Box) -> float:
-    if not box.group:
-        return int(width(short(box.name, _LONGEST)) * 7.3) + 24
-    return int(max(width(short(box.name, _LONGEST)) * _CHARACTER, width(short(box.below, _LONGEST)) * _SMALL)) + 34
+    nodes = []
+    for box in boxes:
+        name, below = width(short(box.name, _LONGEST)), width(short(box.below, _LONGEST))
+        wide = int(max(name * _CHARACTER, below * _SMALL)) + 34 if box.group else int(name * 7.3) + 24
+        high = max(_BOX_HIGH if box.group else _NAME_HIGH, _PORT * max(into[box.key], out[box.key]) + 8)
+        nodes.append(Node(box.key, wide, high))
+    return nodes
 
 
 def _draw_box(box: Box, where: Rectangle, groups: Mapping[str, int]) -> Iterable[str]:

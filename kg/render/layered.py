@@ -65,33 +65,30 @@ class Places:
 def lay_out(nodes: Sequence[Node], links: Sequence[tuple[str, str]]) -> Places:
     """Return places for `nodes`; `links` are pairs of their keys, from source to target, and may form cycles."""
     numbers = {node.key: number for number, node in enumerate(nodes)}
+    described = []
+    for node in nodes:
+        size = {"width": float(node.wide), "height": float(node.high)}
+        parent = {} if node.within is None else {"parent": numbers[node.within]}
+        described.append({"size": size, "shape": "box", "key": node.key, **parent})
     graph = {
-        "nodes": [_described(node, numbers) for node in nodes],
+        "nodes": described,
         "edges": [{"source": numbers[source], "target": numbers[target], "weight": 1.0} for source, target in links],
     }
     drawn: dict[str, Any] = graphlay.layout(graph, options=_OPTIONS).to_dict()
-    rectangles = [_rectangle(one) for one in drawn["nodes"]]
+    rectangles = []
+    for one in drawn["nodes"]:
+        wide, high = one["size"]["width"], one["size"]["height"]
+        rectangles.append(Rectangle(one["center"]["x"] - wide / 2, one["center"]["y"] - high / 2, wide, high))
     ways = [[(point["x"], point["y"]) for point in edge["points"]] for edge in drawn["edges"]]
-    xs = [x for one in rectangles for x in (one.x, one.x + one.wide)] + [x for way in ways for x, _ in way]
-    ys = [y for one in rectangles for y in (one.y, one.y + one.high)] + [y for way in ways for _, y in way]
+    xs = [x for box in rectangles for x in (box.x, box.x + box.wide)] + [x for way in ways for x, _ in way]
+    ys = [y for box in rectangles for y in (box.y, box.y + box.high)] + [y for way in ways for _, y in way]
     left, top = min(xs, default=0.0), min(ys, default=0.0)
     return Places(
         {
-            node.key: Rectangle(round(one.x - left, 1), round(one.y - top, 1), round(one.wide, 1), round(one.high, 1))
-            for node, one in zip(nodes, rectangles, strict=True)
+            node.key: Rectangle(round(box.x - left, 1), round(box.y - top, 1), round(box.wide, 1), round(box.high, 1))
+            for node, box in zip(nodes, rectangles, strict=True)
         },
         tuple(tuple((round(x - left, 1), round(y - top, 1)) for x, y in way) for way in ways),
         round(max(xs, default=0.0) - left, 1),
         round(max(ys, default=0.0) - top, 1),
     )
-
-
-def _described(node: Node, numbers: Mapping[str, int]) -> dict[str, Any]:
-    size = {"width": float(node.wide), "height": float(node.high)}
-    described: dict[str, Any] = {"size": size, "shape": "box", "key": node.key}
-    return described if node.within is None else {**described, "parent": numbers[node.within]}
-
-
-def _rectangle(drawn: Mapping[str, Any]) -> Rectangle:
-    wide, high = drawn["size"]["width"], drawn["size"]["height"]
-    return Rectangle(drawn["center"]["x"] - wide / 2, drawn["center"]["y"] - high / 2, wide, high)

@@ -119,6 +119,7 @@ def _far_places(far: Sequence[Relation], places: Mapping[str, _Place], column: f
         if one.object not in places:
             leading.setdefault(one.object, []).append(places[one.subject].middle)
     found = dict(places)
+    # From top to bottom by the middle of the sources, but no box above the end of the one before it.
     below = float(_MARGIN + _HIGH)
     for name, heights in sorted(leading.items(), key=lambda item: (sum(item[1]) / len(item[1]), item[0])):
         below = max(below, sum(heights) / len(heights))

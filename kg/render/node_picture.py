@@ -60,7 +60,12 @@ class _Side:
 
     @property
     def label_width(self) -> int:
-        widths = [_label_width(port) for _, ports in self.groups for port in ports]
+        widths = [
+            int(width(short(text, _LONGEST)) * size) + 34
+            for _, ports in self.groups
+            for port in ports
+            for text, size in ((port.name, _CHARACTER), (port.type, _SMALL))
+        ]
         headings = [width(_TITLES[role]) * 7 for role, _ in self.groups]
         return max(*widths, *headings, 0, 0)
 
@@ -129,10 +134,6 @@ def _outline(shape: str, x: int, y: int, w: int, h: int) -> str:
     if shape == "action":
         return f"M{x + 10} {y}h{w - 20}l10 10v{h - 20}l-10 10h{20 - w}l-10 -10v{20 - h}z"
     return f"M{x + 14} {y}h{w - 28}a14 17 0 0 1 0 {h}h{28 - w}a14 17 0 0 1 0 {-h}z"
-
-
-def _label_width(port: Port) -> int:
-    return int(max(width(short(port.name, _LONGEST)) * _CHARACTER, width(short(port.type, _LONGEST)) * _SMALL)) + 34
 
 
 def _description(ports: Sequence[Port], more: str) -> str:

@@ -45,7 +45,12 @@ class Remark:
 def document(remarks: Sequence[Remark]) -> dict[str, object]:
     """Return remarks as one run of SARIF, with the catalogue's texts for their codes."""
     codes = sorted({remark.code for remark in remarks})
-    driver = {"name": "kg", "version": version("kg-ros"), "rules": [_rule(code) for code in codes]}
+    rules: list[dict[str, object]] = []
+    for code in codes:
+        entry = CATALOGUE.get(code) or CodeEntry(code, "", "")
+        texts = {"shortDescription": entry.title, "fullDescription": entry.explanation, "help": entry.way_out}
+        rules.append({"id": code, **{name: {"text": text} for name, text in texts.items() if text}})
+    driver = {"name": "kg", "version": version("kg-ros"), "rules": rules}
     results = [_result(remark, codes) for remark in remarks]
     return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
 
@@ -57,12 +62,6 @@ def annotation(remark: Remark) -> str:
     spot, message = remark.spot, _escaped("\n".join((remark.message, *related)))
     place = f"file={_property(spot.uri)},line={spot.line or 1},col={spot.column or 1}"
     return f"::{kind} {place},title={_property(remark.code)}::{message}"
-
-
-def _rule(code: str) -> dict[str, object]:
-    entry = CATALOGUE.get(code) or CodeEntry(code, "", "")
-    texts = {"shortDescription": entry.title, "fullDescription": entry.explanation, "help": entry.way_out}
-    return {"id": code, **{name: {"text": text} for name, text in texts.items() if text}}
 
 
 def _result(remark: Remark, codes: list[str]) -> dict[str, object]:

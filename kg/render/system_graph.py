@@ -7,7 +7,7 @@ modules write it as SVG, DOT, Mermaid, JSON and text. The order is fixed, so one
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, NodeInstance, StartKind, System
@@ -118,6 +118,7 @@ class Bundle:
 def system_graph(system: System, *, every: bool = False, title: str | None = None) -> SystemGraph:
     """Return the graph of a system; without `every` what frameworks make by themselves is left out, and counted."""
     keys = instance_keys(system.instances)
+    # Of instances with the same name, a host is the first: reversed, so that it is written last.
     named = {instance.name: key for key, instance in reversed(list(keys.items()))}
     channels: dict[str, Channel] = {}
     links: dict[tuple[str, str, bool], Link] = {}
@@ -128,13 +129,18 @@ def system_graph(system: System, *, every: bool = False, title: str | None = Non
                 left_out += 1
                 continue
             channel = channel_of(key, end)
-            channels[channel.key] = _joined(channels.get(channel.key), channel)
+            if channel.key in channels:
+                types = {*channels[channel.key].types, *channel.types}
+                channel = replace(channel, types=tuple(sorted(types)))
+            channels[channel.key] = channel
             link = Link(key, channel.key, end.declared.role.outward)
             links[link.member, link.channel, link.outward] = link
     hidden = (f"{count(left_out, 'end')} that frameworks make",) if left_out else ()
+    foreign = {instance.host for instance in keys.values() if instance.host} - set(named)
+    hosts = (Member(host, host, "host", reason="this configuration does not start it") for host in sorted(foreign))
     return SystemGraph(
         title or f"{system.configuration.package}/{system.configuration.path.rpartition('/')[2]}",
-        tuple(_member(key, instance, named) for key, instance in keys.items()) + tuple(_foreign_hosts(keys, named)),
+        (*(_member(key, instance, named) for key, instance in keys.items()), *hosts),
         tuple(channels[key] for key in sorted(channels)),
         tuple(links[key] for key in sorted(links)),
         hidden,
@@ -181,11 +187,6 @@ def channel_of(member: str, end: InstanceInterface) -> Channel:
     return Channel(f"{kind} {end.resolved}", kind, end.resolved, types)
 
 
-def _joined(one: Channel | None, other: Channel) -> Channel:
-    types = tuple(sorted({*(one.types if one else ()), *other.types}))
-    return Channel(other.key, other.kind, other.name, types, other.open)
-
-
 def _member(key: str, instance: NodeInstance, named: Mapping[str, str]) -> Member:
     started = instance.started
     host = None if instance.host is None else named.get(instance.host, instance.host)
@@ -208,10 +209,3 @@ def _about(instance: NodeInstance) -> str:
         return started.plugin
     package, executable = started.package or (kind and kind.package), started.executable or (kind and kind.node)
     return f"{package or '?'}/{executable or '?'}" if package or executable else ""
-
-
-def _foreign_hosts(keys: Mapping[str, NodeInstance], named: Mapping[str, str]) -> Iterable[Member]:
-    """Yield hosts that the configuration does not start itself."""
-    hosts = {instance.host for instance in keys.values() if instance.host} - set(named)
-    for host in sorted(hosts):
-        yield Member(host, host, "host", reason="this configuration does not start it")

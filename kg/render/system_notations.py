@@ -13,7 +13,7 @@ from kg.render.system_style import SIGNS
 from kg.render.text import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
 
 _DOT_STYLES: Final = {"topic": "shape=box, style=rounded", "service": "shape=box", "action": "shape=hexagon"}
@@ -85,43 +85,38 @@ def system_object(graph: SystemGraph) -> dict[str, Any]:
     ends = graph.ends()
     return {
         "title": graph.title,
-        "nodes": [_member_object(member) for member in graph.members],
-        "channels": [_channel_object(channel, *ends[channel.key]) for channel in graph.channels],
-        "edges": [_edge_object(link) for link in graph.links],
+        "nodes": [
+            {
+                "id": member.key,
+                "name": member.name,
+                "kind": member.kind,
+                "type": member.about or None,
+                "host": member.host,
+                "count": member.count,
+                "condition": member.condition,
+                "reason": member.reason,
+                "place": member.place or None,
+                **_state(member.state),
+            }
+            for member in graph.members
+        ],
+        "channels": [
+            {
+                "id": channel.key,
+                "kind": channel.kind,
+                "name": channel.name,
+                "types": list(channel.types),
+                "known": not channel.open,
+                "dangling": not channel.open and not all(ends[channel.key]),
+                **_state(channel.state),
+            }
+            for channel in graph.channels
+        ],
+        "edges": [
+            {**dict(zip(("source", "target"), _ends(link), strict=True)), **_state(link.state)} for link in graph.links
+        ],
         "hidden": list(graph.hidden),
     }
-
-
-def _member_object(member: Member) -> dict[str, Any]:
-    return {
-        "id": member.key,
-        "name": member.name,
-        "kind": member.kind,
-        "type": member.about or None,
-        "host": member.host,
-        "count": member.count,
-        "condition": member.condition,
-        "reason": member.reason,
-        "place": member.place or None,
-        **_state(member.state),
-    }
-
-
-def _channel_object(channel: Channel, sources: tuple[str, ...], targets: tuple[str, ...]) -> dict[str, Any]:
-    return {
-        "id": channel.key,
-        "kind": channel.kind,
-        "name": channel.name,
-        "types": list(channel.types),
-        "known": not channel.open,
-        "dangling": not channel.open and not (sources and targets),
-        **_state(channel.state),
-    }
-
-
-def _edge_object(link: Link) -> dict[str, Any]:
-    source, target = _ends(link)
-    return {"source": source, "target": target, **_state(link.state)}
 
 
 def _state(state: str) -> dict[str, str]:
@@ -177,9 +172,8 @@ def _dot(text: str) -> str:
 
 def _mermaid(text: str) -> str:
     """Return a quoted label of Mermaid; signs with a meaning in it are written as their numbers."""
-    return '"' + "<br>".join("".join(_mermaid_signs(part)) for part in text.split("<br>")) + '"'
-
-
-def _mermaid_signs(text: str) -> Iterable[str]:
-    for sign in printable(text):
-        yield sign if sign.isalnum() or sign in " /_.,:-+~?" else f"#{ord(sign)};"
+    parts = [
+        "".join(sign if sign.isalnum() or sign in " /_.,:-+~?" else f"#{ord(sign)};" for sign in printable(part))
+        for part in text.split("<br>")
+    ]
+    return f'"{"<br>".join(parts)}"'

@@ -18,7 +18,7 @@ from kg.render.system_style import NAME, SIGNS, SMALL, TERM, outline, wide
 from kg.render.text import width
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
 
 _MARGIN: Final = 24
@@ -79,12 +79,16 @@ class _Drawing:
         """Return the boxes to be placed: hosts, what lies in them, and channels."""
         found = []
         for member in self.graph.members:
+            # The layout lets a host grow around what lies in it, so its own size is only the least.
             across, down = (60.0, 40.0) if member.key in self.hosts else self.size(member)
             found.append(Node(member.key, across, down, member.host))
         hosts = {member.key: member.host for member in self.graph.members}
         for bundle in self.joining:
-            across, down = _bundle_size(bundle)
-            found.append(Node(bundle.key, across, down, _within(bundle, hosts)))
+            lines = _bundle_lines(bundle)
+            across = round(max(wide(line, TERM) for line in lines)) + 26
+            down = max(9 + _LINE * len(lines), _PORT * max(len(bundle.sources), len(bundle.targets)) + 8)
+            around = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
+            found.append(Node(bundle.key, across, down, around.pop() if len(around) == 1 else None))
         return found
 
     def spread(self) -> list[tuple[str, str]]:
@@ -153,12 +157,6 @@ def system_svg(graph: SystemGraph) -> str:
     return document("system", (size_x, size_y), graph.title, _description(graph), lines)
 
 
-def _within(bundle: Bundle, hosts: Mapping[str, str | None]) -> str | None:
-    """Return the host that all ends of a bundle lie in."""
-    found = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
-    return found.pop() if len(found) == 1 else None
-
-
 def _loose(bundle: Bundle, channel: Channel, member: str) -> _Loose:
     gives, takes = member in bundle.sources, member in bundle.targets
     arrow = "↺" if gives and takes else "→" if gives else "←"
@@ -215,12 +213,6 @@ def _bundle_lines(bundle: Bundle) -> list[str]:
     clashes = (f" ({len(one.types)} types!)" if len(one.types) > 1 else "" for one in bundle.channels)
     names = [f"{SIGNS[one.state]}{one.name}{clash}" for one, clash in zip(bundle.channels, clashes, strict=True)]
     return names if len(names) <= _MOST_LINES else [*names[: _MOST_LINES - 1], f"+ {len(names) - _MOST_LINES + 1} more"]
-
-
-def _bundle_size(bundle: Bundle) -> tuple[float, float]:
-    lines = _bundle_lines(bundle)
-    room = _PORT * max(len(bundle.sources), len(bundle.targets)) + 8
-    return round(max(wide(line, TERM) for line in lines)) + 26, max(9 + _LINE * len(lines), room)
 
 
 def _bundle(bundle: Bundle, where: Rectangle) -> Iterable[str]:

@@ -11,7 +11,7 @@ from kg.render.text import printable
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.render.system_graph import Channel, Link, Member, SystemGraph
+    from kg.render.system_graph import Channel, Member, SystemGraph
 
 _VERBS: Final = {
     ("topic", True): "publishes",
@@ -51,7 +51,22 @@ def system_rows(graph: SystemGraph) -> list[SystemRow]:
     ends = graph.ends()
     channels = {channel.key: channel for channel in graph.channels}
     links = sorted(graph.links, key=lambda one: (one.member, not one.outward, one.channel))
-    return [_row(link, channels[link.channel], ends[link.channel]) for link in links]
+    rows = []
+    for link in links:
+        channel, others = channels[link.channel], ends[link.channel][link.outward]
+        rows.append(
+            SystemRow(
+                node=link.member,
+                verb=_VERBS[channel.kind, link.outward],
+                name=channel.name,
+                type=" | ".join(channel.types),
+                others=others,
+                nobody="" if others else nobody_at(channel, outward=link.outward),
+                outward=link.outward,
+                state=link.state or channel.state,
+            )
+        )
+    return rows
 
 
 def system_lines(graph: SystemGraph) -> list[str]:
@@ -63,22 +78,6 @@ def system_lines(graph: SystemGraph) -> list[str]:
     for member in graph.members:
         lines += [_head(member), *_below(rows[member.key]), ""]
     return [*lines, *([f"not shown: {', '.join(graph.hidden)}"] if graph.hidden else [])]
-
-
-def _row(link: Link, channel: Channel, ends: tuple[tuple[str, ...], tuple[str, ...]]) -> SystemRow:
-    outward = link.outward
-    others = ends[1] if outward else ends[0]
-    nobody = "" if others else nobody_at(channel, outward=outward)
-    return SystemRow(
-        node=link.member,
-        verb=_VERBS[channel.kind, outward],
-        name=channel.name,
-        type=" | ".join(channel.types),
-        others=others,
-        nobody=nobody,
-        outward=outward,
-        state=link.state or channel.state,
-    )
 
 
 def nobody_at(channel: Channel, *, outward: bool) -> str:

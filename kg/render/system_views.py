@@ -11,7 +11,7 @@ from kg.render.system_graph import Member, State, SystemGraph
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator
 
 _Thing = TypeVar("_Thing")
 
@@ -72,10 +72,19 @@ def _at_level(graph: SystemGraph, level: int, expand: Collection[str]) -> System
     members: dict[str, Member] = {}
     for member in graph.members:
         key = into[member.key]
-        host = into.get(member.host or "", member.host)
-        single = replace(member, host=None if host == key else host)
-        members[key] = single if key == member.key else _grown(members.get(key), key, member)
-    inner = _inner(graph, into)
+        if key == member.key:
+            host = into.get(member.host or "", member.host)
+            members[key] = replace(member, host=None if host == key else host)
+            continue
+        grown = members.get(key)
+        size = (grown.count if grown else 0) + member.count
+        state = member.state if grown is None or grown.state == member.state else State.CHANGED
+        members[key] = Member(key, key, "namespace", count(size, "node"), count=size, state=state)
+    ends: defaultdict[str, set[str]] = defaultdict(set)
+    for link in graph.links:
+        ends[link.channel].add(into[link.member])
+    # The channels whose ends are all in one group.
+    inner = {channel for channel, groups in ends.items() if len(groups) == 1 and next(iter(groups)).endswith("/*")}
     links = {
         (into[link.member], link.channel, link.outward): replace(link, member=into[link.member])
         for link in graph.links
@@ -94,20 +103,6 @@ def _group(member: Member, level: int) -> str | None:
     """Return the namespace of at most `level` names that a member is in, None for the root."""
     parts = member.name.split("/")[1:-1]
     return "/" + "/".join(parts[:level]) if len(parts) >= level else None
-
-
-def _grown(group: Member | None, key: str, member: Member) -> Member:
-    size = (group.count if group else 0) + member.count
-    state = member.state if group is None or group.state == member.state else State.CHANGED
-    return Member(key, key, "namespace", count(size, "node"), count=size, state=state)
-
-
-def _inner(graph: SystemGraph, into: Mapping[str, str]) -> set[str]:
-    """Return the channels whose ends are all in one group."""
-    found: defaultdict[str, set[str]] = defaultdict(set)
-    for link in graph.links:
-        found[link.channel].add(into[link.member])
-    return {channel for channel, groups in found.items() if len(groups) == 1 and next(iter(groups)).endswith("/*")}
 
 
 def near_changes(graph: SystemGraph) -> SystemGraph:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from unicodedata import category, east_asian_width
 
 from kg.lazily import lazily
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 with lazily():
     import json
@@ -44,6 +47,12 @@ def _escape(sign: str) -> str:
 def width(text: str) -> int:
     """Return how many columns `text` takes in a terminal."""
     return len(text) + sum(east_asian_width(sign) in "WF" for sign in text if not sign.isascii())
+
+
+def some(texts: Sequence[str], most: int, separator: str = ", ") -> str:
+    """Return the first `most` texts, and the number of the others."""
+    more = f" and {len(texts) - most:,} more" if len(texts) > most else ""
+    return separator.join(texts[:most]) + more
 
 
 def count(number: int, noun: str, plural: str | None = None) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 import msgspec
@@ -18,9 +18,9 @@ from kg.graph.fields import Properties, one
 from kg.graph.reading import grouped
 from kg.query.binding import bind
 from kg.query.stored import internal
-from kg.robot.capability import Capabilities, Capability, Parameter, Way
+from kg.robot.capability import Capabilities, Capability, Parameter, Way, called
 from kg.rules.explain.why import why
-from kg.similar import did_you_mean, folded
+from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
@@ -46,26 +46,18 @@ class Askable(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """A capability as the ontologies define it.
+    """A capability as the ontologies define it, without interfaces.
 
     `fields` has the fields of messages for each parameter, `constants` the fields with fixed values; `implied` are the
     IRIs of more general capabilities. `rate` is the number of times per second that a command has to be repeated, 0 for
-    never. `moves` is the part of the robot that is moved.
+    never.
     """
 
-    iri: str
-    name: str
-    label: str
-    comment: str
-    modality: str
-    kinds: tuple[str, ...] = ()
-    alternatives: tuple[str, ...] = ()
-    parameters: tuple[Parameter, ...] = ()
-    fields: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    constants: tuple[str, ...] = ()
-    implied: tuple[str, ...] = ()
-    rate: float = 0
-    moves: str | None = None
+    described: Capability
+    fields: Mapping[str, tuple[str, ...]]
+    constants: tuple[str, ...]
+    implied: tuple[str, ...]
+    rate: float
 
     def capability(self, *, ways: tuple[Way, ...] = (), implied_by: tuple[str, ...] = ()) -> Capability:
         """Return the capability for users: with its interfaces, and the capabilities that it follows from.
@@ -73,25 +65,15 @@ class Definition:
         It keeps only parameters with a field in some interface: a drone that takes off by an empty message has no
         height. A capability without interfaces keeps them all.
         """
-        modality: Any = self.modality
-        told = {name for way in ways for name in way.fields} if ways else self.fields.keys()
-        return Capability(
-            iri=self.iri,
-            name=self.name,
-            label=self.label,
-            comment=self.comment,
-            alternatives=self.alternatives,
-            kinds=self.kinds,
-            modality=modality,
-            parameters=tuple(one for one in self.parameters if one.name in told),
-            ways=ways,
-            implied_by=implied_by,
-            moves=self.moves,
-        )
+        parameters = self.described.parameters
+        if ways:
+            told = {name for way in ways for name in way.fields}
+            parameters = tuple(one for one in parameters if one.name in told)
+        return msgspec.structs.replace(self.described, parameters=parameters, ways=ways, implied_by=implied_by)
 
     def fields_of(self, messages: frozenset[str]) -> dict[str, str]:
         """Return the paths of parameters in messages of these names, by the name of the parameter."""
-        parts = _PARTS.get(self.modality, frozenset())
+        parts = _PARTS.get(self.described.modality, frozenset())
         found = ((name, _path(texts, messages, parts)) for name, texts in self.fields.items())
         return {name: path for name, path in found if path is not None}
 
@@ -100,7 +82,7 @@ class Definition:
         found: dict[str, float | bool | str] = {}
         for text in self.constants:
             place, _, value = text.partition(" = ")
-            path = _path((place,), messages, _PARTS.get(self.modality, frozenset()))
+            path = _path((place,), messages, _PARTS.get(self.described.modality, frozenset()))
             if path is not None:
                 found[path] = _value(value)
         return found
@@ -119,28 +101,29 @@ def definitions(graph: Askable) -> dict[str, Definition]:
 
 def _definition(iri: str, own: Properties, content: Mapping[str, Properties], kinds: _Kinds) -> Definition:
     parameters = sorted(
-        (content[part] for part in own.get(v.bare(v.rnkg("hasParameter")), ()) if part in content), key=_order
+        (content[part] for part in own.get(v.bare(v.rnkg("hasParameter")), ()) if part in content),
+        key=lambda part: (float(one(part, v.ORDER) or 0), one(part, v.NAME) or ""),
     )
     seconds = float(one(own, v.rnkg("renewedEvery")) or 0)
-    return Definition(
+    modality: Any = (one(own, v.ros("hasModality")) or "").rpartition("#")[2]
+    described = Capability(
         iri=iri,
         name=iri.rpartition("#")[2],
         label=one(own, v.LABEL) or iri,
         comment=one(own, v.COMMENT) or "",
-        modality=(one(own, v.ros("hasModality")) or "").rpartition("#")[2],
+        modality=modality,
         kinds=kinds.of(own.get(v.bare(v.TYPE), ())),
         alternatives=tuple(sorted(own.get(_SKOS_ALTERNATIVE, ()))),
         parameters=tuple(map(_parameter, parameters)),
+        moves=one(own, v.rnkg("movedPart")),
+    )
+    return Definition(
+        described,
         fields={one(part, v.NAME) or "": tuple(sorted(part.get(v.bare(v.rnkg("field")), ()))) for part in parameters},
         constants=tuple(sorted(own.get(v.bare(v.rnkg("constantField")), ()))),
         implied=tuple(sorted(own.get(v.bare(v.rnkg("impliesCapability")), ()))),
         rate=1 / seconds if seconds > 0 else 0,
-        moves=one(own, v.rnkg("movedPart")),
     )
-
-
-def _order(own: Properties) -> tuple[float, str]:
-    return float(one(own, v.ORDER) or 0), one(own, v.NAME) or ""
 
 
 def _parameter(own: Properties) -> Parameter:
@@ -215,8 +198,6 @@ _KINDS: Final[Mapping[str, Literal["topic", "service", "action"]]] = {
     v.bare(v.SERVICE_SERVER): "service",
     v.bare(v.ACTION_SERVER): "action",
 }
-_Ways = dict[tuple[str, str, str, str], set[str]]
-"""The messages of a capability, by kind, name, type and node of the interface."""
 
 
 def capabilities_of(graph: Askable, whole: str, of: str) -> Capabilities:
@@ -231,26 +212,25 @@ def held(graph: Askable, whole: str) -> dict[str, str]:
 
 def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
     """Return the capabilities, given definitions that were read before."""
-    having = set(held(graph, whole))
-    ways: defaultdict[str, _Ways] = defaultdict(dict)
+    having = {iri for iri in held(graph, whole) if iri in known}
+    ways: defaultdict[str, dict[tuple[str, str, str, str], set[str]]] = defaultdict(dict)
+    """The messages of each capability, by kind, name, type and node of the interface."""
     for row in _rows(graph, "capability-ways", whole):
         key = (_KINDS[row["role"].value], row["channel"].value, row["type"].value, row["node"].value)
         ways[row["capability"].value].setdefault(key, set()).add(row["message"].value)
-    found = [_capability(known[iri], ways.get(iri, {}), having, known) for iri in having if iri in known]
+    found = [
+        known[iri].capability(
+            ways=tuple(_way(known[iri], key, frozenset(messages)) for key, messages in sorted(ways[iri].items())),
+            implied_by=tuple(sorted(known[each].described.name for each in having if iri in known[each].implied)),
+        )
+        for iri in having
+    ]
     return Capabilities(of=of, capabilities=tuple(sorted(found, key=lambda one: (one.kinds, one.label, one.iri))))
 
 
 def _rows(graph: Askable, name: str, whole: str) -> Iterable[Any]:
     rows: Iterable[Any] = graph.query(bind(internal(name), {"whole": NamedNode(whole)}), prefixes=PREFIXES)
     return rows
-
-
-def _capability(definition: Definition, ways: _Ways, having: set[str], known: Mapping[str, Definition]) -> Capability:
-    specific = (known[iri] for iri in having if iri in known)
-    return definition.capability(
-        ways=tuple(_way(definition, key, frozenset(ways[key])) for key in sorted(ways)),
-        implied_by=tuple(sorted(one.name for one in specific if definition.iri in one.implied)),
-    )
 
 
 def _way(definition: Definition, key: tuple[str, str, str, str], messages: frozenset[str]) -> Way:
@@ -312,11 +292,9 @@ def find(capabilities: Capabilities, name: str) -> Capability:
 
     Raises RobotError KG818 if there is none, with suggestions.
     """
-    wanted = folded(name.strip().removeprefix("capability:"))
-    for capability in capabilities.capabilities:
-        names = (capability.name, capability.label, capability.iri, *capability.alternatives)
-        if wanted in {folded(text) for text in names}:
-            return capability
+    found = called(capabilities, name.strip().removeprefix("capability:"))
+    if found:
+        return found[0]
     known = [text for one in capabilities.capabilities for text in (one.name, one.label)]
     raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, known))
 

@@ -7,6 +7,7 @@ from typing import Final, Literal
 import msgspec
 
 from kg.facts import Role
+from kg.similar import folded
 
 _SERVED_BY: Final = {"service": Role.SERVICES, "action": Role.ACTION_SERVERS}
 
@@ -77,6 +78,15 @@ class Capabilities(msgspec.Struct, frozen=True, kw_only=True):
 
     of: str
     capabilities: tuple[Capability, ...] = ()
+
+
+def called(capabilities: Capabilities, name: str) -> list[Capability]:
+    """Return the capabilities of a name or IRI, or if there are none, of a label or alternative label, in any case."""
+    wanted = folded(name)
+    named = [one for one in capabilities.capabilities if wanted in {folded(one.name), folded(one.iri)}]
+    return named or [
+        one for one in capabilities.capabilities if wanted in {folded(each) for each in (one.label, *one.alternatives)}
+    ]
 
 
 def role_of(way: Way, *, reads: bool) -> Role:

@@ -110,7 +110,7 @@ async def within(clock: Clock, seconds: float, work: Awaitable[Result], *, pause
         late = not task.done()
     finally:
         await ended(task, *ends)
-    if late and task.cancelled():
+    if late and task.cancelled():  # work that completed in spite of the cancellation counts
         raise TimeoutError
     return task.result()
 

@@ -15,13 +15,13 @@ from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Final
-from urllib.parse import urlsplit
+from urllib.parse import parse_qsl, urlsplit
 
 from kg.errors import RobotError
 from kg.resources import folder
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Mapping
 
     from kg.robot.connection import ComputationGraph, Connection
     from kg.robot.messages import Types
@@ -90,9 +90,28 @@ def scheme_of(address: str) -> str:
     """Return the scheme of an address; RobotError KG801 for an invalid one."""
     scheme = address.partition(":")[0]
     if scheme not in SCHEMES:
-        known = ", ".join(f"{one}://" for one in SCHEMES if one not in {"memory", "wss"})
-        raise RobotError("KG801", f"`{address}` is not an address of a robot", hint=_meant(address, known))
+        raise RobotError("KG801", f"`{address}` is not an address of a robot", hint=_suggestion(address))
     return scheme
+
+
+def options(address: str, query: str, known: Mapping[str, str]) -> dict[str, str]:
+    """Return the options in the query of an address, by name; `known` has their descriptions.
+
+    Raises:
+        RobotError: KG801 an unknown option.
+    """
+    given = dict(parse_qsl(query, keep_blank_values=True))
+    if unknown := given.keys() - known.keys():
+        valid = ", ".join(f"{name}= ({what})" for name, what in known.items())
+        raise RobotError("KG801", f"`{address}` has an option `{min(unknown)}`", hint=f"Valid: {valid}.")
+    return given
+
+
+def number(address: str, text: str, hint: str) -> float:
+    """Return a number in an address; RobotError KG801 with the hint for another text."""
+    if not text.replace(".", "", 1).isdecimal() or not text.isascii():
+        raise RobotError("KG801", f"`{address}`: `{text}` is not a number", hint=hint)
+    return float(text)
 
 
 def is_recording(address: str) -> bool:
@@ -105,14 +124,14 @@ def not_commanded(address: str) -> RobotError:
     return RobotError("KG851", f"{address} is a recording: it can be read, not commanded")
 
 
-def _meant(address: str, known: str) -> str:
-    """Return the suggested address for one in the form of `$ROS_MASTER_URI`."""
+def _suggestion(address: str) -> str:
+    """Return how to write an address: of a file, in the form of `$ROS_MASTER_URI`, or else in general."""
     if address.endswith((".bag", ".mcap", ".db3")):
         return f"A recording is written bag://{address}."
     host = address.removeprefix("http://").rstrip("/")
     if host != address.rstrip("/") or re.fullmatch(r"[\w.-]+:\d+", host):
         return f"A master of ROS 1 is written ros1://{host}."
-    return f"An address begins with {known}."
+    return f"An address begins with {', '.join(f'{one}://' for one in SCHEMES if one not in {'memory', 'wss'})}."
 
 
 _DISCOVERED: Final = 2  # the version of ROS whose nodes are discovered over time, since no master lists them

@@ -207,8 +207,8 @@ class Connection(Protocol):
         random one.
         """
 
-    async def canceller(self, action: str, kind: str) -> Canceller:
-        """Return an object that cancels goals of an action by identity; RobotError KG804 for an unknown type."""
+    async def canceller(self, action: str) -> Canceller:
+        """Return an object that cancels goals of an action by identity."""
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
         """Serve a service; an exception of `answer` is reported to the client as a failure."""

@@ -113,10 +113,10 @@ class GoalProgress:
         """Add feedback of the server."""
         self._told.put(value)
 
-    def end(self, outcome: Value | RobotError) -> None:
+    def end(self, outcome: Value | BaseException) -> None:
         """Set the result, or the reason for its absence; the first one counts."""
         if not self._done.done():
-            if isinstance(outcome, RobotError):
+            if isinstance(outcome, BaseException):
                 self._done.set_exception(outcome)
             else:
                 self._done.set_result(outcome)
@@ -152,6 +152,6 @@ class Changes:
                 if found != last:
                     yield found
                     last = found
-                    continue
+                    continue  # it may have changed again while the caller worked
                 await news.wait()
                 news.clear()

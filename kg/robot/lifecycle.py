@@ -79,7 +79,10 @@ class States:
             if nodes.get(name) != known.node:  # it is gone, or another process has its name now
                 self._followed.pop(name).tasks.cancel()
         for name in nodes.keys() - self._followed.keys() if not self._closed else ():
-            self._begin(nodes[name])
+            one = self._followed[name] = _Followed(nodes[name])
+            one.restless.set()
+            one.tasks.spawn(self._ask(one), f"asking {name} for its state")
+            one.tasks.spawn(self._listen(one), f"following the state of {name}")
         states = {name: one.state for name, one in self._followed.items() if one.state is not None}
         if not states:
             return graph
@@ -97,12 +100,6 @@ class States:
         for one in self._followed.values():
             one.tasks.cancel()
 
-    def _begin(self, node: LiveNode) -> None:
-        one = self._followed[node.name] = _Followed(node)
-        one.restless.set()
-        one.tasks.spawn(self._ask(one), f"asking {node.name} for its state")
-        one.tasks.spawn(self._listen(one), f"following the state of {node.name}")
-
     async def _ask(self, one: _Followed) -> None:
         while True:
             with suppress(RobotError):
@@ -111,7 +108,7 @@ class States:
                 self._take(one, answer["current_state"])
             one.asked.set()
             await asyncio.sleep(_AGAIN)
-            await one.restless.wait()
+            await one.restless.wait()  # an active node reports its changes
 
     async def _listen(self, one: _Followed) -> None:
         with suppress(RobotError):  # without the topic, polling is enough

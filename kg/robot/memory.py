@@ -97,7 +97,7 @@ class MemoryPublication:
         sent = Received(self._owner.types.complete(self.kind, value), self._owner.clock.now(), self.node)
         if self._latch:
             self.last = sent
-        for reader in self._side.subscriptions:
+        for reader in self._side.subscriptions:  # copies, as over a network: a reader may change what it gets
             reader.put(Received(deepcopy(sent.value), sent.at, sent.node))
         await asyncio.sleep(0)
 
@@ -340,15 +340,11 @@ class MemoryConnection:
         if side.kind != kind:
             raise RobotError("KG806", f"`{topic}` is of the type {side.kind}, not {kind}")
         if not self.types.knows(kind):
-            self._learn(kind, side)
+            known = next((one.types for one in side.publications if one.types.knows(kind)), None)
+            if known is not None:
+                self.types.define(kind, known.definition(kind))
+            self.types.fields(kind)  # raises if it is still unknown
         return side
-
-    def _learn(self, kind: str, side: Topic) -> None:
-        for one in side.publications:
-            if one.types.knows(kind):
-                self.types.define(kind, one.types.definition(kind))
-                return
-        self.types.fields(kind)  # raises that it is unknown
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response; RobotError KG803, KG807 or KG808 as every connection."""
@@ -378,7 +374,7 @@ class MemoryConnection:
             raise RobotError("KG806", f"`{action}` is of the type {server.kind}, not {kind}")
         return server.accept(self, value, identity)
 
-    async def canceller(self, action: str, kind: str) -> MemoryCanceller:  # noqa: ARG002 - all actions cancel alike
+    async def canceller(self, action: str) -> MemoryCanceller:
         """Return an object that cancels goals of an action."""
         self.present()
         return MemoryCanceller(self.bus, action)
@@ -439,8 +435,8 @@ class MemoryConnection:
                     subscription.end()
             side.publications = [one for one in side.publications if one.node != self.name]
             side.subscriptions = [one for one in side.subscriptions if one.node != self.name]
-        answering: list[Service | ActionServer] = [*self.bus.services.values(), *self.bus.actions.values()]
-        for served in answering:
+        serving: list[Service | ActionServer] = [*self.bus.services.values(), *self.bus.actions.values()]
+        for served in serving:
             if served.node == self.name:
                 served.end()
         if self.bus.nodes.get(self.name) is self:
@@ -458,11 +454,12 @@ class Bus:
         types: the message types of nodes that bring none.
     """
 
-    _known: ClassVar[dict[str, Bus]] = {}
+    named: ClassVar[dict[str, Bus]] = {}
+    """The open ones by name."""
 
     def __init__(self, name: str, *, ros: int = 1, clock: Clock | None = None, types: Types | None = None) -> None:
         """Raise RobotError KG801 if another bus of that name is open."""
-        if name in self._known:
+        if name in self.named:
             raise RobotError("KG801", f"this process already has a robot `memory://{name}`")
         self.name = name
         self.address = f"memory://{name}"
@@ -475,12 +472,7 @@ class Bus:
         self.actions: dict[str, ActionServer] = {}
         self.problems: list[GraphProblem] = []
         self.changes = Changes()
-        self._known[name] = self
-
-    @classmethod
-    def named(cls, name: str) -> Bus | None:
-        """Return the bus of a name, None if there is none."""
-        return cls._known.get(name)
+        self.named[name] = self
 
     def join(self, name: str, types: Types | None = None) -> MemoryConnection:
         """Join the bus as a node; like in ROS 1, a node of the same name is shut down."""
@@ -501,7 +493,7 @@ class Bus:
         """Close the system: all nodes are lost, and the name is free."""
         for name in list(self.nodes):
             self.cut(name, "the system ended")
-        self._known.pop(self.name, None)
+        self.named.pop(self.name, None)
 
     def __enter__(self) -> Self:
         return self
@@ -534,7 +526,7 @@ class Bus:
 
 async def connect(address: str, name: str, types: Types | None = None) -> MemoryConnection:
     """Join the bus of `memory://NAME` as a node; RobotError KG802 if this process has none of that name."""
-    bus = Bus.named(urlsplit(address).netloc)
+    bus = Bus.named.get(urlsplit(address).netloc)
     if bus is None:
         raise RobotError("KG802", f"no robot `{address}` in this process")
     return bus.join(name, types)

@@ -243,13 +243,12 @@ async def _values(connection: Connection, node: str, names: list[str]) -> list[t
     if len(told) != len(names):
         each = await asyncio.gather(*(_ask(connection, node, "GetParameters", {"names": [name]}) for name in names))
         told = [one["values"][0] if one["values"] else {"type": 0} for one in each]
-    return [_value(one) for one in told]
-
-
-def _value(told: Value) -> tuple[str, Any]:
-    kind = _type_of(told["type"])
-    value = told[_TYPES[_NUMBERS[kind]][1]] if kind != _UNSET else None
-    return kind, list(value) if isinstance(value, bytes) else value
+    found: list[tuple[str, Any]] = []
+    for one in told:
+        kind = _type_of(one["type"])
+        value = one[_TYPES[_NUMBERS[kind]][1]] if kind != _UNSET else None
+        found.append((kind, list(value) if isinstance(value, bytes) else value))
+    return found
 
 
 def _type_of(number: int) -> str:

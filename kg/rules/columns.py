@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
-from kg.rules.engine.facts import Facts, Keys, distinct, pack, unpack
-from kg.rules.engine.terms import Dictionary
+from kg.rules.engine.facts import Facts, Keys, distinct, gathered, pack, unpack
 from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kg.rules.engine.pages import Pages
+    from kg.rules.engine.terms import Dictionary
 
 
 _THREADS: Final = 2
@@ -57,18 +57,19 @@ def lines(facts: Facts, dictionary: Dictionary, predicates: Iterable[int] | None
         keys = facts.keys(predicate)
         middle = b" " + dictionary.spelling(predicate) + b" "
         for begin in range(0, keys.size, _ROWS):
-            yield _chunk(keys[begin : begin + _ROWS], middle, dictionary)
+            subjects, objects = unpack(keys[begin : begin + _ROWS])
+            parts = [middle] * (4 * subjects.size)
+            parts[0::4] = dictionary.spellings(subjects)
+            parts[2::4] = dictionary.spellings(objects)
+            parts[3::4] = [b" .\n"] * subjects.size
+            yield b"".join(parts)
             if dictionary.pages is not None:
                 dictionary.pages.release()
 
 
-def _chunk(keys: Keys, middle: bytes, dictionary: Dictionary) -> bytes:
-    subjects, objects = unpack(keys)
-    cells = [middle] * (4 * keys.size)
-    cells[0::4] = dictionary.spellings(subjects)
-    cells[2::4] = dictionary.spellings(objects)
-    cells[3::4] = [b" .\n"] * keys.size
-    return b"".join(cells)
+def graph_name(graph: NamedNode | None) -> str:
+    """Return the IRI of a graph, empty for the default graph."""
+    return "" if graph is None else graph.value
 
 
 class Tables(Protocol):
@@ -87,6 +88,11 @@ class Wanted:
 
     predicates: frozenset[NamedNode] | None
     members: frozenset[tuple[NamedNode, Term]] = frozenset()
+
+    @property
+    def names(self) -> frozenset[NamedNode]:
+        """All predicates of which some triples are wanted, unless every triple is."""
+        return frozenset({*(self.predicates or ()), *(predicate for predicate, _ in self.members)})
 
     def __or__(self, other: Wanted) -> Wanted:
         """Return the union of both."""
@@ -124,44 +130,33 @@ def _simplified(predicates: Iterable[NamedNode], members: Iterable[tuple[NamedNo
     return Wanted(whole, frozenset(single))
 
 
-def read_columns(
-    source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary | None = None
-) -> tuple[Dictionary, Facts]:
+def read_columns(source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary) -> Facts:
     """Return the triples that any of `graphs` has (None: the default graph), each once; terms go into `dictionary`."""
-    terms = dictionary if dictionary is not None else Dictionary()
-    return terms, union_of(read(source, what, graphs, terms).values(), terms.pages)
+    return union_of(read(source, what, graphs, dictionary).values(), dictionary.pages)
 
 
 def read(
     source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary
 ) -> dict[NamedNode | None, Facts]:
     """Return the wanted triples of each graph by itself."""
-    found = {graph: Facts(pages=dictionary.pages) for graph in graphs}
-    loose: dict[tuple[NamedNode | None, int], list[NDArray[np.int64]]] = {}
+    found: dict[NamedNode | None, defaultdict[int, list[Keys]]] = {graph: defaultdict(list) for graph in graphs}
     large = list(found)
     if what.predicates is not None:
         large = []
-        together = _together(what)
+        # One query for everything wanted of a small graph, and of some predicates more than is wanted. With VALUES the
+        # engine looks up each predicate; a FILTER would compare all triples with all predicates.
+        listed = " ".join(sorted(map(str, what.names)))
+        together = _Query(f"SELECT ?s ?p ?o {{ VALUES ?p {{ {listed} }} ?s ?p ?o }} LIMIT {_SMALL}")
         for _, graph, text in _texts(source, [together], list(found)):
             if text.count(b"\n") >= _SMALL:
                 large.append(graph)
                 continue
             for predicate, keys in only(what, together.keys(text, dictionary), dictionary):
-                loose.setdefault((graph, predicate), []).append(keys)
+                found[graph][predicate].append(keys)
     for query, graph, text in _texts(source, _queries(what), large):
         for predicate, keys in query.keys(text, dictionary):
-            loose.setdefault((graph, predicate), []).append(keys)
-    for (graph, predicate), parts in loose.items():
-        found[graph].replace(predicate, distinct(parts[0] if len(parts) == 1 else np.concatenate(parts)))
-    return found
-
-
-def _together(what: Wanted) -> _Query:
-    """Return the query for everything wanted of a small graph, and of some predicates more than is wanted."""
-    predicates = {*(what.predicates or ()), *(predicate for predicate, _ in what.members)}
-    listed = " ".join(sorted(map(str, predicates)))
-    # With VALUES the engine looks up each predicate; a FILTER would compare all triples with all predicates.
-    return _Query(among=f"SELECT ?s ?p ?o {{ VALUES ?p {{ {listed} }} ?s ?p ?o }} LIMIT {_SMALL}")
+            found[graph][predicate].append(keys)
+    return {graph: gathered(columns, dictionary.pages) for graph, columns in found.items()}
 
 
 def only(
@@ -181,21 +176,11 @@ def only(
 
 @dataclass(frozen=True, slots=True)
 class _Query:
-    """One SELECT: of everything, of a predicate, of a predicate with one object, or, as a text, of some predicates."""
+    """A SELECT of whole triples, or without the `predicate` that it names, and without its one object, the `target`."""
 
+    text: str
     predicate: NamedNode | None = None
     target: Term | None = None
-    among: str | None = None
-
-    @property
-    def text(self) -> str:
-        if self.among is not None:
-            return self.among
-        if self.predicate is None:
-            return "SELECT ?s ?p ?o { ?s ?p ?o }"
-        if self.target is None:
-            return f"SELECT ?s ?o {{ ?s {self.predicate} ?o }}"
-        return f"SELECT ?s {{ ?s {self.predicate} {spell(self.target).decode()} }}"
 
     def keys(self, text: bytes, dictionary: Dictionary) -> Iterator[tuple[int, NDArray[np.int64]]]:
         """Yield the predicates of the rows with their keys in any order."""
@@ -236,9 +221,14 @@ def by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int6
 
 def _queries(what: Wanted) -> list[_Query]:
     if what.predicates is None:
-        return [_Query()]
-    whole = sorted(what.predicates, key=str)
-    return [*map(_Query, whole), *(_Query(*pair) for pair in sorted(what.members, key=str))]
+        return [_Query("SELECT ?s ?p ?o { ?s ?p ?o }")]
+    return [
+        *(_Query(f"SELECT ?s ?o {{ ?s {one} ?o }}", one) for one in sorted(what.predicates, key=str)),
+        *(
+            _Query(f"SELECT ?s {{ ?s {one} {spell(target).decode()} }}", one, target)
+            for one, target in sorted(what.members, key=str)
+        ),
+    ]
 
 
 def _texts(
@@ -272,20 +262,13 @@ def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
 
 def rows_of(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> NDArray[np.int64]:
     """Return triples as rows of identifiers, terms spelt as a store spells them; blank nodes keep their labels."""
-    return dictionary.intern_all(_terms(triples)).reshape(-1, 3)
-
-
-def _terms(triples: Iterable[Triple | Quad]) -> Iterator[bytes]:
-    for one in triples:
-        yield from (spell(one.subject), spell(one.predicate), spell(one.object))
+    terms = (spell(part) for one in triples for part in (one.subject, one.predicate, one.object))
+    return dictionary.intern_all(terms).reshape(-1, 3)
 
 
 def stated(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> Facts:
     """Return triples as columns."""
-    found = Facts()
-    for predicate, keys in by_predicate(rows_of(triples, dictionary)):
-        found.replace(predicate, distinct(keys))
-    return found
+    return gathered({predicate: [keys] for predicate, keys in by_predicate(rows_of(triples, dictionary))})
 
 
 def patched(facts: Facts, patches: Iterable[tuple[bytes, bytes]], dictionary: Dictionary) -> tuple[Facts, set[int]]:

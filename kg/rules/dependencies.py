@@ -102,11 +102,6 @@ def _atoms_of_block(block: EngineBlock) -> Iterator[Atom]:
         yield Atom(subject, predicate, value, place=block.place)
 
 
-def writes(rule: Rule) -> tuple[Atom, ...]:
-    """Return the triples that a rule may derive."""
-    return rule.head
-
-
 def depends(reader: Atom, head: Atom) -> bool:
     """Return whether a triple derived by `head` can match `reader`: whether they unify, variables renamed apart.
 
@@ -120,8 +115,10 @@ def depends(reader: Atom, head: Atom) -> bool:
         return False
     if _plain(reader) and _plain(head):
         return True
+    # The variables of the body are renamed away from those of the head.
+    names = {one: Variable(f"{one.name} body") for position in reader.positions for one in variables_of(position)}
     bindings: _Bindings = {}
-    return all(_unifies(_apart(read), _derived(written), bindings) for read, written in pairs)
+    return all(_unifies(replaced(read, names), _derived(written), bindings) for read, written in pairs)
 
 
 def _plain(atom: Atom) -> bool:
@@ -129,11 +126,6 @@ def _plain(atom: Atom) -> bool:
     variables = [one.name for one in atom.positions if isinstance(one, Variable)]
     named = sum(isinstance(one, NamedNode) for one in atom.positions)
     return len(set(variables)) + named == len(atom.positions)
-
-
-def _apart(pattern: Pattern) -> Pattern:
-    """Return a pattern of a body with its variables renamed away from those of heads."""
-    return replaced(pattern, {variable: Variable(f"{variable.name} body") for variable in variables_of(pattern)})
 
 
 def _derived(pattern: Pattern) -> _Node:
@@ -174,9 +166,6 @@ def mints(rule: Rule) -> bool:
 
 
 def _makes(pattern: Pattern) -> bool:
-    return isinstance(pattern, BlankNode) or (isinstance(pattern, TripleTerm) and _open(pattern))
-
-
-def _open(pattern: TripleTerm) -> bool:
-    """Whether a triple term of a head has anything in it that differs from solution to solution."""
-    return any(True for _ in variables_of(pattern)) or any(map(_makes, pattern))
+    if isinstance(pattern, TripleTerm):
+        return any(True for _ in variables_of(pattern)) or any(map(_makes, pattern))
+    return isinstance(pattern, BlankNode)

@@ -16,7 +16,6 @@ from kg.settings import own_folder as default_folder
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from pathlib import Path
 
 
@@ -58,10 +57,5 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
 
 def known_families(settings: Settings) -> list[str]:
     """Return the names of all families, those not in force too, sorted."""
-    return sorted(set(_families(settings)) - {""})
-
-
-def _families(settings: Settings) -> Iterator[str]:
-    """Yield the family of each rule at hand."""
-    for folder in (shipped(_NAME), *(pack.folder for pack in packs()), *user_folders(settings)):
-        yield from (family_of(name) for _, name in rule_files(folder, every=True))
+    folders = (shipped(_NAME), *(pack.folder for pack in packs()), *user_folders(settings))
+    return sorted({family_of(name) for folder in folders for _, name in rule_files(folder, every=True)} - {""})

@@ -193,6 +193,11 @@ class Rule:
     def __str__(self) -> str:
         return self.name if self.part == 1 else f"{self.name}#{self.part}"
 
+    @property
+    def creates_nodes(self) -> bool:
+        """Whether each solution gives blank nodes of its own."""
+        return any(has_blank(position) for atom in self.head for position in atom.positions)
+
 
 def readers_of(body: Iterable[Element]) -> Iterator[tuple[Atom | EngineBlock, bool]]:
     """Yield what reads triples in a body, at any depth, with whether more triples may take solutions away around it."""

@@ -12,7 +12,7 @@ from kg.rules.files import HEADINGS, Documentation
 from kg.similar import asked, similar
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
 _KEY: Final = re.compile(r"(since|severity):\s*(\S*)\s*")
 
@@ -54,30 +54,24 @@ def _comments(text: str) -> list[tuple[int, str, int, str]]:
 
 def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
     if heading not in HEADINGS:
-        near = similar(heading, HEADINGS)
-        hint = asked(near) or f"The headings are: {', '.join(HEADINGS)}."
-        raise RuleError(
-            "KG206", f"unknown heading `{heading}`", place=place, hint=hint, fixes=_fixes(heading, near, place)
-        )
+        raise _unknown("heading", heading, f"The headings are: {', '.join(HEADINGS)}.", HEADINGS, place)
     if heading in before:
         raise RuleError("KG206", f"the heading `{heading}` appears twice", place=place, hint="Join the two parts.")
     return heading
 
 
-def _fixes(written: str, meant: Iterable[str], place: Place) -> Iterator[Fix]:
-    """Yield the replacements of a word in the line of a place."""
+def _unknown(what: str, written: str, hint: str, known: Iterable[str], place: Place) -> RuleError:
+    """Return the error about a word in the line of a place that is none of those known."""
+    near = similar(written, known)
     start = (place.excerpt or "").rfind(written) + 1
     word = replace(place, column=start, end_line=place.line, end_column=start + len(written))
-    return (Fix(each, word) for each in meant)
+    fixes = [Fix(each, word) for each in near]
+    return RuleError("KG206", f"unknown {what} `{written}`", place=place, hint=asked(near) or hint, fixes=fixes)
 
 
 def _value(key: str, value: str, place: Place) -> str:
     if key == "severity" and value not in SEVERITIES:
-        near = similar(value, SEVERITIES)
-        hint = asked(near) or f"The severities are: {', '.join(SEVERITIES)}."
-        raise RuleError(
-            "KG206", f"unknown severity `{value}`", place=place, hint=hint, fixes=_fixes(value, near, place)
-        )
+        raise _unknown("severity", value, f"The severities are: {', '.join(SEVERITIES)}.", SEVERITIES, place)
     if not value:
         raise RuleError("KG206", f"`{key}:` has no value", place=place, hint="Write the version, as in `since: 0.2`.")
     return value

@@ -18,13 +18,14 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode
 
+from kg.rules.columns import graph_name
 from kg.rules.engine.facts import Facts, Keys
 from kg.rules.engine.terms import Dictionary, Kept
 from kg.rules.recording import Names
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
     from pathlib import Path
     from typing import BinaryIO
 
@@ -77,11 +78,10 @@ def save(cache: Path, memory: Memory) -> None:
             sections[-1].append((predicate, begins[id(keys)], keys.size))
     pages = memory.dictionary.pages
     terms, texts = memory.dictionary.whole()
-    graphs = ["" if graph is None else graph.value for graph in memory.graphs]
     header = {
         "digest": memory.digest,
         "names": [memory.names.inferred.value, memory.names.builds.value, memory.names.base, memory.names.vocabulary],
-        "graphs": graphs,
+        "graphs": list(map(graph_name, memory.graphs)),
         "sections": sections,
         "keys": size,
         "terms": len(terms),
@@ -123,7 +123,8 @@ def load(cache: Path, digest: str | None = None) -> Memory | None:
             content = memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     except (OSError, ValueError):  # an empty file cannot be mapped
         return None
-    if _digest(_pieces(content[_DIGEST_BYTES:])) != content[:_DIGEST_BYTES]:
+    pieces = (content[begin : begin + _PIECE_BYTES] for begin in range(_DIGEST_BYTES, len(content), _PIECE_BYTES))
+    if _digest(pieces) != content[:_DIGEST_BYTES]:
         return None
     return _read(content, max(numbers), digest)
 
@@ -164,8 +165,3 @@ def _digest(pieces: Iterable[bytes | memoryview]) -> bytes:
         found.update(pages.sum(axis=1).tobytes())
         found.update(content[pages.nbytes :])
     return found.digest()
-
-
-def _pieces(content: memoryview) -> Iterator[memoryview]:
-    for begin in range(0, len(content), _PIECE_BYTES):
-        yield content[begin : begin + _PIECE_BYTES]

@@ -138,12 +138,14 @@ def _reason(rule: Rule, parts: Mapping[bool, Parts]) -> str:
     owned = {
         atom.subject: atom for atom in atoms if _any(atom, parts[atom.asserted].owned) and atom.subject not in shared
     }
+    if not owned:
+        return ""
     links = [(atom.subject, atom.object) for atom in atoms if _key_of(atom) in parts[atom.asserted].inner]
-    groups = [_together(one, links) for one in owned]
-    apart = next((other for other in owned if not groups[0] & _together(other, links)), None) if owned else None
+    first = next(iter(owned))
+    near = _together(first, links)
+    apart = next((other for other in owned if not near & _together(other, links)), None)
     if apart is None:
         return ""
-    first = next(iter(owned))
     ends = (f"{one} (`{_words(owned[one])}`)" for one in (first, apart))
     return f"{' and '.join(ends)} may belong to different sources"
 

@@ -131,20 +131,15 @@ def discover(
     for folder, pack in sources:
         for path, name in rule_files(folder, families):
             try:
-                found[name] = _read_once(path, name, pack, found)
+                if name not in found:
+                    found[name] = read(path, name, pack=pack)
+                elif problem := rival(path, name, found[name].path):
+                    raise problem
             except RuleError as error:
                 if broken is None:
                     raise
                 broken.append(error)
     return RuleSet(tuple(_once([found[name] for name in sorted(found)])))
-
-
-def _read_once(path: Path, name: str, pack: str, found: Mapping[str, RuleFile]) -> RuleFile:
-    if name not in found:
-        return read(path, name, pack=pack)
-    if problem := rival(path, name, found[name].path):
-        raise problem
-    return found[name]
 
 
 def rival(path: Path, name: str, other: Path) -> RuleError | None:
@@ -213,20 +208,20 @@ def packs() -> tuple[Pack, ...]:
     An entry point of the group `kg.rules` names a package, whose folder it is, or a function that returns the folder.
     Raises RuleError KG208 for one that cannot be loaded.
     """
-    places = tuple(sys.path)
-    return tuple(sorted(map(_pack, _declared(places, tuple(map(_changed, places)))), key=lambda pack: pack.name))
+    places = tuple(map(Path, sys.path))
+    return tuple(sorted(map(_pack, _declared(places, tuple(map(changed_at, places)))), key=lambda pack: pack.name))
 
 
 @lru_cache(maxsize=1)
-def _declared(_places: tuple[str, ...], _times: tuple[int, ...]) -> tuple[EntryPoint, ...]:
+def _declared(_places: tuple[Path, ...], _times: tuple[int, ...]) -> tuple[EntryPoint, ...]:
     """Return the entry points of packs, looked for again when something was installed: every package is opened."""
     return tuple(entry_points(group=ENTRY_POINTS))
 
 
-def _changed(place: str) -> int:
-    """Return when a folder of packages was changed last (ns); 0 for one that is not there."""
+def changed_at(path: Path) -> int:
+    """Return when a file or folder was changed last (ns); 0 for one that is not there."""
     try:
-        return Path(place).stat().st_mtime_ns
+        return path.stat().st_mtime_ns
     except OSError:
         return 0
 

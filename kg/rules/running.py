@@ -34,6 +34,7 @@ from kg.rules.columns import (
     EVERYTHING,
     Tables,
     by_predicate,
+    graph_name,
     lines,
     patched,
     read,
@@ -44,7 +45,7 @@ from kg.rules.columns import (
     union_of,
 )
 from kg.rules.engine.evaluate import Limits, Program, RuleReport, evaluate
-from kg.rules.engine.facts import Facts, absorb, distinct, lacking
+from kg.rules.engine.facts import Facts, absorb, distinct, gathered, lacking
 from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.rules.maintain import Maintained
@@ -68,6 +69,7 @@ if TYPE_CHECKING:
 
     from kg.rules.files import RuleSet
     from kg.store.embedded import EmbeddedStore
+    from kg.store.layout import Layout
     from kg.store.transaction import EmbeddedTransaction
 
 _FEW: Final = 2500
@@ -131,16 +133,16 @@ class Runner:
     ) -> RunReport:
         """Run the rules over what a transaction has written by now, and write into it; `remember` after its end."""
         self.prepare(rule_set)
-        changed = Changes.unknown()
-        memory, base = self._reasoner.memory, transaction.base
-        if incremental and memory is not None and memory.generation is not None and base is not None:
-            changed = changes.since(transaction.layout, memory.generation, base)
-            changed.follow(transaction.changes)
+        changed = self._changes(transaction.layout, transaction.base, incremental=incremental)
+        changed.follow(transaction.changes)
         written = transaction.changes if isinstance(transaction.changes, Written) else None
         outcome = self._reasoner.infer(transaction, changed, rule_set, limits or Limits(), written)
         report = self._write(transaction, outcome)
+        base = transaction.base
         ahead = base is None or self._saved is None or base - self._saved >= _AHEAD
-        if ahead or outcome.mode == "full" or None in (changed.graphs or {}).values() or _lasting(report):
+        # The next process does small work again; this run took long enough that it should not.
+        lasting = report.added + report.removed > _FEW
+        if ahead or outcome.mode == "full" or None in (changed.graphs or {}).values() or lasting:
             self._saved = None
         return report
 
@@ -177,11 +179,15 @@ class Runner:
     ) -> tuple[Outcome, int]:
         with store.read() as snapshot:
             self._reasoner.take(rule_set)
-            memory = self._reasoner.memory
-            changed = Changes.unknown()
-            if incremental and memory is not None and memory.generation is not None:
-                changed = changes.since(store.layout, memory.generation, snapshot.generation)
+            changed = self._changes(store.layout, snapshot.generation, incremental=incremental)
             return self._reasoner.infer(snapshot, changed, rule_set, limits or Limits()), snapshot.generation
+
+    def _changes(self, layout: Layout, generation: int | None, *, incremental: bool) -> Changes:
+        """Return the changes from the memory of the last run to a generation; unknown ones without `incremental`."""
+        memory = self._reasoner.memory
+        if not incremental or memory is None or memory.generation is None or generation is None:
+            return Changes.unknown()
+        return changes.since(layout, memory.generation, generation)
 
     def _write(self, transaction: EmbeddedTransaction, outcome: Outcome) -> RunReport:
         """Write the difference, and the record of the run if any."""
@@ -216,11 +222,6 @@ class Runner:
             derived[one.rule.name] += one.derived
         found = activity(self._names, started, ended, len(outcome.then), +derived)
         transaction.append(self._names.builds, found)
-
-
-def _lasting(report: RunReport) -> bool:
-    """Return whether a run took long enough that it should not be done again."""
-    return report.added + report.removed > _FEW
 
 
 def _report(outcome: Outcome, reasoner: Reasoner) -> RunReport:
@@ -342,7 +343,7 @@ class Reasoner:
         begin = time.perf_counter()
         data = stated(rule_set.data, memory.dictionary)
         now = self._held_since(memory, source, changes)
-        parts, touched = _Rereading(memory, source).graphs(graphs, changes)
+        parts, touched = _read_again(memory, source, graphs, changes)
         asserted = memory.asserted.copy()
         for predicate in touched:
             columns = [part.keys(predicate) for part in (*parts.values(), data)]
@@ -353,17 +354,14 @@ class Reasoner:
             return self._full(following, data, now, begin, limits)
         middle = time.perf_counter()
         if len(inserted) or len(deleted):
-            following.inferred = self._maintain(memory, inserted, deleted, limits)
+            if self._maintained is None:
+                self._maintained = Maintained(self.program, memory.dictionary, memory.asserted, memory.inferred)
+            self._maintained.apply(inserted, deleted, limits=limits)
+            following.inferred = self._maintained.inferred
         then = following.written = _shown(following, data)
         self.memory = following
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, asserted, now, then, "incremental", (), *seconds)
-
-    def _maintain(self, memory: Memory, inserted: Facts, deleted: Facts, limits: Limits) -> Facts:
-        if self._maintained is None:
-            self._maintained = Maintained(self.program, memory.dictionary, memory.asserted, memory.inferred)
-        self._maintained.apply(inserted, deleted, limits=limits)
-        return self._maintained.inferred
 
     def _held_since(self, memory: Memory, source: Tables, changes: Changes) -> Facts:
         """Return the content of the graph of inferred triples, updated from that of the memory."""
@@ -376,48 +374,35 @@ class Reasoner:
     def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
         """Return what the graph of inferred triples holds."""
         graph = self._names.inferred
-        return read_columns(source, EVERYTHING, [graph], dictionary)[1] if graph in source.graphs() else Facts()
+        return read_columns(source, EVERYTHING, [graph], dictionary) if graph in source.graphs() else Facts()
 
 
-@dataclass(frozen=True, slots=True)
-class _Rereading:
-    """Reads what changed of the graphs of a memory."""
+def _read_again(
+    memory: Memory, source: Tables, graphs: list[NamedNode | None], changes: Changes
+) -> tuple[dict[NamedNode | None, Facts], set[int]]:
+    """Return the columns of all graphs, and the predicates of which triples may have come or gone.
 
-    memory: Memory
-    source: Tables
-
-    def graphs(
-        self, graphs: list[NamedNode | None], changes: Changes
-    ) -> tuple[dict[NamedNode | None, Facts], set[int]]:
-        """Return the columns of all graphs, and the predicates of which triples may have come or gone."""
-        parts: dict[NamedNode | None, Facts] = {}
-        touched: set[int] = set()
-        known = changes.graphs or {}
-        again = [graph for graph in graphs if graph not in self.memory.graphs or known.get(_name(graph), ()) is None]
-        fresh = read(self.source, EVERYTHING, again, self.memory.dictionary)
-        for graph in graphs:
-            before = self.memory.graphs.get(graph, Facts())
-            if graph in fresh:
-                parts[graph] = fresh[graph]
-                touched |= _differing(before, fresh[graph])
-            elif known.get(_name(graph)):
-                patches = known[_name(graph)] or []
-                parts[graph], named = patched(before, patches, self.memory.dictionary)
-                touched |= named
-            else:
-                parts[graph] = before
-        for gone in self.memory.graphs.keys() - parts.keys():
-            touched.update(self.memory.graphs[gone].predicates)
-        return parts, touched
-
-
-def _name(graph: NamedNode | None) -> str:
-    return "" if graph is None else graph.value
-
-
-def _differing(before: Facts, after: Facts) -> set[int]:
-    predicates = {*before.predicates, *after.predicates}
-    return {one for one in predicates if not np.array_equal(before.keys(one), after.keys(one))}
+    Graphs of unknown changes are read, others are patched.
+    """
+    parts: dict[NamedNode | None, Facts] = {}
+    touched: set[int] = set()
+    known = changes.graphs or {}
+    again = [graph for graph in graphs if graph not in memory.graphs or known.get(graph_name(graph), ()) is None]
+    fresh = read(source, EVERYTHING, again, memory.dictionary)
+    for graph in graphs:
+        before = memory.graphs.get(graph, Facts())
+        if graph in fresh:
+            after = parts[graph] = fresh[graph]
+            predicates = {*before.predicates, *after.predicates}
+            touched |= {one for one in predicates if not np.array_equal(before.keys(one), after.keys(one))}
+        elif patches := known.get(graph_name(graph)):
+            parts[graph], named = patched(before, patches, memory.dictionary)
+            touched |= named
+        else:
+            parts[graph] = before
+    for gone in memory.graphs.keys() - parts.keys():
+        touched.update(memory.graphs[gone].predicates)
+    return parts, touched
 
 
 def _shown(memory: Memory, data: Facts) -> Facts:
@@ -451,9 +436,7 @@ def run_files(
     for file in files:
         for predicate, keys in by_predicate(_rows(file, dictionary, rename=len(files) > 1)):
             columns.setdefault(predicate, []).append(keys)
-    given, asserted = Facts(), stated(rule_set.data, dictionary)
-    for predicate, parts in columns.items():
-        given.replace(predicate, distinct(np.concatenate(parts)))
+    given, asserted = gathered(columns), stated(rule_set.data, dictionary)
     data = lacking(asserted, given)
     absorb(asserted, given)
     read = time.perf_counter()

@@ -22,11 +22,11 @@ import numpy as np
 from pyoxigraph import NamedNode, Store
 
 from kg.rules import memory as memories
-from kg.rules.columns import patched, stated, union_of
+from kg.rules.columns import graph_name, patched, stated, union_of
 from kg.rules.engine.evaluate import Program, evaluate
 from kg.rules.engine.facts import Facts, unpack
 from kg.rules.engine.planning import plan
-from kg.rules.engine.solve import Solver, View
+from kg.rules.engine.solve import Solver
 from kg.rules.engine.tables import Table, concatenate, distinct_rows
 from kg.rules.form import Atom, TripleTerm, Variable
 from kg.rules.modifiers import modified
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
     from kg.rules.engine.facts import Keys
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.form import EngineBlock
     from kg.rules.questions import Among, Question
     from kg.store.snapshot import EmbeddedSnapshot
     from kg.store.terms import Term
@@ -62,7 +61,7 @@ def columns_of(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
     if changed is None:
         return snapshot
     builds = memory.names.builds
-    parts = {_name(graph): facts for graph, facts in memory.graphs.items()}
+    parts = {graph_name(graph): facts for graph, facts in memory.graphs.items()}
     parts[memory.names.inferred.value] = memory.written
     for graph, patches in changed.items():
         if graph != builds.value:
@@ -120,11 +119,8 @@ class Columns:
 
     def _least(self, asked: Question) -> int:
         """Return how many triples the smallest pattern of each rule has, added up."""
-        sizes = []
-        for rule in asked.rules:
-            atoms = [atom for atom in rule.body if isinstance(atom, Atom)]
-            sizes.append(min(map(self._size, atoms), default=0))
-        return sum(sizes)
+        atoms = ([atom for atom in rule.body if isinstance(atom, Atom)] for rule in asked.rules)
+        return sum(min(map(self._size, some), default=0) for some in atoms)
 
     def _size(self, atom: Atom) -> int:
         """Return how many triples have the constants of an atom."""
@@ -171,7 +167,7 @@ class Columns:
             known = known.copy()
             for predicate, keys in evaluate(helping, self.dictionary, self.union).inferred:
                 known.add(predicate, keys)
-        shop = helping.workshop(self.dictionary)
+        state = helping.state(self.dictionary)
         tables = []
         for rule in (rule for rule in rules if rule.head[0].predicate == MARK):
             prepared = plan(rule, self.dictionary)
@@ -179,17 +175,14 @@ class Columns:
             columns = {cast("NamedNode", atom.predicate).value: head.object for atom, head in heads}
             chosen = [columns.get(f"{COLUMN}{name}", 0) for name in names]
             outputs = prepared.outputs if asked.as_set else prepared.outputs | prepared.body.names
-            view = View([self._read_by(asked, source.reads, known) for source in prepared.sources])
+            among = [asked.among(source.reads) for source in prepared.sources]
+            sources = [known if one is None else self._among(one, as_set=asked.as_set) for one in among]
             tables += [
-                Table({name: _column(table, node) for name, node in zip(names, chosen, strict=True)}, table.rows)
-                for table in Solver(shop, view).solutions(prepared.body, outputs, bag=not asked.as_set)
+                Table({name: _values(table, node) for name, node in zip(names, chosen, strict=True)}, table.rows)
+                for table in Solver(state, sources).solutions(prepared.body, outputs, bag=not asked.as_set)
             ]
         every = concatenate(tables, names)
         return distinct_rows(every) if asked.as_set else every
-
-    def _read_by(self, asked: Question, reads: Atom | EngineBlock, known: Facts) -> Facts:
-        among = asked.among(reads)
-        return known if among is None else self._among(among, as_set=asked.as_set)
 
     def _terms(
         self, names: Sequence[str], table: Table, known: dict[int, _T], make: Callable[[bytes], _T]
@@ -218,13 +211,9 @@ def _text(spelling: bytes) -> str:
     return spelling[1 : -1 if spelling.startswith(b"<") else spelling.rindex(b'"')].decode()
 
 
-def _column(table: Table, node: object) -> Keys:
+def _values(table: Table, node: object) -> Keys:
     """Return the values of a column, or as many times a constant."""
     return table.columns[node] if isinstance(node, str) else np.full(table.rows, node, np.int64)
-
-
-def _name(graph: NamedNode | None) -> str:
-    return "" if graph is None else graph.value
 
 
 @lru_cache(maxsize=64)

@@ -118,10 +118,15 @@ def construct(rule: Rule, *, inferred: NamedNode | None = None) -> str:
     """
     head = " .\n".join(triple(atom) for atom in rule.head)
     text = indented(group(rule.body, inferred=inferred))
-    if any(has_blank(position) for atom in rule.head for position in atom.positions):
-        names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
-        text = indented(f"{{\n  SELECT DISTINCT {names} WHERE {{\n{indented(text)}\n  }}\n}}")
+    if rule.creates_nodes:
+        text = indented(f"{{\n  {distinct_solutions(rule)} {{\n{indented(text)}\n  }}\n}}")
     return f"CONSTRUCT {{\n{indented(head)}\n}}\nWHERE {{\n{text}\n}}"
+
+
+def distinct_solutions(rule: Rule) -> str:
+    """Return the beginning of a sub-SELECT that has each solution of a body once, up to its group."""
+    names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
+    return f"SELECT DISTINCT {names} WHERE"
 
 
 def triple(atom: Atom) -> str:
@@ -147,7 +152,7 @@ class _Writer:
 
     def group(self, body: Sequence[Element], used: frozenset[Variable] = frozenset()) -> str:
         """Write a body; `used`: the variables that must have their values outside of it."""
-        lines: list[str] = list(self._values(body, used))
+        lines: list[str] = list(self._fixed_values(body, used))
         before: frozenset[Variable] = frozenset()
         for index, element in enumerate(body):
             late = bound_in(body[index + 1 :]) - before
@@ -164,7 +169,7 @@ class _Writer:
             return frozenset((element.variable,))
         return mentions(element) if isinstance(element, Filter | Exists) else frozenset()
 
-    def _values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
+    def _fixed_values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
         """Bind, before all else, the fixed variables that stay as they are in this group or are used outside."""
         kept = used.union(*(mentions(element) for element in body if not isinstance(element, Atom | Exists)))
         for variable in sorted(kept & self._fixed.keys(), key=str):
@@ -183,7 +188,9 @@ class _Writer:
             inner = _Writer(self._inferred, seen).group(element.body)
             return f"FILTER {'NOT ' if element.negated else ''}EXISTS {_braces(inner)}"
         if isinstance(element, Values):
-            return _values(element)
+            names = " ".join(map(spelling, element.variables))
+            rows = "".join(f"\n  ({' '.join(map(term, row))})" for row in element.rows)
+            return f"VALUES ({names}) {{{rows}\n}}"
         if isinstance(element, EngineBlock):
             return _braces(element.text.strip("\n"))
         return self._aggregate(element)
@@ -218,12 +225,6 @@ class _Writer:
         columns = " ".join([*map(spelling, element.keys), *map(_column, element.columns)])
         grouped = f" GROUP BY {' '.join(map(spelling, element.keys))}" if keys else ""
         return _braces(f"SELECT {columns} WHERE {_braces(inner.group(element.body, used=keys))}{grouped}")
-
-
-def _values(element: Values) -> str:
-    names = " ".join(map(spelling, element.variables))
-    rows = "".join(f"\n  ({' '.join(map(term, row))})" for row in element.rows)
-    return f"VALUES ({names}) {{{rows}\n}}"
 
 
 def _column(column: Column) -> str:

@@ -108,7 +108,9 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     found = [instance for rule in waiting for instance in _instances(rule, stated, closed, hidden)]
     if any(map(_may_write_schema, found)):
         return given
-    return tuple(_numbered(sorted([*kept, *found], key=lambda rule: rule.name)))
+    parts: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(1))
+    ordered = sorted([*kept, *found], key=lambda rule: rule.name)
+    return tuple(replace(rule, part=next(parts[rule.name])) for rule in ordered)
 
 
 def specialised(rule_set: RuleSet, schema: Iterable[Triple]) -> RuleSet:
@@ -220,10 +222,3 @@ def _instance(rule: Rule, rest: Sequence[Element], bindings: Mapping[Variable, T
     needed = sorted(left.union(*map(mentions, body)) & bindings.keys(), key=str)
     row = (Values(tuple(needed), (tuple(bindings[variable] for variable in needed),)),) if needed else ()
     return replace(rule, head=head, body=(*row, *body))
-
-
-def _numbered(rules: Iterable[Rule]) -> Iterator[Rule]:
-    """Number the rules of each name from one."""
-    parts: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(1))
-    for rule in rules:
-        yield replace(rule, part=next(parts[rule.name]))

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
-from kg.rules.dependencies import Read, depends, mints, reads, writes
+from kg.rules.dependencies import Read, depends, mints, reads
 from kg.rules.form import Atom, Rule, Variable
 from kg.syntax.names import shorten
 
@@ -67,21 +67,19 @@ def stratify(rules: Iterable[Rule], *, bounded: bool = False) -> list[Stratum]:
     """
     ordered = list(rules)
     needs = edges(ordered)
-    components = _components([sorted(need) for need in needs])
     strata: list[Stratum] = []
     levels = [1] * len(ordered)
-    for component in _in_order(ordered, needs, components):
-        members = set(component)
+    for component in _in_order(ordered, needs):
         level = max(
             (levels[need] + read.negated for rule in component for need, read in needs[rule].items()), default=1
         )
         for rule in component:
             levels[rule] = level
-        recursive = any(need in members for rule in component for need in needs[rule])
-        failure = next(_failures(ordered, needs, component, bounded=bounded), None) if recursive else None
+        failure = next(_failures(ordered, needs, component, bounded=bounded), None)
         if failure is not None:
             raise failure.error
-        strata.append(Stratum(len(strata) + 1, tuple(ordered[rule] for rule in sorted(component)), recursive, level))
+        members = tuple(ordered[rule] for rule in sorted(component))
+        strata.append(Stratum(len(strata) + 1, members, _feeds_itself(needs, component), level))
     return strata
 
 
@@ -92,19 +90,23 @@ def failures(rules: Iterable[Rule]) -> Iterator[Failure]:
     """
     ordered = list(rules)
     needs = edges(ordered)
-    for component in _in_order(ordered, needs, _components([sorted(need) for need in needs])):
-        members = set(component)
-        if any(need in members for rule in component for need in needs[rule]):
-            yield from _failures(ordered, needs, component, bounded=False)
+    for component in _in_order(ordered, needs):
+        yield from _failures(ordered, needs, component, bounded=False)
+
+
+def _feeds_itself(needs: list[dict[int, Read]], component: list[int]) -> bool:
+    members = set(component)
+    return any(need in members for rule in component for need in needs[rule])
 
 
 def _failures(
     rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int], *, bounded: bool
 ) -> Iterator[Failure]:
-    """Yield the problems of one component that feeds itself."""
-    yield from _negations(rules, needs, component)
-    if not bounded:
-        yield from _mintings(rules, needs, component)
+    """Yield the problems of one component; only one that feeds itself has any."""
+    if _feeds_itself(needs, component):
+        yield from _negations(rules, needs, component)
+        if not bounded:
+            yield from _mintings(rules, needs, component)
 
 
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
@@ -130,7 +132,7 @@ class Heads:
         self._by_predicate: dict[NamedNode, list[tuple[int, Atom]]] = {}
         self._by_object: dict[tuple[NamedNode, NamedNode | None], list[tuple[int, Atom]]] = {}
         for number, rule in enumerate(rules):
-            for head in writes(rule):
+            for head in rule.head:
                 self._all.append((number, head))
                 if isinstance(head.predicate, NamedNode):
                     self._by_predicate.setdefault(head.predicate, []).append((number, head))
@@ -196,8 +198,9 @@ def _popped(stack: list[int], waiting: set[int], node: int) -> list[int]:
     return component
 
 
-def _in_order(rules: Sequence[Rule], needs: list[dict[int, Read]], components: list[list[int]]) -> Iterator[list[int]]:
+def _in_order(rules: Sequence[Rule], needs: list[dict[int, Read]]) -> Iterator[list[int]]:
     """Yield the components after those that they read; among those that are ready, the lowest `sh:order` first."""
+    components = _components([sorted(need) for need in needs])
     home = {rule: number for number, component in enumerate(components) for rule in component}
     missing: list[set[int]] = [set() for _ in components]
     readers: list[set[int]] = [set() for _ in components]
@@ -279,7 +282,7 @@ def _mintings(rules: Sequence[Rule], needs: list[dict[int, Read]], component: li
         if not mints(rule):
             continue
         hint = _LIMITED
-        if any(isinstance(head.predicate, Variable) for other in component for head in writes(rules[other])):
+        if any(isinstance(head.predicate, Variable) for other in component for head in rules[other].head):
             hint += f" {_ANY_PROPERTY}"
         through = _round(rules, needs, number, component)
         message = f"{rule} makes new terms from what it derives itself (through {through}), which may never end"

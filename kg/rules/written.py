@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import NamedNode, RdfFormat, parse
 
-from kg.rules.columns import by_predicate, rows_of
-from kg.rules.engine.facts import Facts, distinct
+from kg.rules.columns import by_predicate, graph_name, rows_of
+from kg.rules.engine.facts import Facts, gathered
 from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
@@ -99,12 +99,9 @@ class Written(Changes):
         found: dict[NamedNode | None, Facts] = {}
         known = self._columns or {}
         for graph in graphs if self._columns is not None else ():
-            name = "" if graph is None else graph.value
+            name = graph_name(graph)
             if name not in self._unknown:
-                pairs = known.pop(name, {}).items()
-                found[graph] = Facts(pages=self._pages)
-                for one, parts in pairs:
-                    found[graph].replace(one, distinct(parts[0] if len(parts) == 1 else np.concatenate(parts)))
+                found[graph] = gathered(known.pop(name, {}), self._pages)
         dictionary = self._dictionary
         self._columns, self._dictionary = None, Dictionary()
         self._pages.release()

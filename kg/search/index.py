@@ -19,7 +19,7 @@ from kg.search.marking import marks
 from kg.search.words import name_terms
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
     from typing import TypeAlias
 
     from numpy.typing import NDArray
@@ -114,26 +114,20 @@ def build(content: Content) -> Index:
     """Return the index of the documents read from a store."""
     group = groups(content.packages, content.nodes)
     fields = documents(content, group.tolist())
+    wider = {(concept.kind, concept.label): concept.wider for concept in content.concepts}
+    features = (_features(node, content.packages[node.package], wider) for node in content.nodes)
     return Index(
         content.packages,
         content.nodes,
         content.concepts,
-        _text(worths(content, fields, group.tolist())),
-        _shares(content.nodes),
-        _features(content),
+        _columns(worths(content, fields, group.tolist())),
+        _columns(_shares(content.nodes)),
+        _columns(dict.fromkeys(found, 1.0) for found in features),
         group,
         order(content.packages, content.nodes),
         _started(content.nodes, group),
         passing(fields),
     )
-
-
-def _text(worths: Sequence[Mapping[str, float]]) -> Columns:
-    found: defaultdict[str, dict[int, float]] = defaultdict(dict)
-    for place, values in enumerate(worths):
-        for term, value in values.items():
-            found[term][place] = value
-    return _columns(found)
 
 
 def _started(nodes: Sequence[Document], group: Places) -> Floats:
@@ -144,16 +138,7 @@ def _started(nodes: Sequence[Document], group: Places) -> Floats:
     return np.array([math.log1p(total[first]) / _MUCH for first in group.tolist()], np.float32)
 
 
-def _features(content: Content) -> Columns:
-    found: defaultdict[str, dict[int, float]] = defaultdict(dict)
-    wider = {(concept.kind, concept.label): concept.wider for concept in content.concepts}
-    for place, node in enumerate(content.nodes):
-        for feature in _features_of(node, content.packages[node.package], wider):
-            found[feature][place] = 1.0
-    return _columns(found)
-
-
-def _features_of(
+def _features(
     node: Document, package: PackageDocument, wider: Mapping[tuple[str, str], tuple[str, ...]]
 ) -> Iterator[str]:
     for end in node.ends:
@@ -174,21 +159,24 @@ def _features_of(
         yield f"license:{name}"
 
 
-def _shares(nodes: Sequence[Document]) -> Columns:
-    """Return the share of each term in a node's name, by its rarity in names."""
+def _shares(nodes: Sequence[Document]) -> Iterator[dict[str, float]]:
+    """Yield the share of each term in a node's name, by its rarity in names."""
     named = [set(name_terms(bare_name(node.name))) for node in nodes]
     common: Counter[str] = Counter(term for terms in named for term in terms)
-    found: defaultdict[str, dict[int, float]] = defaultdict(dict)
-    for place, terms in enumerate(named):
+    for terms in named:
         rarity = {term: math.log(1 + len(nodes) / common[term]) for term in terms}
-        for term, value in rarity.items():
-            found[term][place] = value / sum(rarity.values())
-    return _columns(found)
+        whole = sum(rarity.values())
+        yield {term: value / whole for term, value in rarity.items()}
 
 
-def _columns(found: Mapping[str, Mapping[int, float]]) -> Columns:
+def _columns(nodes: Iterable[Mapping[str, float]]) -> Columns:
+    """Return the columns of the values that each node has, by name."""
+    found: defaultdict[str, list[tuple[int, float]]] = defaultdict(list)
+    for place, values in enumerate(nodes):
+        for name, value in values.items():
+            found[name].append((place, value))
     names = {name: place for place, name in enumerate(sorted(found))}
-    lists = [sorted(found[name].items()) for name in names]
+    lists = [found[name] for name in names]
     starts = np.cumsum([0, *map(len, lists)], dtype=np.int64)
     rows = np.array([place for places in lists for place, _ in places], np.int32)
     return Columns(names, starts, rows, np.array([value for places in lists for _, value in places], np.float32))

@@ -9,12 +9,16 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote
 
-from kg.facts import DescriptionKind, Role
+from kg.facts import DescriptionKind
 from kg.graph import vocabulary as v
+from kg.graph.fields import one as value_of
+from kg.graph.interfaces import SHAPES
 from kg.graph.iris import UNKNOWN, is_source_graph
+from kg.graph.reading import owner_of
 from kg.query.rows import rows
 from kg.search.documents import Document, End, PackageDocument, Text
 from kg.search.folding import TRANSFORM_TYPES
@@ -63,14 +67,7 @@ _CLASSES: Final = {
 _SCHEMES: Final = {"hardware": "/hardware#", "function": "/function#", "capability": "/capability#"}
 _ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _BROADER: Final = f"{v.SKOS}broader"
-_ROLES: Final = {
-    "publisher": Role.PUBLISHES,
-    "subscriber": Role.SUBSCRIBES,
-    "service-server": Role.SERVICES,
-    "service-client": Role.CLIENTS,
-    "action-server": Role.ACTION_SERVERS,
-    "action-client": Role.ACTION_CLIENTS,
-}
+_ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
 _PARAMETER: Final = "parameter"
 _USAGE: Final = str(DescriptionKind.USAGE)
 _LICENCE: Final = re.compile(
@@ -137,7 +134,7 @@ class _Reading:
             parts[part][predicate].append(value)
         found: defaultdict[str, list[Text]] = defaultdict(list)
         for part, properties in parts.items():
-            get = _Getter(properties)
+            get = partial(value_of, properties)
             text, kind, path = get(v.DESCRIPTION_TEXT), get(v.DESCRIPTION_KIND), get(v.PATH)
             if text and _LICENCE.search(text):
                 continue
@@ -159,7 +156,7 @@ class _Reading:
         for iri, properties in _grouped(self._sources(_PACKAGES)).items():
             if iri not in sources:
                 continue
-            get = _Getter(properties)
+            get = partial(value_of, properties)
             spdx = [one.rpartition("/")[2] for one in properties.get(v.bare(v.LICENSE), ())]
             found.append(
                 PackageDocument(
@@ -187,7 +184,7 @@ class _Reading:
         for iri, properties in _grouped(self._sources(_NODES)).items():
             if iri not in owners or owners[iri][0] not in places:
                 continue
-            get = _Getter(properties)
+            get = partial(value_of, properties)
             found.append(
                 Document(
                     iri=iri,
@@ -219,7 +216,7 @@ class _Reading:
         transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in TRANSFORM_TYPES)
         for body in (_ENDS, _TRANSFORMS % transforms):
             for part, path, line in self._sources(body):
-                node = self._owner(part)
+                node = owner_of(part, self.known)
                 role, name = _part(node, part)
                 if role in _ROLES:
                     found[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
@@ -230,16 +227,11 @@ class _Reading:
             for node, ends in found.items()
         }
 
-    def _owner(self, part: str) -> str:
-        """Return the node of a part: the IRI of the part is a fragment of it (`kg.graph.iris.fragment`)."""
-        whole = part.partition("#")[0]
-        return max((one for one in self.known.get(whole, ()) if part.startswith(one)), key=len, default=whole)
-
     def _parameters(self) -> dict[str, tuple[tuple[str, str | None], ...]]:
         told = dict(self._sources(_TOLD))
         found: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
         for (part,) in self._sources(_PARAMETERS):
-            node = self._owner(part)
+            node = owner_of(part, self.known)
             kind, name = _part(node, part)
             if kind == _PARAMETER and name is not None:
                 found[node][name] = told.get(part) or found[node].get(name)
@@ -247,7 +239,7 @@ class _Reading:
 
     def _classes(self) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Return the labels of the classes of nodes, by node and field of a document."""
-        labels = {iri: _Getter(properties)(v.LABEL) for iri, properties in self.individuals.items()}
+        labels = {iri: value_of(properties, v.LABEL) for iri, properties in self.individuals.items()}
         found: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
         for name, predicate in _CLASSES.items():
             for node, concept in rows(self.snapshot, f"SELECT ?n ?c {{ GRAPH ?g {{ ?n {predicate} ?c }} }}"):
@@ -262,13 +254,10 @@ class _Reading:
         found = []
         for iri, properties in self.individuals.items():
             kind = next((kind for kind, place in _SCHEMES.items() if place in iri), None)
-            label = _Getter(properties)(v.LABEL)
+            label = value_of(properties, v.LABEL)
             if kind is not None and label is not None:
-                found.append(Concept(label, kind, self._others(properties), self._wider(iri)))
+                found.append(Concept(label, kind, tuple(sorted(properties.get(_ALTERNATIVE, ()))), self._wider(iri)))
         return sorted(found, key=lambda one: (one.kind, one.label))
-
-    def _others(self, properties: Mapping[str, list[str]]) -> tuple[str, ...]:
-        return tuple(sorted(properties.get(_ALTERNATIVE, ())))
 
     def _wider(self, iri: str) -> tuple[str, ...]:
         """Return the labels of all broader concepts."""
@@ -277,20 +266,9 @@ class _Reading:
         while waiting:
             one = waiting.pop()
             if one not in found and one in self.individuals:
-                found[one] = _Getter(self.individuals[one])(v.LABEL) or ""
+                found[one] = value_of(self.individuals[one], v.LABEL) or ""
                 waiting += self.individuals[one].get(_BROADER, ())
         return tuple(sorted(filter(None, found.values())))
-
-
-class _Getter:
-    """Returns the value of a single-valued property; the least of several."""
-
-    def __init__(self, properties: Mapping[str, list[str]]) -> None:
-        self.properties = properties
-
-    def __call__(self, term: str) -> str | None:
-        values = self.properties.get(v.bare(term))
-        return min(values) if values else None
 
 
 def _grouped(rows: Iterable[tuple[str, ...]]) -> dict[str, Mapping[str, list[str]]]:

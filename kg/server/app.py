@@ -46,7 +46,6 @@ if TYPE_CHECKING:
 
     from kg.server.options import Options
     from kg.settings import Settings
-    from kg.store.layout import Layout
 
 _FOLDER: Final = Path(__file__).parent
 
@@ -59,10 +58,18 @@ def create_app(settings: Settings, options: Options) -> Starlette:
             server, and `options.write` is set.
         UsageError: KG002 the root path is the address of a page.
     """
-    _check_root(options.root_path)
+    root = options.root_path
+    taken = {route.path.split("/")[1] for route in _routes() if isinstance(route, Route | Mount)}
+    if root and root.split("/")[1] in taken:  # `/store/x` might have lost a root path `/store`
+        message = f"the root path {root} begins like an address of kg itself"
+        raise UsageError("KG002", message, hint="Choose another one, for example /kg.")
     layout = layout_of(settings)
     if layout.address is not None:
-        _check_server(layout, options)
+        if options.write:
+            hint = "Leave out --write, and send changes to the server itself."
+            message = "`kg serve` does not change the data of another server"
+            raise StoreError("KG309", message, place=Place(layout.name), hint=hint)
+        Following(layout).check()
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
@@ -82,7 +89,7 @@ def create_app(settings: Settings, options: Options) -> Starlette:
             app.state.server = State(settings, options, readers, writer, session)
             yield
 
-    outermost = [Middleware(Rooted, root=options.root_path)] if options.root_path else []
+    outermost = [Middleware(Rooted, root=root)] if root else []
     app = Starlette(
         routes=_routes(),
         middleware=[*outermost, *safety.middleware(options), Middleware(protocol.Endpoint), Middleware(Compressed)],
@@ -93,26 +100,9 @@ def create_app(settings: Settings, options: Options) -> Starlette:
     return app
 
 
-def _check_server(layout: Layout, options: Options) -> None:
-    """Refuse a server that has the data but does not answer (StoreError KG225), and changes of it (KG309)."""
-    if options.write:
-        hint = "Leave out --write, and send changes to the server itself."
-        message = "`kg serve` does not change the data of another server"
-        raise StoreError("KG309", message, place=Place(layout.name), hint=hint)
-    Following(layout).check()
-
-
 def _routes() -> list[BaseRoute]:
     """Return all routes, the most requested first, since they are tried in this order."""
     watching = (health, metrics, openapi, login, errors)
     before = (protocol, protocol_update, graph_store, jobs, *watching, robot, views)
     files = [Mount(f"/{name}", StaticFiles(directory=_FOLDER / name, check_dir=False)) for name in ("static", "vendor")]
     return [*(route for part in before for route in part.ROUTES), *files, *pages.ROUTES]
-
-
-def _check_root(root: str) -> None:
-    """Refuse an ambiguous root path (UsageError KG002): `/store/x` might have lost a root path `/store`."""
-    taken = {route.path.split("/")[1] for route in _routes() if isinstance(route, Route | Mount)}
-    if root and root.split("/")[1] in taken:
-        message = f"the root path {root} begins like an address of kg itself"
-        raise UsageError("KG002", message, hint="Choose another one, for example /kg.")

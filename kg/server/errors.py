@@ -95,7 +95,10 @@ class DefectError(Exception):
 def problem(error: KgError) -> dict[str, Any]:
     """Return the members of the problem (RFC 9457, section 3.1); those that do not apply are null."""
     entry = CATALOGUE[error.code]
-    line, column, end_line, end_column = _span(error)
+    # Start and end of the faulty part as lines and columns, from one in code points, as far as known.
+    place = error.place if isinstance(error, QueryError | RobotError) else None
+    span = (place.span() or (place.line, None, None, None)) if place else (None, None, None, None)
+    line, column, end_line, end_column = span
     return {
         "type": url(f"/errors/{error.code}"),
         "title": entry.title,
@@ -109,12 +112,6 @@ def problem(error: KgError) -> dict[str, Any]:
         "endColumn": end_column,
         "docs": url(f"/errors/{error.code}"),
     }
-
-
-def _span(error: KgError) -> tuple[int | None, int | None, int | None, int | None]:
-    """Return start and end of the faulty part as lines and columns, from one in code points, as far as known."""
-    place = error.place if isinstance(error, QueryError | RobotError) else None
-    return (place.span() or (place.line, None, None, None)) if place else (None, None, None, None)
 
 
 def answer(request: HTTPConnection, error: KgError) -> Response:

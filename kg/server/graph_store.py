@@ -74,7 +74,8 @@ async def _get(request: Request) -> Response:
         types = ", ".join(dict.fromkeys(media_type for media_type, _ in GRAPH))
         raise RequestError("KG523", "graphs are written in other formats", hint=f"Accept one of {types}.")
     if graph is not None and not await _exists(request, graph):
-        raise _missing(graph)
+        hint = "The service description at /sparql lists all graphs."
+        raise RequestError("KG521", f"unknown graph {graph}", hint=hint)
     text = _ALL if graph is None else f"CONSTRUCT {{ ?s ?p ?o }} WHERE {{ GRAPH {graph} {{ ?s ?p ?o }} }}"
     question = Question(
         text=text,
@@ -100,10 +101,6 @@ async def _exists(request: Request, graph: NamedNode) -> bool:
         return b"true" in b"".join([part async for part in found.parts()])
 
 
-def _missing(graph: NamedNode) -> RequestError:
-    return RequestError("KG521", f"unknown graph {graph}", hint="The service description at /sparql lists all graphs.")
-
-
 async def _put(request: Request) -> Response:
     changing = writer(request)
     parameters = Parameters(request.scope["query_string"])
@@ -116,10 +113,11 @@ async def _post(request: Request) -> Response:
     changing = writer(request)
     parameters = Parameters(request.scope["query_string"])
     is_new = _raw_path(request).rstrip("/") == _ROOT and "graph" not in parameters and "default" not in parameters
-    graph = _new(request) if is_new else _graph(request, parameters)
+    new = NamedNode(address(request, f"{_ROOT}/{secrets.token_hex(8)}"))
+    graph = new if is_new else _graph(request, parameters)
     post = partial(changing.post_graph, graph and graph.value, await _parts(request), base=_base(request, graph))
     updated = await _on_condition(request, parameters, None if is_new else graph, post)
-    return _done(updated, graph.value if is_new and graph else None)
+    return _done(updated, new.value if is_new else None)
 
 
 async def _delete(request: Request) -> Response:
@@ -137,11 +135,6 @@ async def _on_condition(
     exists = partial(_exists, request, graph) if graph else None
     change = partial(change, seconds=patience(request, parameters))
     return await on_condition(request, parameters, lambda snapshot: change(snapshot=snapshot), exists)
-
-
-def _new(request: Request) -> NamedNode:
-    """Return an unused name below the store."""
-    return NamedNode(address(request, f"{_ROOT}/{secrets.token_hex(8)}"))
 
 
 def _base(request: Request, graph: NamedNode | None) -> str:
@@ -169,16 +162,13 @@ async def _parts(request: Request) -> list[tuple[bytes, str]]:
         for name, file in form.multi_items():
             if not isinstance(file, UploadFile):
                 raise RequestError("KG520", f"the field `{name}` of the form is not a file")
-            told = (file.content_type or "").partition(";")[0].strip().lower()
-            parts.append((await file.read(), _known(told or _by_name(file.filename or ""))))
+            kind = (file.content_type or "").partition(";")[0].strip().lower()
+            if not kind and (by_name := RdfFormat.from_extension((file.filename or "").rpartition(".")[2])):
+                kind = by_name.media_type
+            parts.append((await file.read(), _known(kind)))
     if not parts:
         raise RequestError("KG520", "the form has no file")
     return parts
-
-
-def _by_name(name: str) -> str:
-    found = RdfFormat.from_extension(name.rpartition(".")[2])
-    return found.media_type if found else ""
 
 
 def _known(kind: str) -> str:

@@ -35,7 +35,9 @@ def route(path: str, **endpoints: Endpoint) -> Route:
 
 async def not_allowed(request: Request, error: Exception) -> Response:
     """Respond to a method without a handler: OPTIONS with the list of methods, any other with 405."""
-    allowed = ", ".join(sorted({*_allowed(error), "OPTIONS"}))
+    headers = error.headers if isinstance(error, HTTPException) else None
+    methods = [method.strip() for method in (headers or {}).get("Allow", "").split(",") if method.strip()]
+    allowed = ", ".join(sorted({*methods, "OPTIONS"}))
     if request.method == "OPTIONS":
         return Response(status_code=204, headers={"Allow": allowed})
     return await HANDLERS[HTTPException](request, HTTPException(405, headers={"Allow": allowed}))
@@ -52,8 +54,3 @@ async def not_found(request: Request, error: Exception) -> Response:
         shorter = request.url.replace(path=url(path), scheme="", netloc="")
         return RedirectResponse(shorter, 307)
     return await HANDLERS[HTTPException](request, error)
-
-
-def _allowed(error: Exception) -> list[str]:
-    headers = error.headers if isinstance(error, HTTPException) else None
-    return [method.strip() for method in (headers or {}).get("Allow", "").split(",") if method.strip()]

@@ -220,12 +220,9 @@ def _operations(routes: list[BaseRoute]) -> Iterator[tuple[str, str, Operation]]
             yield from ((f"/api/{name}", method, view) for name, method, view in _views())
         elif path == "/" or not path.endswith("/"):
             for method in sorted((route.methods or set()) - _LEFT_OUT):
-                yield path, method, OPERATIONS.get((method, path)) or _page(route)
-
-
-def _page(route: Route) -> Operation:
-    said = inspect.getdoc(route.endpoint) or f"The page {route.path}."
-    return Operation(said.partition("\n")[0], answers={200: ("text/html",)})
+                said = inspect.getdoc(route.endpoint) or f"The page {route.path}."
+                page = Operation(said.partition("\n")[0], answers={200: ("text/html",)})
+                yield path, method, OPERATIONS.get((method, path), page)
 
 
 def _views() -> Iterator[tuple[str, str, Operation]]:
@@ -258,13 +255,15 @@ def _described(path: str, operation: Operation) -> dict[str, Any]:
         {"name": name, "in": "path", "required": True, "schema": {"type": "string", "minLength": 1}}
         for name in _PLACEHOLDER.findall(path)
     ]
+    responses: dict[str, Any] = {}
+    for status, kinds in (operation.answers or {}).items():
+        responses[str(status)] = {"description": "Done."}
+        if kinds:
+            responses[str(status)]["content"] = {kind: {} for kind in kinds}
     described: dict[str, Any] = {
         "summary": operation.summary,
         "parameters": [*placeholders, *operation.parameters],
-        "responses": {
-            **{str(status): _answer(kinds) for status, kinds in (operation.answers or {}).items()},
-            "default": _PROBLEM,
-        },
+        "responses": {**responses, "default": _PROBLEM},
     }
     if operation.bodies:
         content = {kind: {"schema": schema} for kind, schema in operation.bodies.items()}
@@ -272,11 +271,6 @@ def _described(path: str, operation: Operation) -> dict[str, Any]:
     if operation.token:
         described["security"] = [{"token": []}]
     return described
-
-
-def _answer(kinds: tuple[str, ...]) -> dict[str, Any]:
-    content: dict[str, Any] = {kind: {} for kind in kinds}
-    return {"description": "Done.", **({"content": content} if content else {})}
 
 
 async def _openapi(request: Request) -> Response:

@@ -16,7 +16,6 @@ import signal
 import socket
 import threading
 from contextlib import contextmanager
-from functools import partial
 from typing import TYPE_CHECKING, Final
 
 import uvicorn
@@ -29,12 +28,13 @@ from kg.server.safety.hosts import is_loopback
 from kg.server.safety.tokens import LEAST, Tokens
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Iterator
+    from collections.abc import Callable, Iterator
     from types import FrameType
 
     from starlette.applications import Starlette
 
     from kg.server.options import Options
+    from kg.server.state import State
     from kg.settings import Settings
 
 
@@ -56,29 +56,24 @@ def notify(message: str) -> bool:
 
 
 class Server(uvicorn.Server):
-    """Uvicorn's server; `ready` is called when it listens, `leave` is awaited at the start of shutdown.
+    """Uvicorn's server of an application of `create_app`; `ready` is called when it listens.
 
-    `end` cancels work after `grace` seconds; `suspend` is awaited before the process is suspended.
+    The robot is stopped before the process ends or is suspended. Work is cancelled after `grace` seconds.
     """
 
-    def __init__(  # noqa: PLR0913 - what happens when
-        self,
-        config: uvicorn.Config,
-        *,
-        grace: float,
-        ready: Callable[[], None],
-        leave: Callable[[], Awaitable[None]],
-        suspend: Callable[[], Awaitable[None]],
-        end: Callable[[], None],
-    ) -> None:
+    def __init__(self, config: uvicorn.Config, app: Starlette, *, grace: float, ready: Callable[[], None]) -> None:
         config.timeout_graceful_shutdown = int(grace + _LAST_WORDS + 1)
         super().__init__(config)
+        self._app = app
         self._grace = grace
         self._ready = ready
-        self._leave = leave
-        self._suspend = suspend
         self._suspending: asyncio.Task[None] | None = None
-        self._end = end
+
+    @property
+    def _state(self) -> State | None:
+        """The shared state, None before the application has started."""
+        found: State | None = getattr(self._app.state, "server", None)
+        return found
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to listen, and call `ready`."""
@@ -98,17 +93,20 @@ class Server(uvicorn.Server):
 
     async def _suspended(self) -> None:
         """Stop the robot, then suspend as Ctrl-Z does by default; return when the process resumes."""
+        state = self._state
         try:
-            await self._suspend()
+            if state is not None and state.robot is not None:
+                await state.robot.suspend()
         finally:
             asyncio.get_running_loop().remove_signal_handler(signal.SIGTSTP)
             signal.pthread_kill(threading.get_ident(), signal.SIGTSTP)
             self._expect_suspension()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Cancel running work after its grace period."""
+        """Stop the robot before anything else, and cancel running work after its grace period."""
         notify("STOPPING=1")
-        leaving = asyncio.ensure_future(self._leave())
+        state = self._state
+        leaving = asyncio.ensure_future(state.robot.leave()) if state is not None and state.robot is not None else None
         waiting = asyncio.get_running_loop().call_later(self._grace, self._end)
         hurrying = asyncio.create_task(self._hurry())
         try:
@@ -117,7 +115,14 @@ class Server(uvicorn.Server):
             waiting.cancel()
             hurrying.cancel()
             self._end()
-            await leaving
+            if leaving is not None:
+                await leaving
+
+    def _end(self) -> None:
+        """Cancel all running work."""
+        if (state := self._state) is not None:
+            for identity in tuple(state.readers.jobs):
+                state.readers.cancel(identity)
 
     async def _hurry(self) -> None:
         """Cancel everything at once on the second signal."""
@@ -173,42 +178,12 @@ def serve(settings: Settings, options: Options, announce: Callable[[str], None] 
         proxy_headers=False,
     )
     host = f"[{options.host}]" if ":" in options.host else options.host
-    ready = partial(_begin, announce, f"http://{host}:{listening.getsockname()[1]}{options.root_path}/")
-    server = Server(
-        config,
-        grace=options.grace,
-        ready=ready,
-        leave=partial(_leave, app),
-        suspend=partial(_suspend, app),
-        end=partial(_end, app),
-    )
-    server.run(sockets=[listening])
 
+    def begin() -> None:
+        gc.freeze()  # the objects loaded so far are kept, so garbage collection need not look at them
+        announce(f"http://{host}:{listening.getsockname()[1]}{options.root_path}/")
 
-def _begin(announce: Callable[[str], None], address: str) -> None:
-    """Announce the address, and exclude the objects loaded so far from garbage collection."""
-    gc.freeze()
-    announce(address)
-
-
-async def _leave(app: Starlette) -> None:
-    """Stop the robot before anything else."""
-    if hasattr(app.state, "server") and app.state.server.robot is not None:
-        await app.state.server.robot.leave()
-
-
-async def _suspend(app: Starlette) -> None:
-    """Stop the robot before the process is suspended."""
-    if hasattr(app.state, "server") and app.state.server.robot is not None:
-        await app.state.server.robot.suspend()
-
-
-def _end(app: Starlette) -> None:
-    """Cancel all running work."""
-    if hasattr(app.state, "server"):
-        readers = app.state.server.readers
-        for identity in tuple(readers.jobs):
-            readers.cancel(identity)
+    Server(config, app, grace=options.grace, ready=begin).run(sockets=[listening])
 
 
 def check(options: Options) -> None:
@@ -219,7 +194,9 @@ def check(options: Options) -> None:
             disallowed origins.
     """
     given = options.token is not None or options.token_file is not None
-    if given and not _usable(options):
+    token = Tokens(options.token, options.token_file).current
+    usable = token and len(token) >= LEAST and token.isascii() and token.isprintable() and " " not in token
+    if given and not usable:
         where = f"the file {options.token_file}" if options.token_file else "KG_TOKEN"
         raise UsageError("KG541", f"{where} holds no token of at least {LEAST} characters")
     if options.write and not given:
@@ -227,19 +204,10 @@ def check(options: Options) -> None:
     if not is_loopback(options.host) and not given and not options.open_to_all:
         raise UsageError("KG540", f"{options.host} is reachable from other machines, but no token is set")
     for origin in options.origins:
-        if not _is_origin(origin):
+        scheme, _, host = origin.partition("://")
+        if scheme not in {"http", "https"} or not host or set(host) & set("/?#@* "):
             hint = "List origins one by one, as in `--cors https://example.org`."
             raise UsageError("KG002", f"{origin!r} is not an origin of a site", hint=hint)
-
-
-def _usable(options: Options) -> bool:
-    token = Tokens(options.token, options.token_file).current
-    return token is not None and len(token) >= LEAST and token.isascii() and token.isprintable() and " " not in token
-
-
-def _is_origin(text: str) -> bool:
-    scheme, separator, host = text.partition("://")
-    return scheme in {"http", "https"} and bool(separator and host) and not set(host) & set("/?#@* ")
 
 
 def listen(options: Options) -> socket.socket:

@@ -12,7 +12,7 @@ from textual.widgets.option_list import Option
 from kg.query.statements import Statement, segment_at
 from kg.render.text import printable
 from kg.shell.delivery import deliver
-from kg.shell.screens.listing import Options
+from kg.shell.screens.listing import MOVES, Options
 
 if TYPE_CHECKING:
     from kg.shell.editor import QueryEditor
@@ -60,12 +60,11 @@ class Completions(Options):
         if not self._items or [item["insert"] for item in self._items] == [typed]:
             self.close()
             return
-        self._fill(editor)
-
-    def _fill(self, editor: QueryEditor) -> None:
         self.clear_options()
         wide = max(len(item["label"]) for item in self._items)
-        self.add_options([Option(_line(item, wide)) for item in self._items])
+        for item in self._items:
+            detail = printable(" ".join(str(item[key]) for key in ("kind", "detail") if item.get(key)))
+            self.add_option(Option(Text.assemble(printable(item["label"]).ljust(wide), "  ", (detail, "dim"))))
         self.highlighted = 0
         self.absolute_offset = editor.cursor_screen_offset + Offset(0, 1)
         self.display = True
@@ -79,9 +78,8 @@ class Completions(Options):
 
     def press(self, key: str) -> None:
         """Handle a key of the editor: move in the list, accept, or close it."""
-        moves = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
-        if key in moves:
-            getattr(self, f"action_{moves[key]}")()
+        if key in MOVES:
+            getattr(self, f"action_{MOVES[key]}")()
         elif key == "escape" or self.highlighted is None:
             self.close()
         elif self._editor is not None and self._editor.text != self._text:
@@ -105,9 +103,3 @@ class Completions(Options):
         before = sum(len(text) - (stop - start) for start, stop, text in changes if start < begin)
         behind = item["holes"][0] if item["holes"] else len(item["insert"])
         editor.move_cursor(editor.location_at(begin + before + behind))
-
-
-def _line(item: dict[str, Any], wide: int) -> Text:
-    """Return a completion with its details."""
-    detail = " ".join(str(item[key]) for key in ("kind", "detail") if item.get(key))
-    return Text.assemble(printable(item["label"]).ljust(wide), "  ", (printable(detail), "dim"))

@@ -99,7 +99,14 @@ def lines_of_node(found: Mapping[str, Any]) -> tuple[Line, ...]:
         *classes,
         *_section("Parameters", map(_parameter, found["parameters"]), opened=False),
         *_section("Connected to", map(_neighbours, found["neighbours"])),
-        *_section("Used in", map(_user, found["used_in"]["instances"]), opened=False),
+        *_section(
+            "Used in",
+            (
+                Line(f"{one['name']} in {one['system']}", iri=one["instance"], place=one["evidence"])
+                for one in found["used_in"]["instances"]
+            ),
+            opened=False,
+        ),
     )
 
 
@@ -122,10 +129,6 @@ def _neighbours(one: Mapping[str, Any]) -> Line:
     below = tuple(Line(f"{node['package']}/{node['name']}", iri=node["iri"]) for node in one["nodes"])
     more = f"{one['count']} nodes, {len(below)} shown" if one["count"] > len(below) else ""
     return Line(f"{arrow} {one['channel']}", iri=one["channel_iri"], note=more, children=below)
-
-
-def _user(one: Mapping[str, Any]) -> Line:
-    return Line(f"{one['name']} in {one['system']}", iri=one["instance"], place=one["evidence"])
 
 
 def title_of(view: str, found: Mapping[str, Any]) -> str:
@@ -206,12 +209,12 @@ def _proof(one: Mapping[str, Any]) -> Line:
     note = "proven above" if one["again"] else ""
     because = Line(f"by rule {rule['name']}: {rule['title']}", place=rule["evidence"])
     conditions = (
-        Line(f"where {told['text']}", children=tuple(map(_condition_fact, told["facts"])), open=False)
+        Line(
+            f"where {told['text']}",
+            children=tuple(Line(fact["text"], place=fact["evidence"]) for fact in told["facts"]),
+            open=False,
+        )
         for told in one["conditions"]
     )
     below = (because, *map(_proof, one["premises"]), *conditions)
     return Line(one["text"], fact=fact, mark="inferred", note=note, children=below)
-
-
-def _condition_fact(one: Mapping[str, Any]) -> Line:
-    return Line(one["text"], place=one["evidence"])

@@ -102,6 +102,7 @@ class Runs:
             known = await self._link.prefixes(result.snapshot)
         except KgError:
             known = PREFIXES
+        # Twice: they come first, so that a namespace with several prefixes gets theirs, and override those known.
         return {**declared, **known, **declared}
 
 

@@ -68,9 +68,11 @@ class State:
         """Return the history of all stores, the newest first, without duplicates."""
         found: dict[str, Entry] = {}
         for line in reversed(self._lines()):
-            entry = _entry(line)
-            if entry and entry.text not in found:
-                found[entry.text] = entry
+            try:
+                entry = Entry(**json.loads(line))
+            except (ValueError, TypeError):
+                continue
+            found.setdefault(entry.text, entry)
         return list(found.values())
 
     def remember(self, entry: Entry) -> None:
@@ -112,13 +114,6 @@ class State:
             write()
         except OSError as error:
             self.problem = f"{self._folder}: {error.strerror or error}"
-
-
-def _entry(line: str) -> Entry | None:
-    try:
-        return Entry(**json.loads(line))
-    except (ValueError, TypeError):
-        return None
 
 
 def _write(path: Path, text: str) -> None:

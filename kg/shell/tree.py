@@ -55,7 +55,11 @@ class KnowledgeTree(Tree[dict[str, Any]]):
         waiting = parent.add_leaf("reading …", {})
         parent.expand()
         arguments = (parent.data or {}).get("open") or {}
-        deliver(self, partial(self._children, arguments), partial(self._fill, waiting), partial(_fail, waiting))
+
+        def fail(error: KgError) -> None:
+            waiting.set_label(f"{error.code}: {printable(error.message)}")
+
+        deliver(self, partial(self._children, arguments), partial(self._fill, waiting), fail)
 
     async def _children(self, arguments: dict[str, Any]) -> Any:
         try:
@@ -81,10 +85,6 @@ class KnowledgeTree(Tree[dict[str, Any]]):
     def entry(self) -> dict[str, Any]:
         """The entry under the cursor; empty without one."""
         return (self.cursor_node.data if self.cursor_node else None) or {}
-
-
-def _fail(waiting: TreeNode[dict[str, Any]], error: KgError) -> None:
-    waiting.set_label(f"{error.code}: {printable(error.message)}")
 
 
 def _label(item: dict[str, Any]) -> Text:

@@ -54,8 +54,12 @@ def table(engine: Engine, select: str, graph: NamedNode | None) -> bytes:
 
     TSV abbreviates numbers and booleans and does not escape control characters; see `kg.store.terms.cells`.
     """
-    rows = cast("QuerySolutions", engine().query(select, default_graph=graph or DefaultGraph()))
-    text = cast("bytes", rows.serialize(format=QueryResultsFormat.TSV))
+    return as_tsv(engine().query(select, default_graph=graph or DefaultGraph()))
+
+
+def as_tsv(rows: object) -> bytes:
+    """Return the rows of a SELECT as TSV, without the header line."""
+    text = cast("bytes", cast("QuerySolutions", rows).serialize(format=QueryResultsFormat.TSV))
     return text[text.index(b"\n") + 1 :]
 
 
@@ -91,8 +95,10 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
 
     Blank nodes keep their labels.
     """
+    # As N-Quads; line ends in literals are escaped, so no line is split.
+    quads = (content.replace(b" .\n", f" {graph} .\n".encode()) for graph, content in graphs.items())
     size = 0
-    for batch in _batches(_quads(graph, content) for graph, content in graphs.items()):
+    for batch in _batches(quads):
         size += len(batch)
         if BLANK_MARK in batch:
             engine().bulk_extend(parse(batch, RdfFormat.N_QUADS, lenient=True))
@@ -101,11 +107,6 @@ def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
     if size > _LEAST_BYTES:
         give_back()
     return size
-
-
-def _quads(graph: NamedNode, content: bytes) -> bytes:
-    """Return N-Triples as N-Quads of a graph; line ends in literals are escaped, so splitting lines is safe."""
-    return content.replace(b" .\n", f" {graph} .\n".encode())
 
 
 def _placed(graph: Graph, lines: bytes) -> Iterator[Quad]:

@@ -23,6 +23,8 @@ _NO_FOLDER = frozenset({errno.ENOTDIR, errno.EEXIST})
 _FULL_TEXTS = ("No space left on device", "Disk quota exceeded", "NoSpace")
 _DAMAGED_TEXT = "Corruption:"
 _ANOTHER = "Name a folder with `--store`."
+LOCAL_HINT = "Use a store of this machine; `kg pull` makes one of a published graph."
+"""What to do instead of a command that does not support a SPARQL server."""
 
 
 def is_of_store(error: Exception) -> TypeGuard[OSError | RuntimeError]:
@@ -48,8 +50,8 @@ def store_error(error: OSError | RuntimeError, path: str) -> StoreError:
 
 def remote_refusal(address: str) -> StoreError:
     """Return the error of a command that does not support a SPARQL server."""
-    hint = "Use a store of this machine; `kg pull` makes one of a published graph."
-    return StoreError("KG309", "the command does not work on a SPARQL server", place=Place(shown(address)), hint=hint)
+    message = "the command does not work on a SPARQL server"
+    return StoreError("KG309", message, place=Place(shown(address)), hint=LOCAL_HINT)
 
 
 def shown(address: str) -> str:

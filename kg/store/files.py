@@ -38,6 +38,15 @@ def format_of(path: Path) -> RdfFormat | None:
     return RdfFormat.from_extension("rdf" if ending == "owl" else ending)
 
 
+def known_format_of(path: Path) -> RdfFormat:
+    """Return the format that the ending of a file names; GraphError KG601 if it names none."""
+    found = format_of(path)
+    if found is None:
+        hint = "Name the format with `--format`."
+        raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
+    return found
+
+
 @contextmanager
 def opened(path: Path) -> Iterator[IO[bytes]]:
     """Open a file for the engine: unpacked if it ends in `.gz`, and without a byte order mark.

@@ -14,12 +14,12 @@ import time
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import StoreError
+from kg.store.remote import SIZES
 from kg.store.remote_reading import RemoteReading
 
 if TYPE_CHECKING:
     from kg.store.layout import Layout
 
-_GRAPHS: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"
 _ENDED: Final = (
     "SELECT (MAX(STR(?moment)) AS ?last) WHERE { GRAPH ?g { ?run <http://www.w3.org/ns/prov#endedAtTime> ?moment } }"
 )
@@ -52,7 +52,7 @@ class Following:
         began = time.monotonic()
         try:
             with RemoteReading(self._layout) as snapshot:
-                seen = sorted(str(list(row)) for text in (_GRAPHS, _ENDED) for row in snapshot.rows(text))
+                seen = sorted(str(list(row)) for text in (SIZES, _ENDED) for row in snapshot.rows(text))
         except StoreError as error:
             self.failure = error
         else:

@@ -178,8 +178,4 @@ def writable(settings: Settings, *, create: bool = True) -> Iterator[EmbeddedSto
         yield store
     finally:
         if is_new and store.layout.current() is None:
-            _remove(store.layout.root)
-
-
-def _remove(root: Path) -> None:
-    shutil.rmtree(root, ignore_errors=True)
+            shutil.rmtree(store.layout.root, ignore_errors=True)

@@ -33,15 +33,14 @@ from pyoxigraph import (
     serialize,
 )
 
-from kg.errors import GraphError, Place, StoreError
-from kg.store.files import format_of, quads_of
+from kg.errors import Place, StoreError
+from kg.store.files import known_format_of, quads_of
 from kg.store.http import Answer, Endpoint, RefusedError
 from kg.store.serialization import serialized
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
-    from types import TracebackType
 
 
 class RemoteTransaction:
@@ -85,11 +84,7 @@ class RemoteTransaction:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        rdf_format = rdf_format or format_of(path)
-        if rdf_format is None:
-            hint = "Name the format with `--format`."
-            raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
-        quads = quads_of(path, rdf_format, rename=True)
+        quads = quads_of(path, rdf_format or known_format_of(path), rename=True)
         self._operations.append("INSERT DATA {\n" + "".join(_stated(quad, graph) for quad in quads) + "}")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
@@ -120,6 +115,8 @@ _VIRTUOSO_BOOLEAN: Final = re.compile(rb'("http://www\.w3\.org/2001/XMLSchema#bo
 _IN_MEMORY: Final = 16 << 20
 """Largest result in memory, in bytes; a larger one goes to a temporary file."""
 _ROWS: Final = "application/sparql-results+json"
+SIZES: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"
+"""The query for the number of triples in each named graph that is not empty."""
 _TRIPLES: Final = "application/n-triples, text/turtle;q=0.5"
 _MAKES_TRIPLES: Final = re.compile(
     r"(?:\s|\#[^\n]*\n|(?:BASE|PREFIX\s+[^\s:]*:)\s*<[^>]*>)*(?:CONSTRUCT|DESCRIBE)\b", re.IGNORECASE
@@ -222,8 +219,12 @@ class RemoteSnapshot:
 
     def count(self, graph: NamedNode | None = None) -> int:
         """Return the number of quads in a graph, or in the whole store."""
-        pattern = f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
-        return int(next(self.rows(f"SELECT (COUNT(*) AS ?n) WHERE {{ {pattern} }}"))["n"].value)
+        return int(next(self.rows(f"SELECT (COUNT(*) AS ?n) WHERE {{ {_everything(graph)} }}"))["n"].value)
+
+    def quads(self, graph: NamedNode | None = None) -> Iterator[Quad]:
+        """Yield the quads of a graph, or of the whole store."""
+        for row in self.rows(f"SELECT ?s ?p ?o ?g WHERE {{ {_everything(graph)} }}"):
+            yield Quad(row["s"], row["p"], row["o"], graph or row["g"] or DefaultGraph())
 
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
         """Serialise one graph, or everything; a format without graphs gets the union of all graphs.
@@ -231,7 +232,7 @@ class RemoteSnapshot:
         Blank nodes have the labels of this response. Raises QueryError KG504 for a triple that the format cannot
         represent.
         """
-        found: Iterable[Triple | Quad] = self._quads(graph)
+        found: Iterable[Triple | Quad] = self.quads(graph)
         if not rdf_format.supports_datasets:
             found = {cast("Quad", quad).triple: None for quad in found}
         return serialized(found, rdf_format, prefixes)
@@ -242,16 +243,8 @@ class RemoteSnapshot:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
-
-    def _quads(self, graph: NamedNode | None) -> Iterator[Quad]:
-        pattern = f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
-        for row in self.rows(f"SELECT ?s ?p ?o ?g WHERE {{ {pattern} }}"):
-            subject, predicate, value, name = row["s"], row["p"], row["o"], row["g"]
-            yield Quad(subject, predicate, value, graph or name or DefaultGraph())
 
     def _parsed(self, answer: Answer) -> QuerySolutions | QueryBoolean | QueryTriples:
         place = Place(self._endpoint.shown)
@@ -259,11 +252,19 @@ class RemoteSnapshot:
             if results := QueryResultsFormat.from_media_type(answer.media_type):
                 return parse_query_results(_with_booleans(answer.body), format=results)
             if triples := RdfFormat.from_media_type(answer.media_type):
-                return _triples(answer.body, triples)
+                # Only a query can create a result of triples.
+                store = Store()
+                store.bulk_extend(parse(answer.body, triples))
+                return cast("QueryTriples", store.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"))
         except (SyntaxError, ValueError) as error:
             raise StoreError("KG225", f"the answer of the server cannot be read: {error}", place=place) from error
         message = f"the server answered with `{answer.media_type}`, which is not a result of a query"
         raise StoreError("KG225", message, place=place, hint="Check that the address is the one for SPARQL queries.")
+
+
+def _everything(graph: NamedNode | None) -> str:
+    """Return the pattern of all quads of a graph, or of the whole store."""
+    return f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
 
 
 def _with_booleans(body: IO[bytes]) -> IO[bytes]:
@@ -277,10 +278,3 @@ def _with_booleans(body: IO[bytes]) -> IO[bytes]:
         mended.write(_VIRTUOSO_BOOLEAN.sub(lambda match: match[1] + (b"true", b"false")[match[2] == b"0"], line))
     mended.seek(0)
     return cast("IO[bytes]", mended)
-
-
-def _triples(body: IO[bytes], rdf_format: RdfFormat) -> QueryTriples:
-    """Return the triples of a response as a result of the engine, which only a query can create."""
-    store = Store()
-    store.bulk_extend(parse(body, rdf_format))
-    return cast("QueryTriples", store.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }"))

@@ -10,7 +10,7 @@ Credentials come from the environment (`kg.store.http`).
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 from urllib.parse import urlsplit
 
 from pyoxigraph import (
@@ -19,7 +19,6 @@ from pyoxigraph import (
     NamedNode,
     Quad,
     QueryBoolean,
-    QueryResultsFormat,
     QuerySolutions,
     QueryTriples,
     RdfFormat,
@@ -28,6 +27,8 @@ from pyoxigraph import (
 )
 
 from kg.errors import Place, StoreError
+from kg.store.bulk import as_tsv
+from kg.store.failure import LOCAL_HINT
 from kg.store.http import Endpoint
 from kg.store.remote import RemoteSnapshot
 from kg.store.snapshot import EmbeddedSnapshot
@@ -92,13 +93,15 @@ class RemoteReading(EmbeddedSnapshot):
         given = default_graphs is not None or named_graphs is not None
         if not union and not given and not _NAMES_GRAPHS.search(whole):
             return Store().query(whole, prefixes=known, base_iri=base)
-        _check(whole, known, base)
+        # Raises SyntaxError with the place of a syntax error, as the embedded store does.
+        Store().query(whole, prefixes=known, base_iri=base)
         if not given:
             whole = _EVERY_GRAPH.sub(self._named, whole)
         declared = f"BASE <{base}>\n" if base else ""
         return self._remote.query(
             declared + whole,
-            prefixes=_used(whole, known),
+            # Declarations of the query itself follow and take precedence.
+            prefixes={name: iri for name, iri in known.items() if f"{name}:" in whole},
             union=union and not given,
             default_graphs=default_graphs or (),
             named_graphs=named_graphs or (),
@@ -120,7 +123,7 @@ class RemoteReading(EmbeddedSnapshot):
     def quads(self) -> Iterator[Quad]:
         """Yield all quads of named graphs, graph by graph."""
         for graph in self.graphs():
-            yield from self._remote._quads(graph)  # noqa: SLF001 - the other half of this class
+            yield from self._remote.quads(graph)
 
     def rows(self, text: str) -> QuerySolutions:
         """Run a SELECT that names all its graphs."""
@@ -130,9 +133,7 @@ class RemoteReading(EmbeddedSnapshot):
         """Return the rows of a SELECT over one graph, as `kg.store.bulk.table`."""
         if graph is None:
             return b""
-        rows = cast("QuerySolutions", self.query(select.replace("WHERE {", f"FROM {graph} WHERE {{", 1), union=False))
-        text = cast("bytes", rows.serialize(format=QueryResultsFormat.TSV))
-        return text[text.index(b"\n") + 1 :]
+        return as_tsv(self.query(select.replace("WHERE {", f"FROM {graph} WHERE {{", 1), union=False))
 
     def dump(self, rdf_format: RdfFormat, *, graph: NamedNode | None = None, prefixes: Mapping[str, str] = {}) -> bytes:
         """Serialise `graph`, or everything; see `kg.store.remote.RemoteSnapshot.dump`."""
@@ -171,8 +172,7 @@ class RemoteReading(EmbeddedSnapshot):
         return head + brace + body
 
     def _unsupported(self, reason: str) -> StoreError:
-        hint = "Use a store of this machine; `kg pull` makes one of a published graph."
-        return StoreError("KG309", f"a SPARQL server cannot answer this: {reason}", place=self._place, hint=hint)
+        return StoreError("KG309", f"a SPARQL server cannot answer this: {reason}", place=self._place, hint=LOCAL_HINT)
 
 
 def without_credentials(address: str) -> None:
@@ -181,13 +181,3 @@ def without_credentials(address: str) -> None:
         hint = "Set KG_REMOTE_USER and KG_REMOTE_PASSWORD, or KG_REMOTE_TOKEN, and leave them out of the address."
         place = Place(urlsplit(address).hostname or "")
         raise StoreError("KG225", "credentials do not belong on the command line", place=place, hint=hint)
-
-
-def _used(text: str, prefixes: Mapping[str, str]) -> dict[str, str]:
-    """Return the prefixes that a query uses; its own declarations follow and take precedence."""
-    return {name: iri for name, iri in prefixes.items() if f"{name}:" in text}
-
-
-def _check(text: str, prefixes: Mapping[str, str], base: str | None) -> None:
-    """Raise SyntaxError with the place of a syntax error, as the embedded store does."""
-    Store().query(text, prefixes=dict(prefixes), base_iri=base)

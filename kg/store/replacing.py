@@ -23,6 +23,7 @@ from pyoxigraph import NamedNode
 from kg.store.changes import since
 from kg.store.layout import write_atomically
 from kg.store.locks import writer
+from kg.store.remote import SIZES
 from kg.store.snapshot import EmbeddedSnapshot
 
 if TYPE_CHECKING:
@@ -36,7 +37,6 @@ _REQUEST_BYTES: Final = 64 << 20
 """Size limit of a request, encoded as a form; servers have limits too (128 MB for Oxigraph)."""
 _LINES: Final = 10_000
 """Number of triples per operation."""
-_SIZES: Final = "SELECT ?g (COUNT(*) AS ?n) WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def replace_on(layout: Layout, remote: RemoteStore, *, request_bytes: int = _REQ
     with writer(layout, "kg build"), EmbeddedSnapshot(layout) as snapshot:
         generation, earlier = _recorded(record)
         with remote.read() as there:
-            sizes = {row["g"].value: int(row["n"].value) for row in there.rows(_SIZES)}
+            sizes = {row["g"].value: int(row["n"].value) for row in there.rows(SIZES)}
         changed = since(layout, generation, snapshot.generation).graphs if earlier else None
         counts = {graph.value: snapshot.count(graph) for graph in snapshot.graphs()}
         wanted = [

@@ -9,9 +9,11 @@ fifths of the store begins empty.
 from __future__ import annotations
 
 import shutil
+from contextlib import contextmanager
 from typing import IO, TYPE_CHECKING, cast
 
 from pyoxigraph import (
+    BlankNode,
     DefaultGraph,
     NamedNode,
     Quad,
@@ -24,12 +26,11 @@ from pyoxigraph import (
     serialize,
 )
 
-from kg.errors import GraphError, Place
 from kg.store import bulk
 from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
-from kg.store.files import format_of, reading
+from kg.store.files import known_format_of, reading
 from kg.store.layout import Layout, folder_bytes
 from kg.store.snapshot import EmbeddedSnapshot
 
@@ -108,8 +109,7 @@ class EmbeddedTransaction:
         Labels of blank nodes are preserved, here and for all N-Triples passed to this transaction: the same label is
         the same node, also in other graphs and in the store.
         """
-        with translated(str(self._layout.root)):
-            self._begin(frozenset(graphs))
+        with self._begun(frozenset(graphs)):
             self.changes.clear(*(graph.value for graph in graphs))
             for graph, chunks in graphs.items():
                 if self._engine.contains_named_graph(graph):
@@ -122,8 +122,7 @@ class EmbeddedTransaction:
 
         The terms come from `kg.graph`, or from a store, and are valid: only their syntax is checked.
         """
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             self._loaded += bulk.load(lambda: self._engine, graph, self._noted(graph, chunks))
 
     def _noted(self, graph: NamedNode, chunks: Iterable[bytes]) -> Iterator[bytes]:
@@ -136,8 +135,7 @@ class EmbeddedTransaction:
 
         The engine writes files for each index at every load, so many small loads cost far more than one large one.
         """
-        with translated(str(self._layout.root)):
-            self._begin(frozenset(graphs))
+        with self._begun(frozenset(graphs)):
             self.changes.clear(*(graph.value for graph in graphs))
             for graph, content in graphs.items():
                 self._engine.clear_graph(graph)
@@ -149,8 +147,7 @@ class EmbeddedTransaction:
 
         Blank nodes keep their labels.
         """
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             self.changes.patch(graph.value, removed, added)
             if removed.strip():
                 bulk.remove(lambda: self._engine, graph, removed)
@@ -158,54 +155,46 @@ class EmbeddedTransaction:
 
     def patch_quads(self, removed: Collection[Quad], added: Collection[Quad]) -> None:
         """Remove quads that exist, and add others that do not; blank nodes keep their labels."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             for graph in {quad.graph_name: None for quad in (*removed, *added)}:
                 gone, new = (
                     serialize((quad.triple for quad in quads if quad.graph_name == graph), format=RdfFormat.N_TRIPLES)
                     for quads in (removed, added)
                 )
-                name = "" if isinstance(graph, DefaultGraph) else graph.value
-                self.changes.patch(name, gone or b"", new or b"")
+                self.changes.patch(_name(graph), gone or b"", new or b"")
             self._loaded += bulk.exchange(lambda: self._engine, removed, added)
 
     def count(self, graph: NamedNode | DefaultGraph) -> int:
         """Return the current number of triples in a graph."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             rows = self._engine.query("SELECT (COUNT(*) AS ?n) WHERE { ?s ?p ?o }", default_graph=graph)
             return int(next(cast("QuerySolutions", rows))["n"].value)
 
     def contains(self, quad: Quad) -> bool:
         """Return whether the transaction contains a quad now."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return quad in self._engine
 
     def has_graph(self, graph: NamedNode) -> bool:
         """Return whether a named graph of that name exists at this point, even if empty."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return self._engine.contains_named_graph(graph)
 
     def quads(self, graph: NamedNode | DefaultGraph) -> Iterator[Quad]:
         """Yield the quads of a graph at this point of the transaction."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return self._engine.quads_for_pattern(None, None, None, graph)
 
     def graphs(self) -> list[NamedNode]:
         """Return the named graphs at this point of the transaction."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return [graph for graph in self._engine.named_graphs() if isinstance(graph, NamedNode)]
 
     def query(
         self, text: str, *, prefixes: Mapping[str, str] | None = None, union: bool = True
     ) -> QuerySolutions | QueryBoolean | QueryTriples:
         """Run a SPARQL query on the content at this point; with `union` over the union of all graphs."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return self._engine.query(text, prefixes=dict(prefixes or {}), use_default_graph_as_union=union)
 
     def solutions(
@@ -220,7 +209,7 @@ class EmbeddedTransaction:
 
         GRAPH sees the graphs `named`, None for all of them.
         """
-        self._begin(frozenset())
+        self._begin()
         found = self._engine.query(
             select,
             prefixes=dict(prefixes),
@@ -231,42 +220,36 @@ class EmbeddedTransaction:
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph at this point; see `kg.store.bulk.table`."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return bulk.table(lambda: self._engine, select, graph)
 
     def content(self, graph: NamedNode) -> bytes:
         """Return the content of a graph at this point, as N-Triples."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             return self._engine.dump(format=RdfFormat.N_TRIPLES, from_graph=graph) or b""
 
     def append(self, graph: NamedNode, triples: bytes) -> None:
         """Add N-Triples to a graph; blank nodes keep their labels."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             self.changes.patch(graph.value, b"", triples)
             bulk.add(lambda: self._engine, graph, triples)
 
     def drop_graph(self, graph: NamedNode) -> None:
         """Remove a graph and its content; an unknown name is ignored."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset([graph]))
+        with self._begun(frozenset([graph])):
             self.changes.clear(graph.value)
             self._engine.remove_graph(graph)
 
     def create_graph(self, graph: NamedNode) -> None:
         """Create an empty graph."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             self.changes.patch(graph.value, b"", b"")
             self._engine.add_graph(graph)
 
     def clear_graph(self, graph: NamedNode | DefaultGraph) -> None:
         """Remove all triples of a graph, but not the graph."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
-            self.changes.clear(graph.value if isinstance(graph, NamedNode) else "")
+        with self._begun():
+            self.changes.clear(_name(graph))
             self._engine.clear_graph(graph)
 
     def load_file(
@@ -286,14 +269,14 @@ class EmbeddedTransaction:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        rdf_format = rdf_format or format_of(path)
-        if rdf_format is None:
-            hint = "Name the format with `--format`."
-            raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
+        rdf_format = rdf_format or known_format_of(path)
         target = graph or DefaultGraph()
         with translated(str(self._layout.root)), reading(path, rdf_format) as file:
-            self._begin(frozenset())
-            self._note(target, rdf_format)
+            self._begin()
+            if rdf_format.supports_datasets:
+                self.changes.forget()  # the file may write to any graph
+            else:
+                self.changes.replace(_name(target))
             self._load(file, rdf_format, path.absolute().as_uri(), target, keep_labels=keep_labels)
 
     def _load(
@@ -323,17 +306,9 @@ class EmbeddedTransaction:
             self._engine.bulk_extend(_into(target, quad) for quad in loose)
             self._engine.clear_graph(default)
 
-    def _note(self, target: NamedNode | DefaultGraph, rdf_format: RdfFormat) -> None:
-        """Record the graphs that a file is loaded into; a format with graphs may write to any."""
-        if rdf_format.supports_datasets:
-            self.changes.forget()
-        else:
-            self.changes.replace(target.value if isinstance(target, NamedNode) else "")
-
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
         """Run a SPARQL update directly in the engine."""
-        with translated(str(self._layout.root)):
-            self._begin(frozenset())
+        with self._begun():
             self.changes.forget()
             self._engine.update(text, prefixes=dict(prefixes or {}))
 
@@ -377,8 +352,15 @@ class EmbeddedTransaction:
             raise ValueError("the transaction has ended")
         return self._db
 
-    def _begin(self, leaving: frozenset[NamedNode]) -> None:
-        """Create the new generation before the first change; its graphs `leaving` are about to be removed."""
+    @contextmanager
+    def _begun(self, leaving: frozenset[NamedNode] = frozenset()) -> Iterator[None]:
+        """Begin as `_begin`, and raise errors of the engine in the body as errors about the store."""
+        with translated(str(self._layout.root)):
+            self._begin(leaving)
+            yield
+
+    def _begin(self, leaving: frozenset[NamedNode] = frozenset()) -> None:
+        """Create the new generation before the first use; its graphs `leaving` are about to be removed."""
         if self._db is not None:
             return
         folder = str(self._layout.generation(self._number))
@@ -399,6 +381,11 @@ class EmbeddedTransaction:
                 if graph != DefaultGraph():
                     self._engine.add_graph(graph)
                 bulk.load(lambda: self._engine, graph, [base.content(graph)])
+
+
+def _name(graph: NamedNode | BlankNode | DefaultGraph) -> str:
+    """Return the name of a graph in changes, empty for the default graph."""
+    return "" if isinstance(graph, DefaultGraph) else graph.value
 
 
 def _into(target: NamedNode | DefaultGraph, quad: Quad) -> Quad:

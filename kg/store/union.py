@@ -36,6 +36,7 @@ def union_of(snapshots: Sequence[EmbeddedSnapshot]) -> Iterator[EmbeddedSnapshot
 
 
 def _load(engine: Store, first: EmbeddedSnapshot, others: Sequence[EmbeddedSnapshot]) -> None:
+    """Add the quads of `others` to those of `first`, which `engine` has; it is closed when this returns."""
     for other in others:
         for graph in other.every_graph():
             content = other.content(graph)

@@ -167,18 +167,9 @@ class Cursor:
                 f"unknown prefix{'es' * (len(unknown) > 1)} {', '.join(f'`{each}:`' for each in unknown)}",
                 token.start,
                 hint=asked(near) or hint,
-                fixes=[*(Fix(f"{each}{local}") for each in near), *self._declaring(unknown)],
+                fixes=[*(Fix(f"{each}{local}") for each in near), *declaring(self.text, unknown, self.path)],
             )
         return namespace + unescape_local(local)
-
-    def _declaring(self, unknown: Iterable[str]) -> Iterator[Fix]:
-        """Yield declarations of the well-known prefixes among some prefixes."""
-        usual = {**WELL_KNOWN, **PREFIXES}
-        wanted = {prefix: usual[prefix] for prefix in unknown if prefix in usual}
-        if wanted:
-            at, lines = declaration(self.text, wanted)
-            title = f"Declare {' and '.join(f'`{each}:`' for each in wanted)}"
-            yield Fix(lines, place_at(self.text, at, self.path, at), title)
 
     def _unknown_prefixes(self, first: Token) -> list[str]:
         """Return the undeclared prefixes from a token on, so one fix can declare them all."""
@@ -214,15 +205,23 @@ class Cursor:
         for token in tokens:
             if previous is not None and _apart(previous, token):
                 pieces.append(" ")
-            pieces.append(self._spelt(token))
+            if is_name(token):
+                pieces.append(str(self.named(token)))
+            else:
+                # The engine knows these two keywords in lower case only.
+                pieces.append(token.text.lower() if token.text.upper() in {"TRUE", "FALSE"} else token.text)
             previous = token
         return "".join(pieces)
 
-    def _spelt(self, token: Token) -> str:
-        if is_name(token):
-            return str(self.named(token))
-        # The engine knows these two keywords in lower case only.
-        return token.text.lower() if token.text.upper() in {"TRUE", "FALSE"} else token.text
+
+def declaring(text: str, unknown: Iterable[str], path: str, *, turtle: bool = False) -> Iterator[Fix]:
+    """Yield the fix that declares the well-known prefixes among those that a text does not declare."""
+    usual = {**WELL_KNOWN, **PREFIXES}
+    wanted = {prefix: usual[prefix] for prefix in unknown if prefix in usual}
+    if wanted:
+        at, lines = declaration(text, wanted, turtle=turtle)
+        title = f"Declare {' and '.join(f'`{each}:`' for each in wanted)}"
+        yield Fix(lines, place_at(text, at, path, at), title)
 
 
 def _apart(left: Token, right: Token) -> bool:

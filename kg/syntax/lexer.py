@@ -17,7 +17,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
 
 class Kind(Enum):
@@ -110,6 +110,25 @@ def tokens_of(text: str) -> tuple[Token, ...]:
         found.append(token)
         token = token_at(text, token.end)
     return tuple(found)
+
+
+@lru_cache(maxsize=_KEPT)
+def bare(text: str) -> str:
+    """Return an expression without brackets around all of it; strings and IRIs are not searched for brackets."""
+    found = tokens_of(text)
+    while len(found) > 2 and found[0].text == "(" and partner(found) == len(found) - 1:  # noqa: PLR2004 - both brackets and more
+        found = found[1:-1]
+    return text[found[0].start : found[-1].end] if found else text
+
+
+def partner(found: Sequence[Token]) -> int:
+    """Return the index of the bracket that closes the first of some tokens, -1 if none does."""
+    depth = 0
+    for index, token in enumerate(found):
+        depth += (token.text in {"(", "[", "{"}) - (token.text in {")", "]", "}"})
+        if depth == 0:
+            return index
+    return -1
 
 
 def as_operator(token: Token) -> Token:

@@ -105,8 +105,10 @@ class _Construct(Patterns):
             raise self.expected("`CONSTRUCT`", ("CONSTRUCT", "PREFIX", "BASE"))
         self.advance()
         short = not self.at("{")
-        template = () if short else self.template()
-        self._refuse_dataset()
+        template = [] if short else self.triples_in_braces(Mode.TEMPLATE)
+        if self.at_word("FROM"):
+            hint = "Rules read all graphs; write GRAPH <...> { ... } for one of them."
+            raise self.error("FROM is not allowed in rules", self.token.start, code="KG209", hint=hint)
         if short:
             self.expect_word("WHERE")
             template, group = self._both()
@@ -117,19 +119,12 @@ class _Construct(Patterns):
         self._refuse_modifiers()
         if self.at_word("VALUES"):
             group = self._with_values(group, (), grouped=False)
-        return RuleText(template, group, asserted=False, span=self.span(start), calls=tuple(self.calls))
+        return RuleText(tuple(template), group, asserted=False, span=self.span(start), calls=tuple(self.calls))
 
-    def template(self) -> tuple[TriplePattern, ...]:
-        """Parse triples in braces whose labels are new blank nodes."""
-        self.expect("{")
-        triples = self.triples(Mode.TEMPLATE)
-        self.expect("}", " or `.`" if triples else " or triples")
-        return tuple(triples)
-
-    def _both(self) -> tuple[tuple[TriplePattern, ...], Group]:
+    def _both(self) -> tuple[list[TriplePattern], Group]:
         """Parse triples that are both template and pattern."""
         start, first, token = self.token.start, len(self.consumed), self.token
-        template = self.template()
+        template = self.triples_in_braces(Mode.TEMPLATE)
         spelt = self.spelling(self.consumed[first:])
         del self.consumed[first:]
         self.token = token
@@ -137,11 +132,6 @@ class _Construct(Patterns):
         pattern = self.triples(Mode.PATTERN)
         self.expect("}")
         return template, Group(tuple(pattern), self.span(start), spelt)
-
-    def _refuse_dataset(self) -> None:
-        if self.at_word("FROM"):
-            hint = "Rules read all graphs; write GRAPH <...> { ... } for one of them."
-            raise self.error("FROM is not allowed in rules", self.token.start, code="KG209", hint=hint)
 
     def _refuse_modifiers(self) -> None:
         start = self.token.start
@@ -185,7 +175,7 @@ class _Query(_Construct):
         if self.accept_word("CONSTRUCT"):
             short = not self.at("{")
             if not short:
-                self.template()
+                self.triples_in_braces(Mode.TEMPLATE)
             self._dataset()
             if short:
                 self.expect_word("WHERE")
@@ -223,7 +213,7 @@ class _RuleSets(Patterns):
             "BASE": self.base_iri,
             "VERSION": self.version,
             "IMPORTS": lambda: imports.append(self.iri()),
-            "DATA": lambda: data.extend(self._data()),
+            "DATA": lambda: data.extend(self.triples_in_braces(Mode.DATA)),
         }
         while not self.at_end():
             if self.at_word("RULE"):
@@ -241,18 +231,10 @@ class _RuleSets(Patterns):
             return self.error("SPARQL RL has no CONSTRUCT", self.token.start, hint=hint, fixes=fixes)
         return self.expected("`RULE` or `DATA`", _STATEMENTS)
 
-    def _data(self) -> list[TriplePattern]:
-        self.expect("{")
-        triples = self.triples(Mode.DATA)
-        self.expect("}", " or `.`" if triples else " or triples")
-        return triples
-
     def _rule(self) -> RuleText:
         start = self.expect_word("RULE").start
         identifier = self.iri() if self.at_iri() else None
-        self.expect("{", "" if identifier else " or the IRI of the rule")
-        template = self.triples(Mode.TEMPLATE)
-        self.expect("}", " or `.`" if template else " or triples")
+        template = self.triples_in_braces(Mode.TEMPLATE, "" if identifier else " or the IRI of the rule")
         self.expect_word("WHERE")
         asserted = self.accept_word("DATA")
         self.begin_labels()

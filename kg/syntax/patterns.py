@@ -103,17 +103,14 @@ class Patterns(Triples):
                     raise self.error("comparisons do not chain", self.token.start, hint="Join two with `&&`.")
                 compared = True
                 if self.token.kind is Kind.WORD:
-                    self._membership()
+                    self.accept_word("NOT")
+                    self.expect_word("IN")
+                    self._arguments()
                     continue
             elif not self.at(*_ARITHMETIC):
                 return
             self.advance()
             self._operand()
-
-    def _membership(self) -> None:
-        self.accept_word("NOT")
-        self.expect_word("IN")
-        self._arguments()
 
     def _operand(self) -> None:
         """Parse an operand with its prefix operators: any number of `!`, or one `-` or `+`."""
@@ -222,18 +219,15 @@ class Patterns(Triples):
         self.aggregates_allowed = False
         argument = None if name == "COUNT" and self.accept("*") else self.expression()
         self.aggregates_allowed = True
-        separator = self._separator() if name == "GROUP_CONCAT" else " "
+        separator = " "
+        if name == "GROUP_CONCAT" and self.accept(";"):
+            self.expect_word("SEPARATOR")
+            self.expect("=")
+            separator = self.string()
         self.expect(")")
         text = self.spelling(self.consumed[first:])
         call = tree.AggregateCall(name, argument, distinct, separator, self.span(start), text)
         self._open[-1].aggregates.append(call)
-
-    def _separator(self) -> str:
-        if not self.accept(";"):
-            return " "
-        self.expect_word("SEPARATOR")
-        self.expect("=")
-        return self.string()
 
     def sub_select(self) -> tree.SubSelect:
         """Parse a sub-SELECT without its braces."""
@@ -313,11 +307,9 @@ class Patterns(Triples):
             hint = "Put it before the sub-SELECT or into its braces."
             message = "VALUES after a grouped sub-SELECT is not allowed in rules"
             raise self.error(message, start, code="KG209", hint=hint)
-        text = group.text[:-1] + self._spelt_since(start) + " }" if group.text else ""
+        spelt = self.spelling([token for token in self.consumed if token.start >= start])
+        text = f"{group.text[:-1]}{spelt} }}" if group.text else ""
         return tree.Group((*group.nodes, tree.ValuesBlock(variables, rows, self.span(start))), group.span, text)
-
-    def _spelt_since(self, start: int) -> str:
-        return self.spelling([token for token in self.consumed if token.start >= start])
 
     def modifiers(self) -> tuple[tuple[tree.Projection, ...], tuple[tree.Expression, ...], bool]:
         """Parse solution modifiers: GROUP BY, HAVING, ORDER BY, LIMIT and OFFSET."""
@@ -413,7 +405,7 @@ class Patterns(Triples):
         if self.at_label() or self.at("["):
             raise self.error("a blank node in VALUES", self.token.start, hint="VALUES takes IRIs, literals and UNDEF.")
         start = self.token.start
-        term = self.triple_term(Mode.DATA) if self.at("<<(") else self.simple_term(Mode.DATA, "a term or UNDEF")
+        term = self.any_term(Mode.DATA, "a term or UNDEF")
         if not isinstance(term, NamedNode | Literal | Triple):
             raise self.error("a triple term in VALUES must not contain blank nodes or a literal subject", start)
         return term
@@ -465,11 +457,15 @@ class Patterns(Triples):
     def _filter(self) -> tree.Node:
         start = self.advance().start
         first = len(self.consumed)
-        expression = self.constraint()
-        node = tree.Filter(expression, self.span(start))
+        expression, span = self.constraint(), self.span(start)
         spans = [exists.span for exists in expression.exists]
         tokens = (token for token in self.consumed[first:] if not any(s.start <= token.start < s.end for s in spans))
-        return filter_of(node, [token.text for token in tokens])
+        outside = [token.text for token in tokens]
+        if len(spans) != 1 or not set(outside) <= {"(", ")", "!"}:
+            return tree.Filter(expression, span)
+        # The filter is EXISTS and nothing else.
+        (only,) = expression.exists
+        return tree.Exists(only.group, only.negated ^ (outside.count("!") % 2 == 1), asserted=False, span=span)
 
     def _braced(self, kind: type[tree.Optional | tree.Minus]) -> tree.Node:
         start = self.advance().start
@@ -490,7 +486,9 @@ class Patterns(Triples):
         self.expect("(")
         expression = self.expression()
         self.expect_word("AS")
-        variable = self.new_variable(tree.visible(before), "BIND")
+        if self.token.kind is Kind.VARIABLE and self.token.text[1:] in tree.visible(before):
+            raise self.error(f"BIND assigns to `{self.token.text}`, which is bound before it", self.token.start)
+        variable = self.variable()
         self.expect(")")
         return tree.Bind(variable, expression, self.span(start))
 
@@ -503,11 +501,3 @@ class Patterns(Triples):
         if len(groups) == len(only) == 1 and isinstance(only[0], tree.SubSelect):
             return only[0]
         return tree.Union(tuple(groups), self.span(start))
-
-
-def filter_of(node: tree.Filter, outside: list[str]) -> tree.Filter | tree.Exists:
-    """Return a filter as EXISTS if it is nothing else; `outside` are the tokens around that."""
-    if len(node.expression.exists) != 1 or not set(outside) <= {"(", ")", "!"}:
-        return node
-    (only,) = node.expression.exists
-    return tree.Exists(only.group, only.negated ^ (outside.count("!") % 2 == 1), asserted=False, span=node.span)

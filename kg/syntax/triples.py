@@ -9,7 +9,7 @@ from typing import Final
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
 
 from kg.syntax.cursor import Cursor
-from kg.syntax.lexer import Kind, Token, quoted, unescape
+from kg.syntax.lexer import Kind, quoted, unescape
 from kg.syntax.terms import Pattern, TripleTerm, Variable
 from kg.syntax.tree import Alternative, Inverse, Negated, Path, Repeat, Sequence, TriplePattern
 
@@ -37,11 +37,6 @@ class Mode(Enum):
     """A label is a new blank node in each solution."""
     PATTERN = auto()
     """A label is a variable that has no name outside; predicates may be paths."""
-
-
-def variable_of(token: Token) -> Variable:
-    """Return the variable of a token."""
-    return Variable(token.text[1:])
 
 
 @dataclass(slots=True)
@@ -74,13 +69,7 @@ class Triples(Cursor):
         """Parse a variable."""
         if self.token.kind is not Kind.VARIABLE:
             raise self.expected("a variable")
-        return variable_of(self.advance())
-
-    def new_variable(self, known: set[str], what: str) -> Variable:
-        """Parse a new variable to assign to; KG201 if it is already bound."""
-        if self.token.kind is Kind.VARIABLE and self.token.text[1:] in known:
-            raise self.error(f"{what} assigns to `{self.token.text}`, which is bound before it", self.token.start)
-        return self.variable()
+        return Variable(self.advance().text[1:])
 
     def blank(self, mode: Mode, label: str | None = None) -> Variable | BlankNode:
         """Return the term of a blank node, a new one without a label."""
@@ -182,39 +171,28 @@ class Triples(Cursor):
             return self.labelled(mode)
         if self.at_literal():
             return self.literal()
-        if self.at("["):
-            return self.anonymous(mode)
+        if self.accept("["):
+            self.expect("]")
+            return self.blank(mode)
         return self.iri(what)
-
-    def anonymous(self, mode: Mode) -> Variable | BlankNode:
-        """Parse `[]`."""
-        self.expect("[")
-        self.expect("]")
-        return self.blank(mode)
 
     def verb(self, mode: Mode) -> NamedNode | Variable:
         """Parse a predicate that is not a path."""
-        if self.token.kind is Kind.WORD and self.token.text == "a":
-            self.advance()
-            return TYPE
         if self.token.kind is Kind.VARIABLE and mode is not Mode.DATA:
             return self.variable()
-        return self.iri("a predicate")
+        return self._step("a predicate")
 
     def triple_term(self, mode: Mode) -> Pattern:
         """Parse `<<( subject predicate object )>>`."""
         with self.nested():
             self.expect("<<(")
-            parts = self._inner(mode), self.verb(mode), self._inner(mode)
+            parts = self.any_term(mode, "a term"), self.verb(mode), self.any_term(mode, "a term")
             self.expect(")>>")
         return triple_of(*parts)
 
-    def _inner(self, mode: Mode) -> Pattern:
-        return self.triple_term(mode) if self.at("<<(") else self.simple_term(mode, "a term")
-
-    def path_or_variable(self) -> Path | Variable:
-        """Parse the predicate of a pattern."""
-        return self.variable() if self.token.kind is Kind.VARIABLE else self._path()
+    def any_term(self, mode: Mode, what: str) -> Pattern:
+        """Parse a triple term or what `simple_term` parses."""
+        return self.triple_term(mode) if self.at("<<(") else self.simple_term(mode, what)
 
     def _path(self) -> Path:
         parts = [self._sequence()]
@@ -277,11 +255,22 @@ class Triples(Cursor):
             raise self.error(f"{what} is not a path of SPARQL RL", self.token.start, hint=hint)
         return True
 
+    def triples_in_braces(self, mode: Mode, what: str = "") -> list[TriplePattern]:
+        """Parse any number of triples in braces; `what` is what may be there instead of the first brace."""
+        self.expect("{", what)
+        triples = self.triples(mode)
+        self.expect("}", " or `.`" if triples else " or triples")
+        return triples
+
     def triples(self, mode: Mode) -> list[TriplePattern]:
         """Parse any number of triples separated by full stops."""
         block = Block(mode)
         while self.at_subject():
-            self._same_subject(block)
+            start, before = self.token.start, len(block.triples)
+            subject = self._node(block, "a subject")
+            # A reified triple, a collection and a blank node with properties are complete without more properties.
+            if self._at_verb() or len(block.triples) == before:
+                self._property_list(block, subject, start)
             if not self.accept("."):
                 break
         return block.triples
@@ -292,20 +281,6 @@ class Triples(Cursor):
             return True
         return self.at("(", "[", "<<", "<<(") or self.at_literal()
 
-    def _same_subject(self, block: Block) -> None:
-        start = self.token.start
-        subject, alone = self._subject(block)
-        if self._at_verb() or not alone:
-            self._property_list(block, subject, start)
-
-    def _subject(self, block: Block) -> tuple[Pattern, bool]:
-        """Return a subject and whether it is complete without properties."""
-        if self.at("<<"):
-            return self._reified(block), True
-        before = len(block.triples)
-        subject = self._node(block, "a subject")
-        return subject, len(block.triples) > before
-
     def _at_verb(self) -> bool:
         if self.token.kind in {Kind.VARIABLE, Kind.IRI, Kind.NAME}:
             return True
@@ -313,7 +288,8 @@ class Triples(Cursor):
 
     def _property_list(self, block: Block, subject: Pattern, start: int) -> None:
         while True:
-            predicate = self.path_or_variable() if block.mode is Mode.PATTERN else self.verb(block.mode)
+            path = block.mode is Mode.PATTERN and self.token.kind is not Kind.VARIABLE
+            predicate = self._path() if path else self.verb(block.mode)
             self._object(block, subject, predicate, start)
             while self.accept(","):
                 self._object(block, subject, predicate, self.token.start)
@@ -335,15 +311,12 @@ class Triples(Cursor):
         """Parse a term, a collection or a blank node with properties."""
         if self.at("<<"):
             return self._reified(block)
-        if self.at("<<("):
-            return self.triple_term(block.mode)
         if self.at("("):
             return self._collection(block)
-        return self._bracketed(block) if self.at("[") else self.simple_term(block.mode, what)
-
-    def _bracketed(self, block: Block) -> Pattern:
+        if not self.at("["):
+            return self.any_term(block.mode, what)
         with self.nested():
-            self.expect("[")
+            self.advance()
             node = self.blank(block.mode)
             if not self.accept("]"):
                 self._property_list(block, node, self.token.start)
@@ -385,9 +358,7 @@ class Triples(Cursor):
         return name
 
     def _reified_part(self, block: Block, what: str) -> Pattern:
-        if self.at("<<"):
-            return self._reified(block)
-        return self.triple_term(block.mode) if self.at("<<(") else self.simple_term(block.mode, what)
+        return self._reified(block) if self.at("<<") else self.any_term(block.mode, what)
 
     def _reifier(self, block: Block) -> Pattern:
         """Parse `~ name`, whose name may be missing."""

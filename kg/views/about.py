@@ -46,7 +46,10 @@ def about(snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str) -> dict[s
     if thing and thing.kind == "package" and "#" not in iri:
         return {
             "repository": thing.parts[0],
-            **{key: _values(snapshot, f"{node} {path} ?value") for key, path in _LITERALS.items()},
+            **{
+                key: sorted(column(snapshot, f"SELECT DISTINCT ?value {{ {node} {path} ?value }}"))
+                for key, path in _LITERALS.items()
+            },
             "requires": _named(snapshot, _NEEDS % node),
             "required_by": _named(snapshot, _NEEDED % node),
         }
@@ -64,10 +67,6 @@ def about(snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str) -> dict[s
             for *row, repository, path, line in fields
         ]
     }
-
-
-def _values(snapshot: EmbeddedSnapshot, pattern: str) -> list[str]:
-    return sorted(column(snapshot, f"SELECT DISTINCT ?value {{ {pattern} }}"))
 
 
 def _named(snapshot: EmbeddedSnapshot, query: str) -> list[dict[str, str | None]]:

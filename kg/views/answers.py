@@ -33,7 +33,6 @@ from kg.store.kept import keep, kept
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.rules.selecting import Columns
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
@@ -67,7 +66,7 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
     """Return the figures of the store whose content `snapshot` is."""
 
     def make() -> Figures:
-        graph = _whole(snapshot)
+        graph = columns_of(snapshot)
         return Figures(statistics(graph), counted(graph))
 
     return _answer(snapshot, "stats", Figures, make)
@@ -76,7 +75,9 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
 def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
     """Return the topics, services or actions of the store, as `kg.graph.overview.channels` does."""
     name = f"{kind}-all" if implicit else kind
-    return _answer(snapshot, name, list[Channel], lambda: overview.channels(_whole(snapshot), kind, implicit=implicit))
+    return _answer(
+        snapshot, name, list[Channel], lambda: overview.channels(columns_of(snapshot), kind, implicit=implicit)
+    )
 
 
 def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
@@ -84,7 +85,8 @@ def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
 
     def make() -> list[NodeLine]:
         return [
-            NodeLine(str(one.node.kind), one.iri, json_text(node_object(one))) for one in node_records(_whole(snapshot))
+            NodeLine(str(one.node.kind), one.iri, json_text(node_object(one)))
+            for one in node_records(columns_of(snapshot))
         ]
 
     return _answer(snapshot, "nodes", list[NodeLine], make)
@@ -92,22 +94,22 @@ def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
 
 def node_summaries(snapshot: EmbeddedSnapshot) -> list[NodeSummary]:
     """Return all node types of the store with the numbers of their interfaces, as `kg.graph.overview.nodes` does."""
-    return _answer(snapshot, "summaries", list[NodeSummary], lambda: overview.nodes(_whole(snapshot)))
+    return _answer(snapshot, "summaries", list[NodeSummary], lambda: overview.nodes(columns_of(snapshot)))
 
 
 def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
     """Return all names of topics, services and actions, as `kg.graph.channels_reading.every_name` does."""
-    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(_whole(snapshot)))
+    return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(columns_of(snapshot)))
 
 
 def partly_known(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of ends that are not known whole, as `kg.graph.impact_parts.partly_known` does."""
-    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(_whole(snapshot)))
+    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(columns_of(snapshot)))
 
 
 def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
     """Return the names of settings and of what they set, as `kg.graph.impact_parts.set_names` does."""
-    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(_whole(snapshot)))
+    return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(columns_of(snapshot)))
 
 
 def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str, Any]]]) -> list[dict[str, Any]]:
@@ -117,37 +119,27 @@ def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str
 
 def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None = None) -> dict[str, int]:
     """Return how long lists over the whole store are; without `make` nothing where that is not kept."""
-    return (
-        _answer(snapshot, "totals", dict[str, int], make) if make else _kept(snapshot, "totals", dict[str, int]) or {}
-    )
-
-
-def _whole(snapshot: EmbeddedSnapshot) -> Columns | EmbeddedSnapshot:
-    """Return what is asked about the whole store."""
-    return columns_of(snapshot)
+    kind = dict[str, int]
+    return _answer(snapshot, "totals", kind, make) if make else _kept(snapshot, "totals", kind) or {}
 
 
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
     found = _kept(snapshot, name, kind)
     if found is None:
-        found = _made(make)
+        # An answer has no garbage in cycles, which would be searched for again and again as it grows.
+        enabled = gc.isenabled()
+        gc.disable()
+        try:
+            found = make()
+        finally:
+            if enabled:
+                gc.enable()
         version = _version()
         if version is not None and snapshot.layout is not None:
             with suppress(OSError):
                 keep(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(found)])
     return found
-
-
-def _made(make: Callable[[], _Answer]) -> _Answer:
-    """Compute an answer. It has no garbage in cycles, which would be searched for again and again as it grows."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        return make()
-    finally:
-        if enabled:
-            gc.enable()
 
 
 def _kept(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:

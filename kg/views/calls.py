@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
-from inspect import BoundArguments, Parameter, signature
+from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, Final, get_type_hints
 
 import msgspec
@@ -43,19 +43,15 @@ class View:
     def __call__(self, snapshot: EmbeddedSnapshot, settings: Settings, /, **arguments: Any) -> Any:
         """Return the result of the view."""
         function = self.function
+        kinds = get_type_hints(function, localns=_NAMES)
         try:
-            _fit(function, signature(function).bind(snapshot, settings, **arguments))
+            given = signature(function).bind(snapshot, settings, **arguments)
+            for name, value in given.arguments.items():
+                extra = given.signature.parameters[name].kind is Parameter.VAR_KEYWORD
+                msgspec.convert(value, dict[str, kinds[name]] if extra else kinds[name])  # type: ignore[valid-type]  # read now
         except (TypeError, msgspec.ValidationError) as error:
             raise QueryError("KG505", f"the view `{self._name}` cannot be called like that: {error}") from None
         return function(snapshot, settings, **arguments)
-
-
-def _fit(function: Callable[..., Any], given: BoundArguments) -> None:
-    """Raise `msgspec.ValidationError` for an argument of another type than the function takes."""
-    kinds = get_type_hints(function, localns=_NAMES)
-    for name, value in given.arguments.items():
-        extra = given.signature.parameters[name].kind is Parameter.VAR_KEYWORD
-        msgspec.convert(value, dict[str, kinds[name]] if extra else kinds[name])  # type: ignore[valid-type]  # read now
 
 
 CALLS: Final[dict[str, View]] = {

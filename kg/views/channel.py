@@ -22,7 +22,7 @@ from kg.graph.systems_reading import system_names
 from kg.names import normalise
 from kg.similar import unknown
 from kg.views.evidence import Places, places
-from kg.views.system_rows import set_at
+from kg.views.system_rows import MISMATCHES, set_at
 from kg.views.systems import chosen_systems
 from kg.views.wording import TITLES
 
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _KINDS: Final = ("topic", "service", "action")
-_MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
-"""Findings that say of two ends of one name that nothing passes between them: their types or QoS do not fit."""
 
 
 def channel(
@@ -63,7 +61,8 @@ def channel(
         UsageError: KG003 for another kind.
     """
     systems = chosen_systems(snapshot, system, settings.base)
-    thing = Iris(settings.base).parse(name) if name.startswith(settings.base) else None
+    iris = Iris(settings.base)
+    thing = iris.parse(name) if name.startswith(settings.base) else None
     if thing is not None and thing.kind in _KINDS:
         kind, name = thing.kind, thing.parts[0]
     chosen, others = channels_meant(snapshot, kind, name, systems)
@@ -73,7 +72,7 @@ def channel(
     found: dict[str, Any] = {
         "kind": kind,
         "name": chosen,
-        "iri": Iris(settings.base).channel(kind, chosen) if chosen else None,
+        "iri": iris.channel(kind, chosen) if chosen else None,
         "types": [],
         "systems": [],
         "meant": [summaries[one] for one in others if one in summaries],
@@ -82,8 +81,12 @@ def channel(
     }
     if chosen is None:
         return found
-    rows = _Endpoints(snapshot, settings, systems)
-    launched = [one for one in systems_at(snapshot, kind, chosen, settings.base) if rows.looks_at(one)]
+    rows = _Endpoints(snapshot, settings)
+    launched = []
+    for each in systems_at(snapshot, kind, chosen, settings.base):
+        own = each.configuration
+        if systems is None or iris.configuration(own.repository, own.path) in systems:
+            launched.append(each)
     endpoints = rows.of_systems(launched)
     if systems is None:
         endpoints += rows.of_code(ends_in_code(snapshot, kind, chosen, settings.base), launched)
@@ -150,7 +153,7 @@ def _findings(
     found = []
     for (code, severity, message), (subjects, where) in about.items():
         inside = sorted({named[one] for one in where if one in named})
-        if code in _MISMATCHES and inside:
+        if code in MISMATCHES and inside:
             found.append(
                 {"code": code, "severity": severity, "message": message, "systems": inside, "subjects": subjects}
             )
@@ -160,15 +163,9 @@ def _findings(
 class _Endpoints:
     """Rows of ends: one for each start of a node and line of code, with all the launch files that have it."""
 
-    def __init__(self, snapshot: EmbeddedSnapshot, settings: Settings, systems: frozenset[str] | None) -> None:
+    def __init__(self, snapshot: EmbeddedSnapshot, settings: Settings) -> None:
         self._where: Places = places(snapshot)
         self._iris = Iris(settings.base)
-        self._chosen = systems
-
-    def looks_at(self, system: System) -> bool:
-        """Return whether a system is one of those to look at."""
-        own = system.configuration
-        return self._chosen is None or self._iris.configuration(own.repository, own.path) in self._chosen
 
     def of_systems(self, systems: Iterable[System]) -> list[dict[str, Any]]:
         """Return the ends of instances, by role, name and place."""

@@ -19,17 +19,13 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
     from kg.store.snapshot import EmbeddedSnapshot
 
+_declared: Final = once(declared)
 _LAST: Final[dict[str, Kept]] = {}  # what is kept of the snapshot that was asked last, by its store and its identity
 
 
 def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]:  # noqa: ARG001 - every view is given settings
     """Return prefix to namespace: those predefined in queries, and those that the store declares (`sh:declare`)."""
     return {**_declared(snapshot), **PREFIXES}
-
-
-@once
-def _declared(snapshot: EmbeddedSnapshot) -> dict[str, str]:
-    return declared(snapshot)
 
 
 def diagnose(snapshot: Snapshot, settings: Settings, text: str = "") -> dict[str, Any]:
@@ -52,7 +48,10 @@ def complete(
     Raises:
         UsageError: KG003 for a position that is not a number.
     """
-    at = _whole(position)
+    try:
+        at = int(position)
+    except ValueError:
+        raise UsageError("KG003", f"the position `{position}` is not a number") from None
     found = service.complete(
         text,
         len(text) if at < 0 else at,
@@ -71,10 +70,3 @@ def kept_of(snapshot: Snapshot, settings: Settings) -> Kept:
         _LAST.clear()
         _LAST[key] = Kept(cache, snapshot)
     return _LAST[key].over(snapshot)
-
-
-def _whole(position: str | int) -> int:
-    try:
-        return int(position)
-    except ValueError:
-        raise UsageError("KG003", f"the position `{position}` is not a number") from None

@@ -48,7 +48,7 @@ class Places:
     def of(cls, states: Iterable[SourceState], quoted: Quoted | None = None) -> Places:
         """Return the places of some sources; `quoted` gives the stored lines of a file of a source, by number."""
         known = {one.name: one for one in states}
-        return cls(known, Lines({name: one.root for name, one in known.items() if one.root}), quoted or _nothing)
+        return cls(known, Lines({name: one.root for name, one in known.items() if one.root}), quoted or (lambda *_: {}))
 
     def evidence(self, repository: str, location: Location) -> dict[str, Any]:
         """Return a place for interfaces; `location` may name another repository than that of the fact.
@@ -155,10 +155,6 @@ def places(snapshot: EmbeddedSnapshot) -> Places:
         return quoted_lines(graph, repository, path) if graph is not None else {}
 
     return Places.of(sources(snapshot), quoted)
-
-
-def _nothing(_repository: str, _path: str) -> Mapping[int, str]:
-    return {}
 
 
 def _is_same(now: str, read: str) -> bool:

@@ -17,12 +17,11 @@ from kg.views.evidence import Places, places
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
 _MOST: Final = 100
+_opened: Final = once(search_of)
 
 
 def find(
@@ -40,15 +39,21 @@ def find(
         UsageError: KG003 for an unknown filter, or nothing to search for; KG701, KG702, KG703 for a
             value that no node has.
     """
-    given = {name: _values(value) for name, value in filters.items() if value.strip()}
+    given = {
+        name: [one.strip() for one in value.split(",") if one.strip()]
+        for name, value in filters.items()
+        if value.strip()
+    }
     for name in given:
         if name not in FILTERS:
             hint = did_you_mean(name, FILTERS) or f"Valid filters: {', '.join(FILTERS)}."
             raise UsageError("KG003", f"unknown filter `{name}`", hint=hint)
     if not text.strip() and not given:
         raise UsageError("KG003", "nothing to search for", hint="Give words or a filter.")
+    if not 0 < whole(limit, 0) <= _MOST:
+        raise UsageError("KG003", f"`{limit}` is not a valid limit", hint=f"Give a whole number from 1 to {_MOST}.")
     search = search_over(snapshot, settings)
-    answer = search.find(text, given, _whole(limit))
+    answer = search.find(text, given, int(limit))
     only, rather = understood(answer.need)
     where = places(snapshot)
     return {
@@ -73,21 +78,6 @@ def choices(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, list[st
 def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:
     """Return the search over a snapshot, whose index is built where the store does not keep it yet."""
     return _opened(snapshot, layout_of(settings).cache)
-
-
-@once
-def _opened(snapshot: EmbeddedSnapshot, cache: Path) -> Search:
-    return search_of(snapshot, cache)
-
-
-def _values(text: str) -> list[str]:
-    return [value.strip() for value in text.split(",") if value.strip()]
-
-
-def _whole(limit: str) -> int:
-    if not 0 < whole(limit, 0) <= _MOST:
-        raise UsageError("KG003", f"`{limit}` is not a valid limit", hint=f"Give a whole number from 1 to {_MOST}.")
-    return int(limit)
 
 
 def _hit(hit: Hit, where: Places) -> dict[str, Any]:

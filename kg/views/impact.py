@@ -102,7 +102,8 @@ def _types(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterato
 
 def _nodes(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
     if name.startswith("/"):
-        yield from (Subject(Kind.NODE, name) for _ in range(name in started_names(snapshot, name)))
+        if name in started_names(snapshot, name):
+            yield Subject(Kind.NODE, name)
         return
     for record in world.records(nodes_called(snapshot, name)):
         yield Subject(Kind.NODE, f"{record.package}/{record.node.name}")
@@ -111,6 +112,7 @@ def _nodes(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterato
 def _parameters(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
     if nodes_with_parameter(snapshot, spellings(name)):
         yield Subject(Kind.PARAMETER, name)
+    # Names of nodes and of parameters may both contain dots, so each dot may be between the two.
     splits = [(name[:at], name[at + 1 :]) for at, sign in enumerate(name) if sign == "."]
     for owner, inner in splits:
         if owner.startswith("/") and owner in started_names(snapshot, owner):

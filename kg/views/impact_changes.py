@@ -70,6 +70,7 @@ def _packages(before: State, after: State) -> set[str]:
         {(name, path): package for name, source in state.sources.items() for path, package in source.packages.items()}
         for state in (before, after)
     ]
+    # Both ways round: packages that are gone are only in the first state, new ones only in the second.
     return {
         package.name
         for one, other in (both, both[::-1])

@@ -128,7 +128,11 @@ class StoredWorld:
         key = repository, path
         if key not in self._lines:
             file = places(self._snapshot).file(repository, Location(path, 0)) if repository else Path(path)
-            self._lines[key] = _read(file) if file else ()
+            try:
+                is_readable = file is not None and file.stat().st_size <= _LARGEST
+                self._lines[key] = file.read_text("utf-8", "replace").splitlines() if file and is_readable else ()
+            except OSError:
+                self._lines[key] = ()
         return self._lines[key]
 
     def _graphs(self, subject: Subject) -> set[str]:
@@ -139,7 +143,7 @@ class StoredWorld:
             ]
             return systems_naming(self._snapshot, [subject.name], [one.iri for one in named])
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
-            affected = affected_types(subject.owner or subject.name, self.definitions(subject))
+            affected = self._affected(subject)
             using = [one for one in self.nodes(subject) if any(uses_type(end, affected) for end in one.node.interfaces)]
             return systems_naming(self._snapshot, (), [one.iri for one in using])
         if subject.kind is Kind.NODE:
@@ -164,8 +168,7 @@ class StoredWorld:
         if subject.kind in CHANNELS:
             return at_channel(self._snapshot, subject.kind, subject.name, partly_known(self._snapshot))
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
-            affected = affected_types(subject.owner or subject.name, self.definitions(subject))
-            return of_types(self._snapshot, (name for _, name in affected))
+            return of_types(self._snapshot, (name for _, name in self._affected(subject)))
         if subject.kind is Kind.NODE:
             return at_node(self._snapshot, subject.name, self._types_called(subject)), []
         if subject.kind is Kind.PARAMETER:
@@ -178,8 +181,7 @@ class StoredWorld:
         if subject.kind in CHANNELS:
             return nodes_at_channel(snapshot, name)
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
-            affected = affected_types(subject.owner or name, self.definitions(subject))
-            return nodes_of_types(snapshot, (one for _, one in affected))
+            return nodes_of_types(snapshot, (one for _, one in self._affected(subject)))
         if subject.kind is Kind.NODE:
             own = nodes_called(snapshot, name)
             plugins = {one.node.plugin for one in self.records(own) if one.node.plugin}
@@ -190,12 +192,9 @@ class StoredWorld:
             return nodes_with_parameter(snapshot, spellings(name))
         return nodes_in_file(snapshot, name) if subject.kind is Kind.FILE else set()
 
+    def _affected(self, subject: Subject) -> Mapping[tuple[str, str], tuple[str, ...]]:
+        """Return the types that a change to a type or one of its fields reaches."""
+        return affected_types(subject.owner or subject.name, self.definitions(subject))
+
     def _types_called(self, subject: Subject) -> list[str]:
         return [one.iri for one in self.nodes(subject) if f"{one.package}/{one.node.name}" == subject.name]
-
-
-def _read(file: Path) -> Sequence[str]:
-    try:
-        return file.read_text("utf-8", "replace").splitlines() if file.stat().st_size <= _LARGEST else ()
-    except OSError:
-        return ()

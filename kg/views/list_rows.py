@@ -108,22 +108,8 @@ def packages(snapshot: EmbeddedSnapshot, base: str) -> Rows:
     return answers.rows(snapshot, "list-packages", make)
 
 
-def topics(snapshot: EmbeddedSnapshot, base: str) -> Rows:
-    """Return the topics with the nodes at their two ends."""
-    return _channels(snapshot, base, "topic")
-
-
-def services(snapshot: EmbeddedSnapshot, base: str) -> Rows:
-    """Return the services with the nodes at their two ends."""
-    return _channels(snapshot, base, "service")
-
-
-def actions(snapshot: EmbeddedSnapshot, base: str) -> Rows:
-    """Return the actions with the nodes at their two ends."""
-    return _channels(snapshot, base, "action")
-
-
-def _channels(snapshot: EmbeddedSnapshot, base: str, kind: str) -> Rows:
+def channels(snapshot: EmbeddedSnapshot, base: str, kind: str) -> Rows:
+    """Return the topics, services or actions with the nodes at their two ends."""
     iris = Iris(base)
     return [
         {
@@ -131,14 +117,15 @@ def _channels(snapshot: EmbeddedSnapshot, base: str, kind: str) -> Rows:
             **asdict(one),
             "giving": len(one.givers),
             "taking": len(one.takers),
-            "ends": _ends(one, *_SIDES[kind]),
+            "ends": _ends(one, kind),
             "packages": sorted({node.partition("/")[0] for node in (*one.givers, *one.takers)}),
         }
         for one in answers.channels(snapshot, kind)
     ]
 
 
-def _ends(one: overview.Channel, givers: str, takers: str) -> str:
+def _ends(one: overview.Channel, kind: str) -> str:
+    givers, takers = _SIDES[kind]
     if one.givers and one.takers:
         return "both ends"
     return f"{givers} only" if one.givers else f"{takers} only" if one.takers else "no known node"
@@ -168,22 +155,12 @@ def types(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
     return answers.rows(snapshot, "list-types", make)
 
 
-def functions(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
-    """Return the functions that nodes have, with how many nodes are of each grade."""
-    return [row for row in _classes(snapshot) if row["of"] == "functions"]
+def classes(snapshot: EmbeddedSnapshot, _base: str, of: str) -> Rows:
+    """Return the functions or capabilities that nodes have, or hardware and devices that they work with.
 
+    Each has the number of nodes of each grade.
+    """
 
-def hardware(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
-    """Return the kinds of hardware and the devices that nodes work with, as `functions`."""
-    return [row for row in _classes(snapshot) if row["of"] == "hardware"]
-
-
-def capabilities(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
-    """Return the capabilities that nodes give a robot, as `functions`."""
-    return [row for row in _classes(snapshot) if row["of"] == "capabilities"]
-
-
-def _classes(snapshot: EmbeddedSnapshot) -> Rows:
     def make() -> list[dict[str, Any]]:
         grades: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for row in select(snapshot, _GRADED):
@@ -196,7 +173,7 @@ def _classes(snapshot: EmbeddedSnapshot) -> Rows:
             found.setdefault((iri, prop), known)["nodes"] += 1
         return [{**one, **{grade: grades[one["iri"]][grade] for grade in _GRADES.values()}} for one in found.values()]
 
-    return answers.rows(snapshot, "list-classes", make)
+    return [row for row in answers.rows(snapshot, "list-classes", make) if row["of"] == of]
 
 
 def systems(snapshot: EmbeddedSnapshot, base: str) -> Rows:

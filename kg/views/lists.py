@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -64,13 +65,13 @@ LISTS: Final[Mapping[str, List]] = {
     "packages": List(
         list_rows.packages, {"repository": "repository", "ros": "ros", "deprecated": "deprecated"}, ("name", "folder")
     ),
-    "topics": List(list_rows.topics, _OF_CHANNELS),
-    "services": List(list_rows.services, _OF_CHANNELS),
-    "actions": List(list_rows.actions, _OF_CHANNELS),
+    "topics": List(partial(list_rows.channels, kind="topic"), _OF_CHANNELS),
+    "services": List(partial(list_rows.channels, kind="service"), _OF_CHANNELS),
+    "actions": List(partial(list_rows.channels, kind="action"), _OF_CHANNELS),
     "types": List(list_rows.types, {"kind": "kind", "package": "package", "defined": "defined"}),
-    "hardware": List(list_rows.hardware, {"kind": "kind"}),
-    "functions": List(list_rows.functions, {}),
-    "capabilities": List(list_rows.capabilities, {}),
+    "hardware": List(partial(list_rows.classes, of="hardware"), {"kind": "kind"}),
+    "functions": List(partial(list_rows.classes, of="functions"), {}),
+    "capabilities": List(partial(list_rows.classes, of="capabilities"), {}),
     "systems": List(
         list_rows.systems,
         {"package": "package", "repository": "repository", "ros": "ros", "use": "use", "worst": "worst"},
@@ -170,7 +171,8 @@ def _chosen(
     counts: dict[str, Counter[str]] = {name: Counter() for name in kind.facets}
     found = []
     for row in rows:
-        if words and not _has(row, kind.words, words):
+        text = " ".join(str(row[key] or "") for key in kind.words).lower() if words else ""
+        if not all(word in text for word in words):
             continue
         values = {name: _texts(row[key]) for name, key in kind.facets.items()}
         failed = [name for name, value in given.items() if value not in values[name]]
@@ -181,11 +183,6 @@ def _chosen(
         elif len(failed) == 1:
             counts[failed[0]].update(values[failed[0]])
     return found, counts
-
-
-def _has(row: Row, keys: Sequence[str], words: Sequence[str]) -> bool:
-    text = " ".join(str(row[key] or "") for key in keys).lower()
-    return all(word in text for word in words)
 
 
 def _texts(value: Any) -> tuple[str, ...]:

@@ -48,9 +48,10 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
     if len({one.full_name for one in found}) == 1:
         return found
     if not found:
-        raise unknown(
-            "node", name, _candidates(graph, name, node_names(graph)), otherwise="`kg nodes` lists the nodes."
-        )
+        names = node_names(graph)
+        if front:
+            names = [f"{one.package}/{one.node.name}" for one in node_records(graph)]
+        raise unknown("node", name, names, otherwise="`kg nodes` lists the nodes.")
     packages = [one.package for one in found]
     ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in found]
     lines = "\n".join(
@@ -81,10 +82,3 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
         ways = "\n".join(f"`kg node {name} --launch {one}`" for one in found)
         raise UsageError("KG003", f"{len(found)} launch files start `{name}`; choose one", hint=ways)
     return found[0]
-
-
-def _candidates(graph: Queryable, name: str, names: list[str]) -> list[str]:
-    """Return suggestions: plain names, or those with their package when a package was given."""
-    if "/" not in name:
-        return names
-    return [f"{one.package}/{one.node.name}" for one in node_records(graph)]

@@ -77,7 +77,10 @@ def neighbours(snapshot: EmbeddedSnapshot, record: NodeRecord, iris: Iris) -> li
 
 
 def _neighbours(one: Interface, channel: str, nodes: Iterable[str], record: NodeRecord) -> dict[str, Any]:
-    known = [_named(node) for node in nodes]
+    known = []
+    for node in nodes:
+        repository, package, name = node_parts(node)
+        known.append({"iri": node, "name": name, "package": package, "repository": repository})
     known.sort(key=lambda other: (other["repository"] != record.repository, other["package"] != record.package,
                                   other["package"], other["name"], other["iri"]))  # fmt: skip
     return {
@@ -100,11 +103,6 @@ def _others(snapshot: EmbeddedSnapshot, channels: Iterable[str]) -> dict[str, li
         name = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
         found[channel].append(_End(node, name, role_of(end)))
     return found
-
-
-def _named(node: str) -> dict[str, str]:
-    repository, package, name = node_parts(node)
-    return {"iri": node, "name": name, "package": package, "repository": repository}
 
 
 def users(snapshot: EmbeddedSnapshot, iri: str, where: Places, iris: Iris) -> dict[str, Any]:
@@ -171,7 +169,7 @@ def node(
         "slots": slot_rows(first, where),
         "descriptions": [_description(one, first, where) for one in first.descriptions],
         "package_description": _of_package(snapshot, first, where, iris),
-        **_with_general(snapshot, first.iri, _classes(snapshot, first.iri, inferred)),
+        **_classes(snapshot, first.iri, inferred),
         "neighbours": neighbours(snapshot, first, iris),
         "used_in": users(snapshot, first.iri, where, iris),
     }
@@ -240,7 +238,10 @@ def _inferred(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> Mapping[str, 
 def _classes(
     snapshot: EmbeddedSnapshot, iri: str, inferred: Mapping[str, frozenset[str]]
 ) -> dict[str, list[dict[str, Any]]]:
-    """Return the functions, the hardware and the capabilities of a node, with their proofs if inferred."""
+    """Return the functions, the hardware and the capabilities of a node, with their proofs if inferred.
+
+    Capabilities have whether they are general: no interface of the node reaches them.
+    """
     predicates = " ".join(f"rnkg:{name}" for name in _CLASSES.values())
     query = f"SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }} }}"
     pairs = list(rows(snapshot, query))
@@ -263,13 +264,7 @@ def _classes(
                     }
                 )
         found[kind].sort(key=lambda one: (graded.get(one["iri"], Grade()).rank, one["label"], one["iri"]))
-    return found
-
-
-def _with_general(
-    snapshot: EmbeddedSnapshot, iri: str, found: dict[str, list[dict[str, Any]]]
-) -> dict[str, list[dict[str, Any]]]:
-    """Return the classes of a node; its capabilities have whether an interface of the node reaches them."""
     reached = {capability for (capability,) in rows(snapshot, _REACHED % iri)}
-    capabilities = [{**one, "general": one["iri"] not in reached} for one in found["capabilities"]]
-    return {**found, "capabilities": capabilities}
+    for one in found["capabilities"]:
+        one["general"] = one["iri"] not in reached
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import Interface, Parameter, PluginSlot, Role
+from kg.facts import Interface, Parameter, Role
 from kg.graph import vocabulary as v
 from kg.graph.records import interface_object, parameter_object, slot_object
 from kg.holes import is_known
@@ -90,19 +90,20 @@ def slot_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
     The keys are those of a slot in `kg nodes --json`, and `how` (words), `evidence` and `calls` as for an interface.
     Each of `defaults` also has `iri`, that of its node type, None where the store has none.
     """
-    return [_slot(one, record, where) for one in record.node.slots]
-
-
-def _slot(one: PluginSlot, record: NodeRecord, where: Places) -> dict[str, Any]:
-    plain = slot_object(one, record)
-    for default in plain["defaults"]:
-        default["iri"] = record.plugins[default["class"]][1] if default["class"] in record.plugins else None
-    return {
-        **plain,
-        "how": how_loaded(one),
-        "evidence": where.evidence(record.repository, one.location),
-        "calls": [where.evidence(record.repository, call) for call in one.via],
-    }
+    found = []
+    for one in record.node.slots:
+        plain = slot_object(one, record)
+        for default in plain["defaults"]:
+            default["iri"] = record.plugins[default["class"]][1] if default["class"] in record.plugins else None
+        found.append(
+            {
+                **plain,
+                "how": how_loaded(one),
+                "evidence": where.evidence(record.repository, one.location),
+                "calls": [where.evidence(record.repository, call) for call in one.via],
+            }
+        )
+    return found
 
 
 def _parameter(group: Sequence[Parameter], record: NodeRecord, where: Places) -> dict[str, Any]:

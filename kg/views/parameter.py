@@ -54,8 +54,11 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     declared = declared_among(snapshot, _spellings(written)) if last else set()
     # All names are read only for a name that nothing has.
     known = [] if declared or found else declared_names(snapshot)
-    declared = declared or {one for one in known if _may_be(one, written)}
-    owners = _owners(written) if absolute else None
+    # A name with unknown parts may be the one that is given, unless nothing of it is known.
+    declared = declared or {
+        one for one in known if is_partial(one) and known_letters(one) > 0 and fits(one, written, "[^/]+")
+    }
+    owners = {written[:at] for at, sign in enumerate(written) if at and sign == "/"} if absolute else None
     types = None if owners is None else types_started(snapshot, owners)
     code = declarations(snapshot, declared, {one.declared for one in found if one.declared}, types)
     view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
@@ -85,16 +88,6 @@ def _spellings(written: str) -> set[str]:
     if written.startswith("/"):
         ends |= {written[at + 1 :] for at, sign in enumerate(written) if sign == "/"}
     return ends | {f"~/{one}" for one in ends}
-
-
-def _owners(written: str) -> set[str]:
-    """Return the names that the node of an absolute name may have."""
-    return {written[:at] for at, sign in enumerate(written) if at and sign == "/"}
-
-
-def _may_be(declared: str, written: str) -> bool:
-    """Return whether a name with unknown parts may be one that is given; a name of which nothing is known may not."""
-    return is_partial(declared) and known_letters(declared) > 0 and fits(declared, written, "[^/]+")
 
 
 class _View:

@@ -77,7 +77,11 @@ def resource(  # noqa: PLR0913 - the part of the facts
     found = {side: about.groups(side, only, start if only else 0, most) for side in sides}
     uses = about.uses()
     if not uses and not any(found.values()) and not any(about.counts(side) for side in _SIDES):
-        raise _unknown(snapshot, about.iris, about.node.value)
+        thing = about.iris.parse(about.node.value.partition("#")[0])
+        known = alike(snapshot, about.iris, thing.kind) if thing else ()
+        hint = did_you_mean(thing.parts[-1], known) if thing and known else None
+        message = f"the store does not mention {about.node.value}"
+        raise UnknownNameError("KG001", message, hint=hint or "`/search` finds what it has.")
     return {**about.header(), "out": found.get("out", []), "in": found.get("in", []), "uses": uses}
 
 
@@ -138,6 +142,7 @@ class _About:
             terms = [
                 term for term, _ in self._terms(f"SELECT DISTINCT ?other {{ {where} }} LIMIT {most} OFFSET {offset}")
             ]
+            # VALUES cannot name blank nodes, so they are left out of such a page.
             listed = " ".join(str(term) for term in terms if not isinstance(term, BlankNode))
             return self._terms(f"SELECT ?other ?g {{ VALUES ?other {{ {listed} }} GRAPH ?g {{ {pattern} }} }}")
         found = self._terms(f"SELECT ?other ?g {{ {where} }}")
@@ -208,10 +213,3 @@ class _About:
 def _order(fact: dict[str, Any]) -> tuple[str, str]:
     value = fact["value"]
     return str(value.get("label", value.get("text", ""))), str(value.get("iri", ""))
-
-
-def _unknown(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> UnknownNameError:
-    thing = iris.parse(iri.partition("#")[0])
-    known = alike(snapshot, iris, thing.kind) if thing else ()
-    hint = did_you_mean(thing.parts[-1], known) if thing and known else None
-    return UnknownNameError("KG001", f"the store does not mention {iri}", hint=hint or "`/search` finds what it has.")

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import msgspec
-
-from kg.errors import UsageError
 from kg.facts import Location
 from kg.rules.explain.rows import why_row as traced
-from kg.views.arguments import whole
+from kg.views.arguments import texts, whole
 from kg.views.evidence import places
 from kg.views.terms import given_term
 from kg.views.why import explaining
@@ -37,7 +34,7 @@ def why_row(
         RuleError: KG201 for a query that is not a SELECT, KG226 for a row that cannot be traced back (of inner groups).
     """
     rules, view = explaining(snapshot, settings)
-    terms = {name: given_term(text) for name, text in _row(row).items()}
+    terms = {name: given_term(text) for name, text in texts(row, "row").items()}
     found = traced(view, rules.rules, query, terms)
     telling = Telling(view, rules, places(snapshot), settings.base)
     return {
@@ -53,13 +50,3 @@ def place(snapshot: EmbeddedSnapshot, settings: Settings, *, path: str, line: st
     where = places(snapshot)
     source = where.find(path)
     return None if source is None else where.evidence(source, Location(path, whole(line, 0)))
-
-
-def _row(given: str | Mapping[str, str]) -> Mapping[str, str]:
-    """Return a row that may be given as JSON."""
-    if not isinstance(given, str):
-        return given
-    try:
-        return msgspec.json.decode(given, type=dict[str, str])
-    except msgspec.DecodeError as error:
-        raise UsageError("KG003", f"the row is not a JSON object of strings: {error}") from None

@@ -30,7 +30,7 @@ from kg.views.rule_trial import examples, trial
 from kg.views.why_tree import Telling
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Mapping
 
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
@@ -161,15 +161,13 @@ def _findings(snapshot: EmbeddedSnapshot, settings: Settings, text: str, name: s
     context = _context(snapshot, settings)
     others = (one for one in context.rules.files if one.name != name)
     context = beside(RuleSet((*others, file)), context)
-    found = [one for one in check_file(file, context) if one.code != "KG219"]
-    return [*_cycles(context, name), *found]
-
-
-def _cycles(context: Context, name: str) -> Iterator[Finding]:
-    """Yield why the rules cannot be put in order because of this one."""
-    for failure in failures(context.cut):
-        if any(rule.name == name for rule in failure.cycle):
-            yield from_error(failure.error, name, failure.rule.place)
+    # Why the rules cannot be put in order because of this one.
+    cycles = [
+        from_error(failure.error, name, failure.rule.place)
+        for failure in failures(context.cut)
+        if any(rule.name == name for rule in failure.cycle)
+    ]
+    return [*cycles, *(one for one in check_file(file, context) if one.code != "KG219")]
 
 
 def _context(snapshot: EmbeddedSnapshot, settings: Settings) -> Context:

@@ -98,7 +98,9 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
         if derivation is not None:
             found.append(Found(fact, derivation, match.known))
     fresh = sum(not match.known for match in facts.values())
-    return Tried(tuple(found), len(facts), fresh, whole, _recursive(file.rules))
+    heads = [head for rule in file.rules for head in rule.head]
+    recursive = any(depends(one.atom, head) for rule in file.rules for one in reads(rule) for head in heads)
+    return Tried(tuple(found), len(facts), fresh, whole, recursive)
 
 
 def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
@@ -113,15 +115,12 @@ def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -
     for solution in view.stream(outer, bound_by(outer), {}):
         if time.monotonic() > until:
             return False
-        if all(_holds(view, one, {name: solution[name] for name in names if name in solution}) for one, names in asked):
+        seen = ((one, {name: solution[name] for name in names if name in solution}) for one, names in asked)
+        if all(bool(view.solutions(one.body, list(bound), bound, 1)) != one.negated for one, bound in seen):
             for fact in _facts(rule, solution):
                 if fact not in facts:
                     facts[fact] = _Match(rule, solution, bool(view.graphs(fact)))
     return True
-
-
-def _holds(view: View, element: Exists, seen: Solution) -> bool:
-    return bool(view.solutions(element.body, list(seen), seen, 1)) != element.negated
 
 
 def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
@@ -133,11 +132,6 @@ def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
         fact = instance(head, {**solution, **made})
         if fact is not None:
             yield fact
-
-
-def _recursive(rules: Sequence[Rule]) -> bool:
-    heads = [head for rule in rules for head in rule.head]
-    return any(depends(one.atom, head) for rule in rules for one in reads(rule) for head in heads)
 
 
 def examples(file: RuleFile, found: Sequence[Found]) -> str:

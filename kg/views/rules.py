@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -16,10 +17,9 @@ from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Entry, Library
 from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
 from kg.rules.authoring.naming import find_rule
-from kg.rules.dependencies import writes
 from kg.rules.explain.view import View
 from kg.rules.files import Documentation, RuleFile
-from kg.rules.form import Atom, is_auxiliary
+from kg.rules.form import is_auxiliary
 from kg.rules.recording import Names
 from kg.store.opening import layout_of
 from kg.syntax.names import PREFIXES, shorten
@@ -111,14 +111,17 @@ def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str,
     entry = find_rule(every.library, name)
     known = manual(every.library, entry, ontology_schema(settings), every.graph)
     problem = next(iter((known.problem, *every.errors)), None)
-    heads = _heads(known.file)
+    heads, found = _heads(known.file), []
+    for kind, pattern in heads.items():
+        query = f"SELECT (COUNT(*) AS ?n) {{ GRAPH {_inferred(settings)} {{ {pattern} }} }}"
+        found.append({"kind": kind, "triples": int(next(_rows(snapshot, query))["n"].value)})
     return {
         **manual_object(entry, known),
         **_cost(entry.name, _costs(settings)),
         "place": _place(entry, entry.path),
         "examples_place": _place(entry, entry.examples) if entry.examples.is_file() else None,
         "around": _graph_object(every.graph.around({entry.name})),
-        "found": [{"kind": kind, "triples": _number(snapshot, settings, pattern)} for kind, pattern in heads.items()],
+        "found": found,
         "inferred": list(_sample(snapshot, settings, heads)),
         "problem": f"{problem.code}: {problem.message}" if problem else None,
     }
@@ -134,15 +137,10 @@ def _listed(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[st
     try:
         told = library.read(entry.name).documentation
     except RuleError as problem:
-        error, told = problem, _header(entry)
+        error, told = problem, Documentation()
+        with suppress(RuleError):
+            told = documentation(entry)
     return {**entry_object(entry, told, error), "sections": dict(told.sections), **_cost(entry.name, costs)}
-
-
-def _header(entry: Entry) -> Documentation:
-    try:
-        return documentation(entry)
-    except RuleError:
-        return Documentation()
 
 
 def _costs(settings: Settings) -> Mapping[str, Any]:
@@ -202,30 +200,19 @@ def _graph_object(graph: RuleGraph) -> dict[str, Any]:
 def _heads(file: RuleFile) -> dict[str, str]:
     """Return the kinds of triples that a rule derives, spelt, each with the pattern that matches them."""
     found: dict[str, str] = {}
-    for atom in (atom for one in file.rules for atom in writes(one)):
+    for atom in (atom for one in file.rules for atom in one.head):
         if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
-            kind, pattern = _pattern(atom)
+            kind, what = shorten(atom.predicate.value), atom.object
+            pattern = f"?s {atom.predicate} ?o . BIND({atom.predicate} AS ?p)"
+            if kind == "rdf:type" and isinstance(what, NamedNode):
+                kind = f"a {shorten(what.value)}"
+                pattern = f"?s {atom.predicate} {what} . BIND({atom.predicate} AS ?p) BIND({what} AS ?o)"
             found.setdefault(kind, pattern)
     return dict(list(found.items())[:_HEADS])
 
 
-def _pattern(atom: Atom) -> tuple[str, str]:
-    what = atom.object
-    if shorten(str(getattr(atom.predicate, "value", ""))) == "rdf:type" and isinstance(what, NamedNode):
-        return (
-            f"a {shorten(what.value)}",
-            f"?s {atom.predicate} {what} . BIND({atom.predicate} AS ?p) BIND({what} AS ?o)",
-        )
-    return shorten(str(getattr(atom.predicate, "value", ""))), f"?s {atom.predicate} ?o . BIND({atom.predicate} AS ?p)"
-
-
 def _inferred(settings: Settings) -> NamedNode:
     return Names.of(settings.base, RNKG).inferred
-
-
-def _number(snapshot: EmbeddedSnapshot, settings: Settings, pattern: str) -> int:
-    query = f"SELECT (COUNT(*) AS ?n) {{ GRAPH {_inferred(settings)} {{ {pattern} }} }}"
-    return int(next(_rows(snapshot, query))["n"].value)
 
 
 def _sample(snapshot: EmbeddedSnapshot, settings: Settings, heads: Mapping[str, str]) -> Iterator[dict[str, Any]]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
-from kg.errors import UsageError
 from kg.query.binding import bind
 from kg.query.stored import StoredQuery, discover, find
+from kg.views.arguments import texts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -59,17 +58,5 @@ def stored(
     if not name:
         return {"queries": [query_object(one) for one in discover(settings.queries).values()]}
     query = find(name, settings.queries)
-    given = {key: value for key, value in _object(values).items() if value}
+    given = {key: value for key, value in texts(values, "values").items() if value}
     return {**query_object(query), "bound": bind(query.text, query.bind(given))}
-
-
-def _object(values: str | Mapping[str, str]) -> Mapping[str, str]:
-    if not isinstance(values, str):
-        return values
-    try:
-        found = json.loads(values or "{}")
-    except json.JSONDecodeError as error:
-        raise UsageError("KG003", f"the values are not valid JSON: {error}") from error
-    if not isinstance(found, dict) or not all(isinstance(value, str) for value in found.values()):
-        raise UsageError("KG003", "the values are not a JSON object of strings", hint='Write {"NAME": "VALUE"}.')
-    return found

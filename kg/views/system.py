@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.codes import CATALOGUE
-from kg.facts import LaunchArgument, LaunchInclude, LaunchProblem, Location, NodeInstance, System
+from kg.facts import LaunchArgument, LaunchInclude, Location, NodeInstance, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.systems_reading import SystemName
@@ -27,7 +27,7 @@ from kg.views.evidence import Places, places
 from kg.views.names import known_package
 from kg.views.node_rows import fact
 from kg.views.remembered import while_last
-from kg.views.system_rows import instance_rows, setting_row
+from kg.views.system_rows import MISMATCHES, instance_rows, setting_row
 from kg.views.systems import included_names, known_names, system_named
 
 if TYPE_CHECKING:
@@ -38,7 +38,16 @@ if TYPE_CHECKING:
 
 _TRANSFORMS: Final = frozenset({"/tf", "/tf_static"})
 _NAMED: Final = 12  # so many channels of a bundle are named
-_MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})  # findings about types or QoS of two ends that do not fit
+_DRAWN: Final[Mapping[str, Any]] = {
+    "package": None,
+    "iri": None,
+    "findings": [],
+    "debug": False,
+    "transforms": False,
+    "loose": False,
+    "unknown": False,
+}
+"""What a node of a picture has, unless more is known of it."""
 
 _TYPE: Final = v.bare(v.TYPE)
 _FINDING: Final = f"{v.RNKG}Finding"
@@ -96,19 +105,17 @@ def system_report(snapshot: EmbeddedSnapshot, settings: Settings, name: SystemNa
 
 def finding_objects(findings: tuple[Finding, ...], where: Places) -> list[dict[str, Any]]:
     """Return findings as faces show them; see `lint`."""
-    return [_finding(one, where) for one in findings]
-
-
-def _finding(finding: Finding, where: Places) -> dict[str, Any]:
-    entry = CATALOGUE.get(finding.code)
-    return {
-        **as_object(finding),
-        "iri": finding.iri,
-        "place": _place(finding.place, where) if finding.place else None,
-        "evidence": [_place(one, where) for one in finding.evidence],
-        "way_out": entry.way_out if entry else None,
-        "fact": fact(finding.iri, _TYPE, _FINDING),
-    }
+    return [
+        {
+            **as_object(finding),
+            "iri": finding.iri,
+            "place": _place(finding.place, where) if finding.place else None,
+            "evidence": [_place(one, where) for one in finding.evidence],
+            "way_out": CATALOGUE[finding.code].way_out if finding.code in CATALOGUE else None,
+            "fact": fact(finding.iri, _TYPE, _FINDING),
+        }
+        for finding in findings
+    ]
 
 
 def _place(place: Evidence, where: Places) -> dict[str, Any]:
@@ -148,15 +155,13 @@ def picture(
     for member in graph.members:
         kind = types.get(member.key)
         iri = iris.node(kind.repository, kind.package, kind.node) if kind else None
-        drawn = _member(member, iri, _within(member.name, spaces), about)
-        nodes.append({**drawn, "package": kind.package if kind else None})
-    ordinary = _ordinary(keys)
+        drawn = _member(member, _within(member.name, spaces), about)
+        nodes.append({**drawn, "iri": iri, "package": kind.package if kind else None})
+    # The names of channels that are at least one node's own doing.
+    ends = (end for one in keys.values() for end in one.interfaces)
+    ordinary = frozenset(end.resolved or "" for end in ends if not of_framework(end))
     unfit = {
-        (name, node)
-        for one in findings
-        if one.code in _MISMATCHES
-        for name in one.subjects[:1]
-        for node in one.subjects
+        (name, node) for one in findings if one.code in MISMATCHES for name in one.subjects[:1] for node in one.subjects
     }
     for bundle in _parted(graph, ordinary, about):
         if bundle.channels[0].open:
@@ -188,12 +193,6 @@ def _within(name: str, spaces: Collection[str]) -> str | None:
     return next((space for space in inner if space in spaces), None)
 
 
-def _ordinary(keys: Mapping[str, NodeInstance]) -> frozenset[str]:
-    """Return the names of channels that are at least one node's own doing."""
-    ends = (end for one in keys.values() for end in one.interfaces)
-    return frozenset(end.resolved or "" for end in ends if not of_framework(end))
-
-
 def _parted(graph: SystemGraph, ordinary: Collection[str], about: Collection[str]) -> Iterable[Bundle]:
     """Yield bundles, split: a channel with a finding is alone, those of frameworks are together."""
     for bundle in bundles(graph):
@@ -205,20 +204,17 @@ def _parted(graph: SystemGraph, ordinary: Collection[str], about: Collection[str
             yield replace(bundle, key=channels[0].key, channels=tuple(channels))
 
 
-def _member(member: Member, iri: str | None, group: str | None, about: Mapping[str, list[int]]) -> dict[str, Any]:
+def _member(member: Member, group: str | None, about: Mapping[str, list[int]]) -> dict[str, Any]:
     told = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
     told += [f"if {member.condition}" if member.condition else "", member.reason or "", member.place]
     return {
+        **_DRAWN,
         "id": member.key,
         "label": member.name.rpartition("/")[2] if group else member.name,
         "kind": "node",
         "group": group,
         "detail": ", ".join(filter(None, told)),
-        "iri": iri,
         "findings": about.get(member.name, []),
-        "debug": False,
-        "transforms": False,
-        "loose": False,
         "unknown": member.reason is not None,
     }
 
@@ -233,13 +229,12 @@ def _channels(
     told = [", ".join(names[:_NAMED]) if more else "", f"and {len(names) - _NAMED} more" if len(names) > _NAMED else ""]
     told += [", ".join(types[:_NAMED]), "the name is not known" if first.open else ""]
     return {
+        **_DRAWN,
         "id": f"{bundle.key} ({len(names)})",
         "label": f"{label} and {count(more, f'other {bundle.kind}')}" if more else label,
         "kind": bundle.kind,
         "group": group,
-        "package": None,
         "detail": "; ".join(filter(None, told)),
-        "iri": None,
         "names": names,
         "findings": sorted({number for name in names for number in about.get(name, ())}),
         "debug": not first.open and first.name not in ordinary,
@@ -251,17 +246,12 @@ def _channels(
 
 def _shared(members: Iterable[str], spaces: Collection[str]) -> str | None:
     """Return the innermost namespace that contains all members of a channel; it closes with them."""
-    found = None
-    for number, member in enumerate(sorted(members)):
-        space = _within(member, spaces)
-        found = space if number == 0 else _common(found, space, spaces)
+    first, *others = [_within(member, spaces) or "" for member in members]
+    found: str | None = first or None
+    for other in others:
+        while found is not None and not f"{other}/".startswith(f"{found}/"):
+            found = _within(found, spaces)
     return found
-
-
-def _common(one: str | None, other: str | None, spaces: Collection[str]) -> str | None:
-    while one is not None and other != one and not (other or "").startswith(f"{one}/"):
-        one = _within(one, spaces)
-    return one
 
 
 def _unknown(member: str, those: Sequence[Bundle], group: str | None) -> dict[str, Any]:
@@ -269,18 +259,13 @@ def _unknown(member: str, those: Sequence[Bundle], group: str | None) -> dict[st
     names = [channel.name for bundle in those for channel in bundle.channels]
     more = f", and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
     return {
+        **_DRAWN,
         "id": f"unknown {member}",
         "label": count(len(names), "unknown name"),
         "kind": "unknown",
         "group": group,
-        "package": None,
         "detail": ", ".join(names[:_NAMED]) + more,
-        "iri": None,
         "names": names,
-        "findings": [],
-        "debug": False,
-        "transforms": False,
-        "loose": False,
         "unknown": True,
     }
 
@@ -333,7 +318,15 @@ def system(
         "arguments": [_argument(one, source, where) for one in own.arguments],
         "includes": _includes(own.includes, snapshot, iris),
         "settings": [setting_row(one, source, where) for one in found.shared_parameters],
-        "problems": [_problem(one, source, where) for one in own.problems],
+        "problems": [
+            {
+                "kind": str(one.kind),
+                "message": one.message,
+                "subject": one.subject,
+                "evidence": where.evidence(source, one.location),
+            }
+            for one in own.problems
+        ],
         "instances": instance_rows(found, keys, graph, where, iris, every=bool(every)),
         "picture": picture(graph, keys, report.findings, iris),
         "findings": finding_objects(report.findings, where),
@@ -372,12 +365,3 @@ def _includes(those: Iterable[LaunchInclude], snapshot: EmbeddedSnapshot, iris: 
         {"name": named.get((repository, path), path), "iri": iris.configuration(repository, path), "path": path}
         for repository, path in found
     ]
-
-
-def _problem(one: LaunchProblem, source: str, where: Places) -> dict[str, Any]:
-    return {
-        "kind": str(one.kind),
-        "message": one.message,
-        "subject": one.subject,
-        "evidence": where.evidence(source, one.location),
-    }

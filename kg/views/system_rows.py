@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph.iris import Iris, fragment
 from kg.graph.records import end_object
@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
     from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, NodeReference, System
     from kg.views.evidence import Places
+
+
+MISMATCHES: Final = frozenset({"KG403", "KG405", "KG410"})
+"""Findings that say of two ends of one name that nothing passes between them: their types or QoS do not fit."""
 
 
 def instance_rows(  # noqa: PLR0913 - a system, and what is known of it

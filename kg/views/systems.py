@@ -95,10 +95,6 @@ def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", ba
     return found[0]
 
 
-def _counts(snapshot: EmbeddedSnapshot, query: str) -> Counter[str]:
-    return Counter({system: int(number) for system, number in rows(snapshot, query)})
-
-
 @once
 def known_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
     """Return all launch configurations as `systems` has them; the store keeps them, and nobody changes them."""
@@ -107,7 +103,7 @@ def known_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any]
 
 def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
     iris, inner = Iris(base), included_names(snapshot)
-    nodes = _counts(snapshot, _STARTED)
+    nodes = Counter({system: int(number) for system, number in rows(snapshot, _STARTED)})
     channels = {system: Counter(kind for kind, _ in found) for system, found in channels_by_system(snapshot).items()}
     none = Counter[str]()
     severities: dict[str, dict[str, int]] = {}

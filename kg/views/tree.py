@@ -81,6 +81,7 @@ def tree(  # noqa: PLR0913 - the branch, and the part of it
     start, most = whole(offset, 0), min(whole(limit, 500), _MOST)
     found = _children(snapshot, Iris(settings.base), parent, kind)
     shown = found[start : start + most]
+    # Counting the ends of all topics of a large store is slow, so only those that are shown are counted.
     if parent in _CLASSES:
         _count(snapshot, shown, _AT)
     elif parent == "systems":
@@ -90,7 +91,11 @@ def tree(  # noqa: PLR0913 - the branch, and the part of it
 
 def _children(snapshot: EmbeddedSnapshot, iris: Iris, parent: str, kind: str) -> list[_Branch]:
     if not parent:
-        return _roots(snapshot, iris)
+        counts = {name: len(_listed(snapshot, iris, name)) for name in _ROOTS}
+        return [
+            {**_branch(name, "group", count=number), "open": {"parent": name, "kind": ""}}
+            for name, number in counts.items()
+        ]
     if parent in _ROOTS:
         return [dict(one) for one in _listed(snapshot, iris, parent)]
     iri = named_node(parent).value
@@ -106,13 +111,6 @@ def _branch(label: str, kind: str, iri: str | None = None, detail: str = "", cou
     """Return a branch that its own IRI opens."""
     opened = {"parent": iri, "kind": ""} if iri else None
     return {"iri": iri, "label": label, "kind": kind, "count": count, "detail": detail, "open": opened}
-
-
-def _roots(snapshot: EmbeddedSnapshot, iris: Iris) -> list[_Branch]:
-    return [
-        {**_branch(name, "group", count=len(_listed(snapshot, iris, name))), "open": {"parent": name, "kind": ""}}
-        for name in _ROOTS
-    ]
 
 
 @once

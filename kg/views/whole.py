@@ -30,15 +30,15 @@ def answer(
     columns = snapshot.layout.cache / "columns"
     if not columns.is_dir() or sum(path.stat().st_size for path in columns.iterdir()) < _BYTES:
         return None
+
+    def find() -> tuple[tuple[str, ...], list[Row]] | None:
+        known = columns_of(snapshot)
+        return known.answer(text, prefixes=PREFIXES) if isinstance(known, Columns) else None
+
     began = time.perf_counter()
-    found = in_thread(lambda: _found(snapshot, text), timeout)
+    found = in_thread(find, timeout)
     if found is None:
         return None
     names, rows = found
     cut = limit if limit is not None and len(rows) > limit else None
     return Solutions(names, tuple(rows[:limit]), time.perf_counter() - began, snapshot.identity, cut)
-
-
-def _found(snapshot: EmbeddedSnapshot, text: str) -> tuple[tuple[str, ...], list[Row]] | None:
-    columns = columns_of(snapshot)
-    return columns.answer(text, prefixes=PREFIXES) if isinstance(columns, Columns) else None

@@ -79,10 +79,6 @@ def parameter_groups(facts: Iterable[Parameter]) -> list[list[Parameter]]:
     )
 
 
-def _order(group: Sequence[Parameter]) -> tuple[bool, bool, str]:
-    return all(one.implicit for one in group), group[0].name is None, group[0].name or ""
-
-
 def accesses(facts: Sequence[Parameter]) -> str:
     """Return the accesses of code to a parameter, unless it only declares it once."""
     if len(facts) == 1 and facts[0].access is Access.DECLARE:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 from cli.rover import build
 
-from kg.cli.checks import checks as checked
+from kg.cli.commands.doctor import checks as checked
 from kg.server import libraries
 from kg.settings import load
 

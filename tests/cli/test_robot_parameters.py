@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kg.cli import parameters, recording
-from kg.cli.parameters import set_parameter, show_parameters
-from kg.cli.recording import list_nodes
+from kg.cli.commands import robot_params, robot_topics
+from kg.cli.commands.robot_params import set_parameter, show_parameters
 from kg.cli.robot_view import show_capabilities
 from kg.errors import RobotError
 from kg.facts import Role
@@ -66,8 +65,8 @@ def robot(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], None]], Non
                     await base.serve(f"/base/{name}", f"rcl_interfaces/{kind}", answer)
                 return await work
 
-        monkeypatch.setattr(parameters, "address_of", lambda _: "memory://parameters")
-        monkeypatch.setattr("kg.cli.parameters.asyncio.run", lambda work: _RUN(scene(work)))
+        monkeypatch.setattr(robot_params, "address_of", lambda _: "memory://parameters")
+        monkeypatch.setattr(asyncio, "run", lambda work: _RUN(scene(work)))
         command()
 
     return run
@@ -122,8 +121,8 @@ def test_nodes_are_listed_with_their_states(
         )
         return ComputationGraph(2, nodes, ends)
 
-    monkeypatch.setattr(recording, "look", look)
-    list_nodes(Settings(robot="dds://0"), json=True)
+    monkeypatch.setattr(robot_topics, "look", look)
+    robot_topics.nodes(settings=Settings(robot="dds://0"), json=True)
     base, laser = map(json.loads, capsys.readouterr().out.splitlines())
     assert base == {
         "name": "/base", "state": "inactive", "publishes": 0, "subscribes": 1, "services": 0, "actions": 0,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kg.cli import trees
+from kg.cli import output, trees
 from kg.cli.links import Links
 from kg.rules.explain.proof import Evidence
 from kg.rules.explain.text import Line
@@ -20,7 +20,7 @@ LINE = Line("│  ├─ ", "camera_monitor#publisher/image rnkg:connectsTo /cam
 
 def rows(width: int, monkeypatch: pytest.MonkeyPatch, lines: Sequence[Line] = (LINE,)) -> list[str]:
     """Return the rows that lines occupy on a terminal of some width."""
-    monkeypatch.setattr(trees, "line_width", lambda: width)
+    monkeypatch.setattr(output, "line_width", lambda: width)
     return [row.plain for line in lines for row in trees._folded(line, Links.of([]))]
 
 

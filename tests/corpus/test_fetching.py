@@ -16,10 +16,11 @@ from corpus.repositories import MANIFESTS, Behaviour, commit_tree, git, plumb, r
 from patience import patient
 
 from kg.corpus import fetching
-from kg.corpus.fetching import Fetched, Options, fetch, pinned
+from kg.corpus.fetching import Fetched, fetch, pinned
 from kg.corpus.fetching_git import Limits
 from kg.corpus.fetching_list import wanted_among
 from kg.corpus.fetching_lock import Entry, read_lock, write_lock
+from kg.corpus.fetching_one import Options
 from kg.errors import SourceError
 
 if TYPE_CHECKING:

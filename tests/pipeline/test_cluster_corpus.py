@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import pytest
 from corpus.repositories import commit_tree, git, repository
 
-from kg.corpus.fetching import Options, fetch
+from kg.corpus.fetching import fetch
 from kg.corpus.fetching_cache import fetch_source
 from kg.corpus.fetching_list import wanted_among
 from kg.corpus.fetching_lock import Lock, checkouts, read_lock, standing, write_lock
+from kg.corpus.fetching_one import Options
 from kg.errors import SourceError
 from kg.pipeline import cluster, corpus, extracting
 from kg.pipeline.build import build

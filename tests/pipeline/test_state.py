@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -34,6 +35,14 @@ def test_round_trip(tmp_path: Path) -> None:
     """The saved state loads unchanged."""
     save(tmp_path, STATE)
     assert load(tmp_path) == STATE
+
+
+def test_file_names_that_are_not_unicode(tmp_path: Path) -> None:
+    """Names of files that are not Unicode are kept: they would otherwise make each build read everything."""
+    odd = replace(PACKAGE, path="a/\udcff", inputs={"local/x:\udcff": "d"})
+    state = replace(STATE, sources={"local/x": replace(SOURCE, packages={odd.path: odd})})
+    save(tmp_path, state)
+    assert load(tmp_path) == state
 
 
 @pytest.mark.parametrize("content", [None, "", "{", "[]", "{}", '{"form": 99}', '{"form": 1, "sources": {"x": 1}}'])

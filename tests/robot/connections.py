@@ -365,7 +365,7 @@ class Behaviour:
                 goal = await two.send_goal(
                     "/count", "kg_test/Count", {"until": 10**6}, seconds=patient(system.seconds), identity=identity
                 )
-                canceller = await other.canceller("/count", "kg_test/Count")
+                canceller = await other.canceller("/count")
                 await system.soon(canceller.cancel(uuid4().hex))
                 await system.soon(anext(aiter(goal.feedback())))
                 await system.soon(canceller.cancel(identity))

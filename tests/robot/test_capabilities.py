@@ -10,7 +10,7 @@ from pyoxigraph import RdfFormat, Store
 
 from kg.graph.ontology_files import ontology_triples
 from kg.robot.capabilities import Definition, definitions
-from kg.robot.capability import Way
+from kg.robot.capability import Capability, Way
 from kg.robot.driving.paths import parse, type_at
 from kg.robot.messages import Types
 from kg.store.snapshot import MemorySnapshot
@@ -46,16 +46,17 @@ _SENT = {"write": ("", "_Request", "_Goal"), "read": ("", "_Response", "_Result"
 def _read(text: str) -> dict[str, Definition]:
     store = Store()
     store.load(f"{_PREFIXES}{text}".encode(), RdfFormat.TURTLE)
-    return {one.name: one for one in definitions(MemorySnapshot(store)).values()}
+    return {one.described.name: one for one in definitions(MemorySnapshot(store)).values()}
 
 
 def test_a_capability_is_read_with_its_parameters() -> None:
     """Kinds start with the most general, parameters are in order, with units, limits and typed defaults."""
     hopping = _read(_HOPPING)["hopping"]
-    assert (hopping.label, hopping.alternatives, hopping.modality) == ("hop", ("jump",), "write")
-    assert hopping.kinds == ("movement", "jumping")
+    described = hopping.described
+    assert (described.label, described.alternatives, described.modality) == ("hop", ("jump",), "write")
+    assert described.kinds == ("movement", "jumping")
     assert (hopping.rate, hopping.capability().moves) == (2, "legs")
-    way, height = hopping.parameters
+    way, height = described.parameters
     assert (way.name, way.type, way.default, way.choices) == ("way", "text", "1", ("1", "2"))
     assert (height.label, height.unit, height.default, height.minimum, height.maximum) == ("how high", "m", 0.5, 0, 2)
 
@@ -104,7 +105,7 @@ def test_what_a_context_suggests_names_fields_of_its_messages(shipped: dict[str,
     for context, capability, name in _every_pair():
         definition = shipped[capability]
         paths = [*definition.fields_of(frozenset({name})).values(), *definition.constants_of(frozenset({name}))]
-        sent = [name + part for part in _SENT[definition.modality] if types.knows(name + part)]
+        sent = [name + part for part in _SENT[definition.described.modality] if types.knows(name + part)]
         for path in paths:
             assert " " not in path, (context, capability, name)
             if sent:
@@ -131,13 +132,14 @@ def test_classes_in_a_circle_end() -> None:
     :A rdfs:subClassOf :B, ros:Capability ; rdfs:label "a" . :B rdfs:subClassOf :A ; rdfs:label "b" .
     :x a :A ; ros:hasModality ros:read ; rdfs:label "x" .
     """
-    assert _read(text)["x"].kinds == ("b", "a")
+    assert _read(text)["x"].described.kinds == ("b", "a")
 
 
 @given(st.text(string.printable, max_size=20))
 def test_any_text_may_stand_for_a_constant(text: str) -> None:
     """JSON is parsed as such, other text is taken literally; nothing raises."""
-    definition = Definition("urn:x", "x", "x", "", "write", constants=(f"a/B field = {text}",))
+    described = Capability(iri="urn:x", name="x", label="x", modality="write")
+    definition = Definition(described, fields={}, constants=(f"a/B field = {text}",), implied=(), rate=0)
     (value,) = definition.constants_of(frozenset({"a/B"})).values()
     assert isinstance(value, bool | int | float | str)
 
@@ -145,7 +147,7 @@ def test_any_text_may_stand_for_a_constant(text: str) -> None:
 def test_every_capability_that_kg_brings_can_be_read(shipped: dict[str, Definition]) -> None:
     """Each has a label, a modality, a kind, and parameters with different names."""
     assert len(shipped) > 50
-    for one in shipped.values():
+    for one in (definition.described for definition in shipped.values()):
         assert one.label
         assert one.modality in {"read", "write"}
         assert one.kinds[0] in {"sensing", "movement", "robot knowledge"}

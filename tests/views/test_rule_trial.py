@@ -55,7 +55,7 @@ def _by_the_engine(snapshot: EmbeddedSnapshot, settings: Settings, file: RuleFil
     """Return the inferences of the rule engine, and the known ones among them."""
     names, dictionary = Names.of(settings.base, RNKG), Dictionary()
     graphs = [None, *(graph for graph in snapshot.graphs() if graph != names.builds)]
-    _, known = read_columns(snapshot, wanted(file.rules), graphs, dictionary)
+    known = read_columns(snapshot, wanted(file.rules), graphs, dictionary)
     heads = union_of([facts for firing in fire(file.rules, dictionary, known, known) for facts in firing.heads])
     found = set(triples_of(heads, dictionary))
     return found, found & set(triples_of(known, dictionary))

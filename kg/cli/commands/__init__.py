@@ -1,1 +1,1 @@
-"""One module per command group; what they do lives below `kg.cli`."""
+"""One module for each command, or for a few related ones; larger views of results are in `kg.cli`."""

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from pathlib import Path
 from time import sleep
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -219,7 +219,8 @@ def status(*, settings: Settings, json: Json = False) -> None:
         Column("folder", "dim", spare=1),
     )
     rows = [_row(one, changed) for one in states]
-    listing(columns, rows, objects=(_object(one, changed) for one in states) if json else None)
+    objects = ({**asdict(one), "changed": changed.get(one.name)} for one in states)
+    listing(columns, rows, objects=objects if json else None)
     if not json and rules_changed(layout, settings):
         note("rules have changed since they last ran, or some could not run; run `kg rules run`")
     if terminal() and not json:
@@ -228,22 +229,16 @@ def status(*, settings: Settings, json: Json = False) -> None:
             note("`kg build` reads the changes")
 
 
-def _change(name: str, changed: dict[str, tuple[str, ...] | None]) -> str:
-    if name not in changed:
-        return "not built here"
-    packages = changed[name]
-    if packages is None:
-        return "no longer exists"
-    return count(len(packages), "package") if packages else "-"
-
-
 def _row(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> tuple[object, ...]:
     counts = state.counts
     commit = f"{state.commit[:12]}{' + changes' if state.dirty else ''}" if state.commit else "-"
     numbers = (counts.packages, counts.nodes, counts.unresolved, counts.bounded, counts.problems)
     read = (state.read or "").partition(".")[0].replace("T", " ")
-    return state.name, commit, _change(state.name, changed), *numbers, read, state.root
-
-
-def _object(state: "SourceState", changed: dict[str, tuple[str, ...] | None]) -> dict[str, Any]:
-    return {**asdict(state), "changed": changed.get(state.name)}
+    packages = changed.get(state.name, ())
+    if state.name not in changed:
+        change = "not built here"
+    elif packages is None:
+        change = "no longer exists"
+    else:
+        change = count(len(packages), "package") if packages else "-"
+    return state.name, commit, change, *numbers, read, state.root

@@ -8,10 +8,10 @@ import typer
 from kg.cli import completion
 from kg.cli.commands.lists import channel_rows
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, System, with_settings
+from kg.cli.options import Json, System, Via, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, some
 from kg.settings import Settings
 from kg.store.opening import reading
 
@@ -24,9 +24,6 @@ with lazily():
 _MOST = 5  # so many names are listed in a note
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
 All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file instead of their number.")]
-Via = Annotated[
-    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
-]
 
 
 def _command(kind: str, example: str, text: str) -> Callable[..., None]:
@@ -44,7 +41,24 @@ def _command(kind: str, example: str, text: str) -> Callable[..., None]:
         via: Via = False,
         json: Json = False,
     ) -> None:
-        _show(settings, kind, name, system, every=every, via=via, json=json)
+        with reading(settings) as snapshot:
+            found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
+            others = [one["name"] for one in found["meant"]]
+            if json:
+                names = [found["name"], *others] if found["name"] else others
+                for one in names:
+                    ends = channel(snapshot, settings, kind=kind, name=one, system=system or "")["endpoints"]
+                    json_lines(map(plain, ends))
+                return
+            links = Links(places(snapshot))
+        if found["name"] is None:
+            channel_rows(kind, found["meant"])
+            if terminal():
+                note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
+            return
+        show(*endpoint_view(found, links, line_width(), every=every, via=via))
+        if others:
+            note(f"`{name}` in the code is also {some(others, _MOST)}")
 
     command.__doc__ = text
     return with_settings("store")(command)
@@ -66,34 +80,3 @@ topic = _command(
 )
 service = _command("service", "reset", "Show a service's servers and clients; works like `kg topic`.")
 action = _command("action", "dock", "Show an action's servers and clients; works like `kg topic`.")
-
-
-def _show(  # noqa: PLR0913 - the options of a command
-    settings: Settings,
-    kind: str,
-    name: str,
-    system: str | None,
-    *,
-    every: bool,
-    via: bool,
-    json: bool,
-) -> None:
-    with reading(settings) as snapshot:
-        found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
-        others = [one["name"] for one in found["meant"]]
-        if json:
-            names = [found["name"], *others] if found["name"] else others
-            for one in names:
-                ends = channel(snapshot, settings, kind=kind, name=one, system=system or "")["endpoints"]
-                json_lines(map(plain, ends))
-            return
-        links = Links(places(snapshot))
-    if found["name"] is None:
-        channel_rows(kind, found["meant"])
-        if terminal():
-            note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
-        return
-    show(*endpoint_view(found, links, line_width(), every=every, via=via))
-    if others:
-        more = f" and {len(others) - _MOST} more" if len(others) > _MOST else ""
-        note(f"`{name}` in the code is also {', '.join(others[:_MOST])}{more}")

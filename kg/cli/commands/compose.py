@@ -1,6 +1,6 @@
 """`kg compose`: chains of nodes that turn one type of messages into another, and the launch files that wire them."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -11,21 +11,24 @@ from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, terminal, write
 from kg.errors import UsageError
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, printable, some
 from kg.settings import Settings
 from kg.store.opening import existing
 
 if TYPE_CHECKING:
-    from kg.search.compose.results import Composed
+    from collections.abc import Iterator
+
+    from kg.search.compose.results import Composed, Node
 
 with lazily():
-    from kg.cli.compose_view import chain_lines
     from kg.search.compose import Question
     from kg.search.compose import compose as composed
     from kg.search.compose.launching import launch_text
+    from kg.search.compose.network import grouped
     from kg.search.compose.results import composed_object
 
-_LONGEST = 6
+_LONGEST: Final = 6
+_MOST: Final = 4  # maximum number of copies and required types that are listed
 From = Annotated[
     list[str],
     typer.Option(
@@ -108,30 +111,45 @@ def compose(  # noqa: PLR0913 - the options of a command
     for one in answer.asked.notes:
         note(one)
     if rank:
-        _write_launch(answer.chains, rank)
+        chain = next(iter(answer.chains[rank - 1 :]), None)
+        if chain is None:
+            hint = "Omit `--launch` to list the chains with their ranks."
+            raise UsageError("KG003", f"no chain {rank}, only {count(len(answer.chains), 'chain')}", hint=hint)
+        write(launch_text(chain).removesuffix("\n"))
+        if terminal():
+            note(f"save it with `--launch {rank} > {chain.file_name}`")
         return
-    _show(answer.chains, json=json)
+    if json:
+        json_lines(composed_object(chain, number) for number, chain in enumerate(answer.chains, 1))
+    else:
+        for number, chain in enumerate(answer.chains, 1):
+            write("\n".join(["", *_chain_lines(chain, number)] if number > 1 else _chain_lines(chain, number)))
     if answer.more and (terminal() or json):
         note(f"the best {count(len(answer.chains), 'chain')}; --limit shows more")
     if answer.cut_off:
         note("the search stopped early: too many chains; narrow it with --using or a shorter --length")
 
 
-def _show(chains: "tuple[Composed, ...]", *, json: bool) -> None:
-    if json:
-        json_lines(composed_object(chain, rank) for rank, chain in enumerate(chains, 1))
-        return
-    for rank, chain in enumerate(chains, 1):
-        if rank > 1:
-            write()
-        for line in chain_lines(chain, rank):
-            write(line)
+def _chain_lines(chain: "Composed", rank: int) -> "Iterator[str]":
+    """Yield the lines of a chain."""
+    yield f"{rank}. {' -> '.join(chain.types)}"
+    for node in chain.nodes:
+        yield from (f"   {printable(line)}" for line in _node_lines(chain, node))
+    yield f"   {printable('; '.join(chain.reasons))}"
 
 
-def _write_launch(chains: "tuple[Composed, ...]", rank: int) -> None:
-    if rank > len(chains):
-        hint = "Omit `--launch` to list the chains with their ranks."
-        raise UsageError("KG003", f"no chain {rank}, only {count(len(chains), 'chain')}", hint=hint)
-    write(launch_text(chains[rank - 1]).removesuffix("\n"))
-    if terminal():
-        note(f"save it with `--launch {rank} > {chains[rank - 1].file_name}`")
+def _node_lines(chain: "Composed", node: "Node") -> "Iterator[str]":
+    part, start = node.part, node.start
+    yield f"{part.full_name}  {part.kind}, {part.repository}"
+    for verb, port in (("takes", start.taken), ("gives", start.given)):
+        name = f"`{port.name}`" if port.name is not None else f"what `{port.parameter}` names"
+        yield f"  {verb} {name} {port.type}  {chain.details.place(port, part)}"
+    needed = [f"{kind} ({', '.join(names[:_MOST])})" if names else kind for kind, names in grouped(node.needs)]
+    if needed:
+        yield f"  also needs {some(needed, _MOST)}"
+    if node.fed:
+        yield f"  also gets {some([kind for kind, _ in grouped(node.fed)], _MOST)} from before"
+    if node.remarks:
+        yield f"  {'; '.join(node.remarks)}"
+    if node.others:
+        yield f"  also as {some([f'{one.repository}:{one.full_name}' for one in node.others], _MOST)}"

@@ -51,10 +51,11 @@ def show(context: typer.Context, *, json: Json = False) -> None:
         json_lines(rows)
         return
     columns = (Column("setting", "name"), Column("value"), Column("origin"), Column("about", "dim", spare=1))
-    print_table(columns, [(row["setting"], _text(row["value"]), row["origin"], row["about"]) for row in rows])
-
-
-def _text(value: object) -> str:
-    if value is None or value == []:
-        return "-"
-    return os.pathsep.join(value) if isinstance(value, list) else str(value)
+    shown = []
+    for row in rows:
+        value = row["value"]
+        if value is None or value == []:
+            value = "-"
+        text = os.pathsep.join(value) if isinstance(value, list) else str(value)
+        shown.append((row["setting"], text, row["origin"], row["about"]))
+    print_table(columns, shown)

@@ -8,22 +8,22 @@ import typer
 from kg.cli.diagnostics import note
 from kg.cli.numbers import size, whole
 from kg.cli.options import Json
-from kg.cli.output import json_lines, listing, terminal, write
-from kg.errors import Exit, Place, UsageError
+from kg.cli.output import json_lines, listing, save, terminal, write
+from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from kg.corpus.fetching_list import Wanted
     from kg.corpus.selection import Selection
 
 with lazily():
     from kg.cli import fetching_view
     from kg.cli.corpus_view import figure_rows, selection_object, step_rows
     from kg.corpus import fetching, selection
-    from kg.corpus.fetching import Options, pinned
+    from kg.corpus.fetching import pinned
     from kg.corpus.fetching_git import Limits
     from kg.corpus.fetching_list import read_wanted, wanted_among
+    from kg.corpus.fetching_one import Options
     from kg.corpus.selection_criteria import default_criteria, read_criteria
     from kg.corpus.selection_data import read_dataset
     from kg.corpus.selection_figures import paper_figures
@@ -89,36 +89,25 @@ def select(
         kg corpus select repos_dataset_all.csv --output robots.txt
         kg corpus fetch robots.txt --into robots
     """
+    from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS  # noqa: PLC0415 - start-up time
+
     found = _selected(table, criteria)
     if json:
         json_lines([selection_object(found)])
     else:
-        _tables(found)
+        listing(STEP_COLUMNS, step_rows(found))
+        write()
+        listing(FIGURE_COLUMNS, figure_rows(found))
+        if terminal():
+            note(f"{count(len(found.kept), 'project')} selected; RNKG has {paper_figures().projects}")
     if output:
-        _write_list(Path(output).expanduser(), found)
+        title = f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"
+        save(output, "\n".join([title, *found.addresses(), ""]).encode())
 
 
 def _selected(table: str, criteria: str | None) -> "Selection":
     chosen = read_criteria(Path(criteria).expanduser() if criteria else default_criteria())
     return selection.select(read_dataset(Path(table).expanduser()), chosen)
-
-
-def _tables(found: "Selection") -> None:
-    from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS  # noqa: PLC0415 - start-up time
-
-    listing(STEP_COLUMNS, step_rows(found))
-    write()
-    listing(FIGURE_COLUMNS, figure_rows(found))
-    if terminal():
-        note(f"{count(len(found.kept), 'project')} selected; RNKG has {paper_figures().projects}")
-
-
-def _write_list(path: Path, found: "Selection") -> None:
-    lines = [f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"]
-    try:
-        path.write_text("\n".join([*lines, *found.addresses(), ""]), "utf-8")
-    except OSError as error:
-        raise UsageError("KG003", f"cannot write the list: {error.strerror}", place=Place(str(path))) from None
 
 
 def fetch(  # noqa: PLR0913 - the options of a command
@@ -146,8 +135,17 @@ def fetch(  # noqa: PLR0913 - the options of a command
         kg corpus fetch --lock robots/corpus.lock.toml
         kg build --corpus robots/corpus.lock.toml
     """
-    folder, file = _places(into, lock)
-    wanted = _wanted(repositories, file, criteria)
+    if into is None and lock is None:
+        raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
+    # Either tells where the other is.
+    folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
+    file = Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
+    if repositories is None:
+        wanted = pinned(file)
+    elif repositories.lower().endswith(".csv"):
+        wanted = wanted_among(_selected(repositories, criteria).addresses())
+    else:
+        wanted = read_wanted(Path(repositories).expanduser())
     options = _options(ros, jobs, max_size, retries, timeout, submodules=submodules, update=update)
     with fetching_view.for_this_stream() as told:
         done = fetching.fetch(wanted, folder, file, options, told)
@@ -156,22 +154,6 @@ def fetch(  # noqa: PLR0913 - the options of a command
         json_lines(map(fetching_view.entry_object, done.entries))
     if done.failed:
         raise typer.Exit(Exit.FOUND)
-
-
-def _places(into: str | None, lock: str | None) -> tuple[Path, Path]:
-    """Return the folder of the checkouts and the lock file: either tells where the other is."""
-    if into is None and lock is None:
-        raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
-    folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
-    return folder, Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
-
-
-def _wanted(named: str | None, lock: Path, criteria: str | None) -> "tuple[Wanted, ...]":
-    if named is None:
-        return pinned(lock)
-    if named.lower().endswith(".csv"):
-        return wanted_among(_selected(named, criteria).addresses())
-    return read_wanted(Path(named).expanduser())
 
 
 def _options(  # noqa: PLR0913 - the options of a command

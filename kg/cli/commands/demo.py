@@ -17,7 +17,6 @@ from kg.render.text import count
 from kg.resources import folder
 
 if TYPE_CHECKING:
-    from kg.query.stored import StoredQuery
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -44,6 +43,29 @@ QUESTIONS: Final = (
 )
 FACT: Final = ("scan_filter", "rnkg:hasCapability", "capability:ranging")
 """What rules inferred and the demo proves."""
+_TEMPORARY: Final = """
+The demo store is temporary. To keep one and explore it:
+
+    kg demo --store demo
+    kg --store demo nodes
+    kg --store demo node flight_controller
+    kg --store demo graph --launch mission.launch.xml
+    kg --store demo query --list
+
+To read your own sources:
+
+    kg build ~/catkin_ws/src"""
+_KEPT: Final = """
+The store is in {store}. To explore it:
+
+    kg --store {store} nodes
+    kg --store {store} node flight_controller
+    kg --store {store} graph --launch mission.launch.xml
+    kg --store {store} query --list
+
+To read your own sources:
+
+    kg build ~/catkin_ws/src"""
 Keep = Annotated[
     str | None,
     typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is temporary."),
@@ -61,28 +83,26 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
     if not workspace.is_dir():
         raise UsageError("KG003", f"missing example workspace: {workspace}", hint="Install kg again.")
     with ExitStack() as stack:
-        target = _store(stack, str(chosen) if chosen else None)
-        _build(target, workspace, settings)
+        root = Path(str(chosen)) if chosen else Path(stack.enter_context(TemporaryDirectory(prefix="kg-demo-"))) / ".kg"
+        target = EmbeddedStore.create(root)
+        say(f"reading {workspace}")
+        report = build([str(workspace)], target, settings, command="kg demo")
+        found = [count(report.total(key), noun) for key, noun in (("nodes", "node"), ("interfaces", "interface"))]
+        said = f"found {' with '.join(found)} in {count(report.total('packages'), 'package')}"
+        say(f"{said}, in {report.seconds:.1f} s")
         bold = ("\x1b[1m", "\x1b[0m") if colored(sys.stdout) else ("", "")
         with target.read() as snapshot:
             _ask_all(snapshot, settings, bold)
         settings = replace(settings, store=target.layout.root)
-        _prove(settings, bold)
-        _check(settings, bold)
-    for line in _next(str(chosen) if chosen else None):
-        write(line)
-
-
-def _store(stack: ExitStack, kept: str | None) -> "EmbeddedStore":
-    root = Path(kept) if kept else Path(stack.enter_context(TemporaryDirectory(prefix="kg-demo-"))) / ".kg"
-    return EmbeddedStore.create(root)
-
-
-def _build(target: "EmbeddedStore", workspace: Path, settings: "Settings") -> None:
-    say(f"reading {workspace}")
-    report = build([str(workspace)], target, settings, command="kg demo")
-    found = [count(report.total(key), noun) for key, noun in (("nodes", "node"), ("interfaces", "interface"))]
-    say(f"found {' with '.join(found)} in {count(report.total('packages'), 'package')}, in {report.seconds:.1f} s")
+        title = "How is it known that a robot can measure distances with scan_filter?"
+        write(f"\n{bold[0]}{len(QUESTIONS) + 1}. {title}{bold[1]}\n")
+        write(f"    kg why {' '.join(FACT)}\n")
+        why(list(FACT), settings=settings)
+        write(f"\n{bold[0]}{len(QUESTIONS) + 2}. What is wrong in the launch files?{bold[1]}\n")
+        write("    kg lint\n")
+        with suppress(typer.Exit):
+            lint(settings=settings)
+    write(_KEPT.format(store=chosen) if chosen else _TEMPORARY)
 
 
 def _ask_all(snapshot: "EmbeddedSnapshot", settings: "Settings", bold: tuple[str, str]) -> None:
@@ -90,61 +110,10 @@ def _ask_all(snapshot: "EmbeddedSnapshot", settings: "Settings", bold: tuple[str
     for number, name in enumerate(QUESTIONS, 1):
         query = find(name)
         write(f"\n{bold[0]}{number}. {query.title}{bold[1]}\n")
-        _ask(snapshot, query, settings, links)
-
-
-def _ask(snapshot: "EmbeddedSnapshot", query: "StoredQuery", settings: "Settings", links: "Links") -> None:
-    for line in query.text.splitlines():
-        if line and not line.startswith("#"):
-            write(f"    {line}")
-    write()
-    result = ask(snapshot, query, {}, timeout=settings.timeout or None)
-    if isinstance(result, Solutions):
-        table(result, links)
-
-
-def _prove(settings: "Settings", bold: tuple[str, str]) -> None:
-    """Show the proof of `FACT` as `kg why` does."""
-    title = "How is it known that a robot can measure distances with scan_filter?"
-    write(f"\n{bold[0]}{len(QUESTIONS) + 1}. {title}{bold[1]}\n")
-    write(f"    kg why {' '.join(FACT)}\n")
-    why(list(FACT), settings=settings)
-
-
-def _check(settings: "Settings", bold: tuple[str, str]) -> None:
-    """Show what `kg lint` finds in the launch files."""
-    write(f"\n{bold[0]}{len(QUESTIONS) + 2}. What is wrong in the launch files?{bold[1]}\n")
-    write("    kg lint\n")
-    with suppress(typer.Exit):
-        lint(settings=settings)
-
-
-def _next(kept: str | None) -> list[str]:
-    if kept is None:
-        return [
-            "",
-            "The demo store is temporary. To keep one and explore it:",
-            "",
-            "    kg demo --store demo",
-            "    kg --store demo nodes",
-            "    kg --store demo node flight_controller",
-            "    kg --store demo graph --launch mission.launch.xml",
-            "    kg --store demo query --list",
-            "",
-            "To read your own sources:",
-            "",
-            "    kg build ~/catkin_ws/src",
-        ]
-    return [
-        "",
-        f"The store is in {kept}. To explore it:",
-        "",
-        f"    kg --store {kept} nodes",
-        f"    kg --store {kept} node flight_controller",
-        f"    kg --store {kept} graph --launch mission.launch.xml",
-        f"    kg --store {kept} query --list",
-        "",
-        "To read your own sources:",
-        "",
-        "    kg build ~/catkin_ws/src",
-    ]
+        for line in query.text.splitlines():
+            if line and not line.startswith("#"):
+                write(f"    {line}")
+        write()
+        result = ask(snapshot, query, {}, timeout=settings.timeout or None)
+        if isinstance(result, Solutions):
+            table(result, links)

@@ -5,16 +5,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kg.cli.diagnostics import say
-from kg.cli.evaluation_view import deliver, misses_csv
+from kg.cli.diagnostics import note, say
 from kg.cli.numbers import whole
-from kg.cli.options import Json, with_settings
-from kg.cli.output import write_text
+from kg.cli.options import Json, require_one_of, with_settings
+from kg.cli.output import Column, listing, write_text
 from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
-from kg.similar import did_you_mean
 from kg.store.opening import existing, reading
 
 if TYPE_CHECKING:
@@ -25,10 +23,13 @@ with lazily():
     from kg.evaluate.facts import Facts
     from kg.evaluate.gathering import Choice
     from kg.evaluate.judged_needs import read_needs
-    from kg.evaluate.keeping import forget, keep
+    from kg.evaluate.keeping import forget as drop
+    from kg.evaluate.keeping import keep as add
     from kg.evaluate.retrieval import retrieval
     from kg.evaluate.sheet import as_sheet, drawn, score_sheet
     from kg.evaluate.source_lines import SourceLines
+    from kg.evaluate.tables import Table, as_csv, as_objects, spelled
+    from kg.evaluate.writing import write
     from kg.search.searching import open_search
 
 References = Annotated[
@@ -104,12 +105,12 @@ def completeness(  # noqa: PLR0913 - the options of a command
         size, chance = whole(number, "--sample", 1), whole(seed, "--seed", 0)
         _code(settings, size, chance, tests=tests, missed=missed, output=output, json=json)
     elif forget:
-        _forget(settings)
+        say("forgot the references" if drop(settings) else "no references were kept")
     else:
         from kg.evaluate.completeness import completeness as measure  # noqa: PLC0415 - start-up time
 
         with reading(settings) as snapshot:
-            table, ground = measure(snapshot, _paths(reference), _choice(any_commit=any_commit, package=package))
+            table, ground = measure(snapshot, _paths(reference), Choice(False, any_commit, package))
         deliver(table, json=json, output=output)
         if keep:
             _keep(settings, ground)
@@ -122,7 +123,8 @@ def _code(  # noqa: PLR0913 - the options of a command
         found = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
     deliver(found.table, json=json, output=output)
     if missed:
-        write_text(misses_csv(found.missed), missed)
+        rows = tuple((one.measure, one.kind, one.address, one.text) for one in found.missed)
+        write_text(as_csv(Table("missed", "Missed", ("measure", "kind", "address", "source"), rows)), missed)
         say(f"{count(len(found.missed), 'miss', 'misses')} in {missed}")
 
 
@@ -148,7 +150,7 @@ def correctness(  # noqa: PLR0913 - the options of a command
     """
     from kg.evaluate.correctness import correctness as measure  # noqa: PLC0415 - start-up time
 
-    choice = _choice(closed=closed, any_commit=any_commit, package=package)
+    choice = Choice(closed, any_commit, package)
     with reading(settings) as snapshot:
         table, ground = measure(snapshot, _paths(reference), choice)
     deliver(table, json=json, output=output)
@@ -183,22 +185,14 @@ def sample(  # noqa: PLR0913 - the options of a command
     from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
 
     number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
-    chosen = [_known_relation(one) for one in relation] if relation else list(RELATIONS)
+    for name in relation or ():
+        require_one_of(name, RELATIONS, "relation")
     with reading(settings) as snapshot:
         facts = Facts(snapshot)
-        found = drawn(facts, chosen, number, chance)
+        found = drawn(facts, relation or list(RELATIONS), number, chance)
         text = as_sheet(facts, found, SourceLines(snapshot))
     write_text(text, output)
     say(f"{count(len(found), 'fact')} to judge")
-
-
-def _known_relation(name: str) -> str:
-    from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
-
-    if name not in RELATIONS:
-        hint = did_you_mean(name, RELATIONS) or f"One of {', '.join(RELATIONS)}."
-        raise UsageError("KG003", f"unknown relation `{name}`", hint=hint)
-    return name
 
 
 @with_settings("store")
@@ -224,20 +218,25 @@ def search(
     deliver(table, json=json, output=output)
 
 
+def deliver(table: "Table", *, json: bool, output: str | None) -> None:
+    """Print a table (as JSON Lines with `json`), its notes to standard error, and write the requested files."""
+    numeric = {name for at, name in enumerate(table.columns) if not any(isinstance(row[at], str) for row in table.rows)}
+    columns = [Column(name, "number" if name in numeric else "text") for name in table.columns]
+    rows = [[spelled(cell) for cell in row] for row in table.rows]
+    listing(columns, rows, objects=as_objects(table) if json else None)
+    for sentence in table.notes:
+        note(sentence)
+    if output:
+        written = write(table, Path(output).expanduser())
+        say(f"wrote {', '.join(path.name for path in written)} to {output}")
+
+
 def _paths(reference: list[str] | None) -> list[Path]:
     if not reference:
         raise UsageError("KG003", "no references given", hint="Add --reference FILE for each reference.")
     return [Path(one).expanduser() for one in reference]
 
 
-def _choice(*, closed: bool = False, any_commit: bool = False, package: str | None = None) -> "Choice":
-    return Choice(closed, any_commit, package)
-
-
 def _keep(settings: Settings, ground: "Ground") -> None:
-    keep(settings, ground.triples)
+    add(settings, ground.triples)
     say(f"kept {count(len(ground.linked), 'reference')} in the store")
-
-
-def _forget(settings: Settings) -> None:
-    say("forgot the references" if forget(settings) else "no references were kept")

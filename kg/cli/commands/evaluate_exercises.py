@@ -1,17 +1,14 @@
 """`kg eval exercises`: programs beside the code that they stand for, and whether they reach what they should."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from kg.cli.evaluation_view import deliver
+from kg.cli.commands.evaluate import Output, deliver
 from kg.cli.options import Json, with_settings
 from kg.errors import Exit
 from kg.lazily import lazily
 from kg.settings import Settings
-
-if TYPE_CHECKING:
-    from kg.evaluate.tables import Table
 
 with lazily():
     import asyncio
@@ -24,10 +21,6 @@ Capabilities = Annotated[
     bool, typer.Option("--capabilities", help="Print Table 1: the inferred capabilities of each simulated robot.")
 ]
 Run = Annotated[bool, typer.Option("--run", help="Run the exercises and report which reach their goal.")]
-Output = Annotated[
-    str | None, typer.Option("--output", "-o", metavar="FOLDER", help="Write Markdown, CSV and SVG into FOLDER.")
-]
-
 Results = Annotated[
     list[str], typer.Argument(metavar="RESULTS", help="Results of a study (CSV), as the page saves them.")
 ]
@@ -53,21 +46,13 @@ def exercises(
         kg eval exercises --run
     """
     if run:
-        _run(settings, json=json, output=output)
-    else:
-        deliver(_table(settings, capabilities=capabilities), json=json, output=output)
-
-
-def _table(settings: Settings, *, capabilities: bool) -> "Table":
+        outcomes = asyncio.run(perform_all(settings))
+        deliver(runs_table(outcomes), json=json, output=output)
+        if any(one.missed for one in outcomes):
+            raise typer.Exit(Exit.FOUND)
+        return
     found = asyncio.run(capabilities_of_robots(settings))
-    return capabilities_table(found) if capabilities else exercises_table(found)
-
-
-def _run(settings: Settings, *, json: bool, output: str | None) -> None:
-    outcomes = asyncio.run(perform_all(settings))
-    deliver(runs_table(outcomes), json=json, output=output)
-    if any(one.missed for one in outcomes):
-        raise typer.Exit(Exit.FOUND)
+    deliver(capabilities_table(found) if capabilities else exercises_table(found), json=json, output=output)
 
 
 def study(

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import NoRules, with_settings
-from kg.cli.output import terminal, write_bytes
-from kg.errors import Exit, Place, QueryError, UsageError
+from kg.cli.options import NoRules, OutputFile, with_settings
+from kg.cli.output import save, terminal, write_bytes
+from kg.errors import Exit, QueryError, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -47,7 +47,6 @@ ExportFormat = Annotated[
         help=f"{', '.join(FORMATS)}, {_PARQUET} (an extra); by default from the file name.",
     ),
 ]
-Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Source = Annotated[
     str | None, typer.Option("--source", metavar="NAME", help="Only facts from this source (see `kg status`).")
 ]
@@ -63,7 +62,7 @@ Sources = Annotated[list[str], typer.Argument(metavar="SOURCE", help="Names of s
 def export(
     *,
     settings: Settings,
-    output: Output = None,
+    output: OutputFile = None,
     format_name: ExportFormat = None,
     source: Source = None,
     graph: GraphName = None,
@@ -91,10 +90,8 @@ def export(
     if target is None:
         write_bytes(data)
         return
-    try:
-        target.write_bytes(_packed(data) if target.suffix == ".gz" else data)
-    except OSError as error:
-        raise UsageError("KG003", f"cannot be written: {error.strerror}", place=Place(str(target))) from error
+    # Without the time, so that the same data gives the same bytes.
+    save(target, gzip.compress(data, mtime=0) if target.suffix == ".gz" else data)
     say(f"wrote {count(len(data), 'byte')} of {rdf_format.name if rdf_format else 'Parquet'} to {target}")
 
 
@@ -166,11 +163,6 @@ def forget(sources: Sources, *, settings: Settings, no_rules: NoRules = False) -
     _end(inferred)
 
 
-def _packed(data: bytes) -> bytes:
-    """Return compressed data: the same bytes for the same data."""
-    return gzip.compress(data, mtime=0)
-
-
 def _end(inferred: "Inferred | None") -> None:
     if left_out(inferred):
         raise typer.Exit(Exit.FOUND)
@@ -181,7 +173,17 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
     ending = _ending(name, output)
     if not ending:
         return None
-    found = RdfFormat.from_extension(ending) or _by_other_names(ending)
+    others = {
+        "nquads": RdfFormat.N_QUADS,
+        "ntriples": RdfFormat.N_TRIPLES,
+        "turtle": RdfFormat.TURTLE,
+        "json-ld": RdfFormat.JSON_LD,
+        "rdfxml": RdfFormat.RDF_XML,
+        "xml": RdfFormat.RDF_XML,
+    }
+    found = RdfFormat.from_extension(ending) or others.get(ending)
+    if "/" in ending:
+        found = RdfFormat.from_media_type(ending)
     if found is None:
         near = did_you_mean(ending, FORMATS)
         raise QueryError("KG504", f"unknown format `{ending}`", hint=near or f"The formats are {', '.join(FORMATS)}.")
@@ -191,18 +193,6 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
 def _ending(name: str | None, output: Path | None) -> str:
     ending = output.name.removesuffix(".gz").rpartition(".")[2] if output and output.suffix else ""
     return (name or ending).lower()
-
-
-def _by_other_names(name: str) -> "RdfFormat | None":
-    others = {
-        "nquads": RdfFormat.N_QUADS,
-        "ntriples": RdfFormat.N_TRIPLES,
-        "turtle": RdfFormat.TURTLE,
-        "json-ld": RdfFormat.JSON_LD,
-        "rdfxml": RdfFormat.RDF_XML,
-        "xml": RdfFormat.RDF_XML,
-    }
-    return others.get(name) or (RdfFormat.from_media_type(name) if "/" in name else None)
 
 
 def _named(base: str, name: str) -> "NamedNode":

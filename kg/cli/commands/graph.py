@@ -101,7 +101,11 @@ def graph(  # noqa: PLR0913 - the options of a command
     if form not in {"text", "json"}:
         found = collapsed(found, expand or ())
     if form == "text" and output is None and not terminal():
-        _table(found)
+        rows = [
+            (row.node, row.verb, row.name, row.type, ", ".join(row.others) or f"({row.nobody})")
+            for row in system_rows(found)
+        ]
+        listing(_COLUMNS, rows)
     else:
         deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
     if tell_malformed(settings, system):
@@ -119,14 +123,6 @@ def _written(graph: "SystemGraph", form: str) -> str:
     if form == "text":
         return "".join(f"{line}\n" for line in system_lines(graph))
     return {"svg": system_svg, "dot": system_dot, "mermaid": system_mermaid}[form](graph)
-
-
-def _table(graph: "SystemGraph") -> None:
-    rows = [
-        (row.node, row.verb, row.name, row.type, ", ".join(row.others) or f"({row.nobody})")
-        for row in system_rows(graph)
-    ]
-    listing(_COLUMNS, rows)
 
 
 def _only(settings: Settings) -> str:

@@ -90,16 +90,12 @@ def impact(  # noqa: PLR0913 - the options of a command
     if diff is not None:
         is_breaking, text = _of_commit(settings, diff, Path(repository or "."), form)
     else:
-        is_breaking, text = _of_name(settings, name or "", kind or "", form)
+        with reading(settings) as snapshot:
+            found = impact_of(snapshot, settings, name or "", kind or "")
+            is_breaking, text = found.is_breaking, _written(found, form, places(snapshot))
     deliver(text, form, output, "impact")
     if exit_code and is_breaking:
         raise typer.Exit(Exit.FOUND)
-
-
-def _of_name(settings: Settings, name: str, kind: str, form: str) -> tuple[bool, str]:
-    with reading(settings) as snapshot:
-        found = impact_of(snapshot, settings, name, kind)
-        return found.is_breaking, _written(found, form, places(snapshot))
 
 
 def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tuple[bool, str]:

@@ -86,60 +86,43 @@ def lint(  # noqa: PLR0913 - the options of a command
     form = "json" if json else form
     require_known(form, hints=_OTHER_FORMATS)
     arguments, environment = given(launch, arg, env)
-    if why:
-        _require_provable(stored=not (arg or env or variants), form=form)
+    if why and (arg or env or variants or form != "text"):
+        hint = "Remove --arg, --env, --variants and --format."
+        raise UsageError("KG003", "--why works only on the store and with text output", hint=hint)
     folders = [Path(path) for path in paths or ()]
     own = load_table(DECLARED, chosen, folder=_folder(folders))
     question = Question(launch, package, arguments=arguments, environment=environment, variants=variants, **own)
     if folders:
-        settings = _read(settings, folders)
-    checked = _checked(settings, folders, question)
+        with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
+            settings, found = read_folders(folders, settings, progress)
+        left_out(found.inferred)
+    if package is not None:
+        with reading(settings) as snapshot:
+            known_package(snapshot, package)
+    checked = check_store(settings, question, _folder(folders))
     if not write_baseline:
         _write(checked, form)
-    _say(checked)
+    for words in (*gone_sources(checked), *leftovers(checked.report)):
+        note(words)
+    for words in summary(checked):
+        say(words)
     tell_left_out(checked.left_out)
-    if why:
-        _prove(checked, settings)
+    for finding in checked.report.findings if why else ():
+        write("")
+        prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)
     if xunit_file:
         _write_xunit(checked, Path(xunit_file), perf_counter() - began)
     if write_baseline:
-        _keep(checked, Path(write_baseline))
+        # A baseline accepts the findings in it, so they do not fail the command.
+        _save(Path(write_baseline), written(checked.report.raw))
+        say(f"{count(len(merged(checked.report.raw)), 'finding')} written to {write_baseline}")
     elif checked.report.failed:
         raise typer.Exit(Exit.FOUND)
-
-
-def _require_provable(*, stored: bool, form: str) -> None:
-    if not stored or form != "text":
-        hint = "Remove --arg, --env, --variants and --format."
-        raise UsageError("KG003", "--why works only on the store and with text output", hint=hint)
-
-
-def _prove(checked: "Checked", settings: Settings) -> None:
-    """Show the proof of each finding."""
-    for finding in checked.report.findings:
-        write("")
-        prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)
-
-
-def _checked(settings: Settings, folders: list[Path], question: "Question") -> "Checked":
-    """Return what is found."""
-    if question.package is not None:
-        with reading(settings) as snapshot:
-            known_package(snapshot, question.package)
-    return check_store(settings, question, _folder(folders))
 
 
 def _folder(folders: list[Path]) -> Path:
     """Return where `kg.toml` is looked for: the first of the folders, or the working folder."""
     return (folders[0] if folders and folders[0].is_dir() else Path.cwd()).absolute()
-
-
-def _read(settings: Settings, folders: list[Path]) -> Settings:
-    """Read folders, with a bar on a terminal and without a word elsewhere; return the settings for their store."""
-    with for_this_stream() if sys.stderr.isatty() else nullcontext() as progress:
-        own, found = read_folders(folders, settings, progress)
-    left_out(found.inferred)
-    return own
 
 
 def _write(checked: "Checked", form: str) -> None:
@@ -156,20 +139,6 @@ def _write(checked: "Checked", form: str) -> None:
     else:
         for line in LintView(checked, Links.of(checked.sources), here, color=colored(sys.stdout)).lines():
             write(line)
-
-
-def _say(checked: "Checked") -> None:
-    """Report the number of findings, and stale entries of the allow-list and the baseline."""
-    for words in (*gone_sources(checked), *leftovers(checked.report)):
-        note(words)
-    for words in summary(checked):
-        say(words)
-
-
-def _keep(checked: "Checked", file: Path) -> None:
-    """Write a baseline, and say so; that findings are in it is no failure."""
-    _save(file, written(checked.report.raw))
-    say(f"{count(len(merged(checked.report.raw)), 'finding')} written to {file}")
 
 
 def _write_xunit(checked: "Checked", file: Path, seconds: float) -> None:

@@ -8,9 +8,8 @@ from typing import Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, require_one_of, with_settings
 from kg.cli.output import Column, listing, terminal
-from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -73,8 +72,8 @@ def files(
         kg files --package rover_robot
         kg files --sort text
     """
-    if sort is not None and sort not in _SORTS:
-        raise UsageError("KG003", f"unknown sort `{sort}`", hint=f"Use one of {', '.join(_SORTS)}.")
+    if sort is not None:
+        require_one_of(sort, _SORTS, "sort")
     with reading(settings) as snapshot:
         every = overview.files(snapshot)
     found = [one for one in every if sort in {None, one.sort} and package in {None, one.package}]

@@ -2,19 +2,19 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from kg.cli.completion import nodes
-from kg.cli.diagnostics import note, say
+from kg.cli.diagnostics import note
+from kg.cli.drawing import deliver
 from kg.cli.group import KgCommand
 from kg.cli.interface_table import Row, interface_table
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, Via, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
-from kg.errors import Place, UsageError
+from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count, printable
 from kg.settings import Settings
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from rich.console import RenderableType
 
-    from kg.facts import InstanceInterface, Location, NodeInstance, System
+    from kg.facts import InstanceInterface, NodeInstance, System
     from kg.graph.classes_reading import Classes
     from kg.graph.reading import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
@@ -57,9 +57,6 @@ Name = Annotated[
     ),
 ]
 All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (rosout, tf, ...).")]
-Via = Annotated[
-    bool, typer.Option("--via", help="Show the calls in wrappers and base classes, from the line to the framework.")
-]
 Code = Annotated[bool, typer.Option("--code", help="Show the lines of code, from the store where files are not here.")]
 Picture = Annotated[
     str | None,
@@ -134,7 +131,8 @@ def node(  # noqa: PLR0913 - the options of a command
     elif graph and picture is None:
         write_bytes(drawn.encode())
     elif picture is not None:
-        _draw(records[0], drawn or node_picture(records[0], implicit=every), picture)
+        drawn = drawn or node_picture(records[0], implicit=every)
+        deliver(drawn, "svg", picture or None, records[0].node.name.replace("/", "_"))
     else:
         for number, (record, found, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
             if number:
@@ -191,49 +189,35 @@ def _related(
     return node_graph.node_graph_svg(name, relations)
 
 
-def _draw(record: "NodeRecord", drawn: str, file: str) -> None:
-    """Write a picture to a file, or where it goes without one."""
-    if file == "-" or not (file or terminal()):
-        write_bytes(drawn.encode())
-        return
-    path = Path(file or f"{record.node.name.replace('/', '_')}.svg")
-    try:
-        path.write_bytes(drawn.encode())
-    except OSError as error:
-        raise UsageError("KG003", f"cannot write the picture: {error.strerror}", place=Place(str(path))) from error
-    say(f"wrote {path}")
-
-
-_UNKNOWN: Final = "(not known)"
-
-
 def instance_view(
     system: "System", instance: "NodeInstance", links: "Links", columns: int, *, every: bool
 ) -> "tuple[RenderableType, ...]":
     """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
     repository = system.configuration.repository
+    ends = [end for end in instance.interfaces if every or not end.declared.implicit]
     groups = [
-        (
-            title,
-            [_end(one, repository) for one in instance.interfaces if one.declared.role is role and _shown(one, every)],
-        )
-        for role, title in TITLES.items()
+        (title, [_end(end, repository) for end in ends if end.declared.role is role]) for role, title in TITLES.items()
     ]
     remaps = [
         Row(one.source, one.target, "" if one.used else "changes nothing", one.remap.location, dim=False)
         for one in instance.remaps
     ]
-    settings = [_setting(one.name, one.set.value, one.set.reason, one.set.location) for one in instance.parameters]
+    settings = [
+        Row(
+            one.name,
+            "(not known)" if one.set.value is None else one.set.value,
+            one.set.reason or "",
+            one.set.location,
+            dim=False,
+        )
+        for one in instance.parameters
+    ]
     groups += [("remappings, from and to", remaps), ("parameters", settings)]
     told = [(title, rows) for title, rows in groups if rows]
     parts: list[RenderableType] = list(_header(system, instance))
     if told:
         parts += [Text(), interface_table(told, repository, links, columns)]
     return tuple(parts)
-
-
-def _shown(end: "InstanceInterface", every: bool) -> bool:  # noqa: FBT001 - a filter
-    return every or not end.declared.implicit
 
 
 def _header(system: "System", instance: "NodeInstance") -> "Iterator[Text]":
@@ -267,7 +251,3 @@ def _end(end: "InstanceInterface", repository: str) -> Row:
     return Row(
         end.resolved or "(not resolved)", declared.type or "(type not known)", remark, location, declared.implicit
     )
-
-
-def _setting(name: str, value: str | None, reason: str | None, location: "Location") -> Row:
-    return Row(name, _UNKNOWN if value is None else value, reason or "", location, dim=False)

@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, PackageName, with_settings
+from kg.cli.options import Json, PackageName, require_one_of, with_settings
 from kg.cli.output import Column, listing, terminal, write
-from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -15,7 +14,6 @@ from kg.store.opening import reading
 from kg.views.names import known_package
 
 if TYPE_CHECKING:
-    from kg.graph.overview import NodeSummary
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
@@ -55,8 +53,8 @@ def nodes(
     """
     from kg.facts import NodeKind  # noqa: PLC0415 - start-up time
 
-    if kind is not None and kind not in set(NodeKind):
-        raise UsageError("KG003", f"unknown kind `{kind}`", hint=f"The kinds are {', '.join(NodeKind)}.")
+    if kind is not None:
+        require_one_of(kind, NodeKind, "kind", f"The kinds are {', '.join(NodeKind)}.")
     with reading(settings) as snapshot:
         if package:
             known_package(snapshot, package)
@@ -80,11 +78,10 @@ def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None
 def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
     found = [one for one in every if kind in {None, one.kind}]
-    listing(COLUMNS, [_row(one) for one in found])
+    rows = []
+    for one in found:
+        ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
+        rows.append((one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)))
+    listing(COLUMNS, rows)
     if terminal():
         note(f"{count(len(found), 'node')}; `kg node NAME` shows one")
-
-
-def _row(one: "NodeSummary") -> tuple[object, ...]:
-    ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
-    return one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)

@@ -2,12 +2,12 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from kg.cli.diagnostics import report, say
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, OutputFile, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal, write, write_text
 from kg.errors import Exit
 from kg.lazily import lazily
@@ -15,16 +15,12 @@ from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
 
-if TYPE_CHECKING:
-    from kg.graph.ontology import OntologyCheck
-
 with lazily():
     from pyoxigraph import RdfFormat, serialize
 
     from kg.graph import ontology
 
 Files = Annotated[list[str] | None, typer.Argument(metavar="FILE", help="Ontologies; by default those that kg ships.")]
-Entailed = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Shapes = Annotated[
     str | None, typer.Option("--shapes", metavar="FILE", help="SHACL shapes; by default those that kg ships.")
 ]
@@ -41,7 +37,15 @@ def check(files: Files = None, *, json: Json = False) -> None:
     """
     verdicts = ontology.check([Path(file) for file in files] if files else None)
     if json:
-        json_lines(_object(one) for one in verdicts)
+        json_lines(
+            {
+                "files": [str(path) for path in one.files],
+                "consistent": one.consistent,
+                "unsatisfiable": list(one.unsatisfiable),
+                "seconds": round(one.seconds, 3),
+            }
+            for one in verdicts
+        )
     else:
         for one in verdicts:
             names = " + ".join(path.name for path in one.files)
@@ -54,7 +58,7 @@ def check(files: Files = None, *, json: Json = False) -> None:
         raise typer.Exit(Exit.FOUND)
 
 
-def classify(files: Files = None, *, output: Entailed = None) -> None:
+def classify(files: Files = None, *, output: OutputFile = None) -> None:
     """Print what follows from ontologies by OWL 2 DL, as Turtle.
 
     This is the hierarchy of classes and properties, equivalent ones, and the classes of individuals. Your FILEs are
@@ -88,12 +92,3 @@ def validate(*, settings: Settings, shapes: Shapes = None, json: Json = False) -
     say(f"{count(len(found), 'finding')}" if found else "the data conforms")
     if found:
         raise typer.Exit(Exit.FOUND)
-
-
-def _object(verdict: "OntologyCheck") -> dict[str, object]:
-    return {
-        "files": [str(path) for path in verdict.files],
-        "consistent": verdict.consistent,
-        "unsatisfiable": list(verdict.unsatisfiable),
-        "seconds": round(verdict.seconds, 3),
-    }

@@ -4,10 +4,10 @@ from typing import Annotated
 
 import typer
 
-from kg.cli.commands.channels import All, Via
+from kg.cli.commands.channels import All
 from kg.cli.completion import parameters
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, System, with_settings
+from kg.cli.options import Json, System, Via, with_settings
 from kg.cli.output import Column, json_lines, line_width, listing, show, terminal
 from kg.lazily import lazily
 from kg.render.text import count

@@ -106,28 +106,19 @@ def query(  # noqa: PLR0913 - the options of a command
     stores = store or ()
     settings = session(context).settings(store=stores[-1] if stores else None, **given)
     if listed:
-        _list(settings, json=json)
+        found = discover(settings.queries).values()
+        listing(COLUMNS, list_rows(found), objects=map(query_object, found) if json else None)
+        if terminal() and not json:
+            note("`kg query NAME --help-query` shows one")
         return
     asked = query_meant(text, Path(file) if file else None, settings)
     if help_query:
-        _explain(asked, json=json)
+        if json:
+            json_lines([query_object(asked)])
+        else:
+            write("\n".join(manual(asked)))
         return
     _answer(asked, pairs(param or []), settings, stores, on_demand, json=json)
-
-
-def _list(settings: Settings, *, json: bool) -> None:
-    found = discover(settings.queries).values()
-    listing(COLUMNS, list_rows(found), objects=map(query_object, found) if json else None)
-    if terminal() and not json:
-        note("`kg query NAME --help-query` shows one")
-
-
-def _explain(asked: "StoredQuery", *, json: bool) -> None:
-    if json:
-        json_lines([query_object(asked)])
-        return
-    for line in manual(asked):
-        write(line)
 
 
 def _answer(  # noqa: PLR0913 - the options of a query
@@ -142,12 +133,17 @@ def _answer(  # noqa: PLR0913 - the options of a query
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
     with reading_all(settings, stores) as stored, _extended(stored, asked, values, settings, family) as snapshot:
-        limit = _limit(settings, chosen)
+        # The default limit is for tables, which people read; one that was asked for is for all formats.
+        is_limited = chosen == "table" or settings.origin("limit").kind != "default"
+        limit = (settings.limit or None) if is_limited else None
         plain = not (family or values or asked.parameters or len(stores) > 1)
         found = whole.answer(snapshot, asked.text, timeout=timeout, limit=limit) if plain else None
         result = ask(snapshot, asked, values, timeout=timeout, limit=limit) if found is None else found
-        meant = _meant(snapshot, asked, values, timeout) if is_empty(result) else []
-        links = _links(snapshot) if chosen == "table" and terminal() else None
+        meant: list[str] = []
+        if is_empty(result):
+            value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
+            meant = [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
+        links = Links.of(sources(snapshot)) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
     for sentence in meant:
         note(sentence)
@@ -177,14 +173,6 @@ def _extended(
         yield extended
 
 
-def _meant(
-    snapshot: "EmbeddedSnapshot", asked: "StoredQuery", values: dict[str, str], timeout: float | None
-) -> list[str]:
-    """Return what may have been meant by a query that found nothing."""
-    value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
-    return [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
-
-
 def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
     """Yield a sentence for each text that is a term in Turtle, which may have been meant."""
     for name, value in values.items():
@@ -194,16 +182,6 @@ def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
         written = f"<{value}>" if "://" in value and not value.startswith(("<", '"', "'")) else value
         if asked.read_term(written) not in {None, term}:
             yield f"?{name} is the text {term}; for the term write --param {name}:={shlex.quote(written)}"
-
-
-def _links(snapshot: "EmbeddedSnapshot") -> "Links":
-    return Links.of(sources(snapshot))
-
-
-def _limit(settings: Settings, chosen: str) -> int | None:
-    """Return the cap of rows: the default one is for tables, which people read; one that was asked for is for all."""
-    asked = settings.origin("limit").kind != "default"
-    return (settings.limit or None) if asked or chosen == "table" else None
 
 
 COLUMNS = (Column("query", "name"), Column("answers"), Column("parameters", spare=1))

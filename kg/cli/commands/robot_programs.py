@@ -5,12 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import note, report
-from kg.cli.options import (
-    Exclusive,
-    Json,
-    is_given,
-    with_settings,
-)
+from kg.cli.options import Exclusive, Json, is_given, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.systems import Arguments, Environment, Launch, given
 from kg.errors import Exit, UsageError

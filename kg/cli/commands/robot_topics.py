@@ -1,18 +1,69 @@
 """`kg robot nodes`, `kg robot topics` and `kg robot record`: who is there, and what goes over the wires of a robot."""
 
-from typing import Annotated
+from collections import Counter
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from kg.cli.diagnostics import note
 from kg.cli.options import Json, with_settings
+from kg.cli.output import Column, listing
+from kg.errors import RobotError
+from kg.facts import Role
 from kg.lazily import lazily
+from kg.render.text import count
 from kg.settings import Settings
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.robot.connection import ComputationGraph
+
 with lazily():
+    import asyncio
     from pathlib import Path
 
+    from kg.cli.driving import warn
+    from kg.cli.interruptible import interruptible
     from kg.cli.numbers import seconds
-    from kg.cli.recording import list_nodes, list_topics, record_topics
+    from kg.cli.robot_view import tell_problems
+    from kg.robot.bag.recording import Recorder
+    from kg.robot.clock import within
+    from kg.robot.connecting import address_of, connected, inhabited, look
+    from kg.robot.live.systems import is_implicit
+
+_NODES: Final = (
+    Column("node", "name"),
+    Column("state"),
+    Column("publishes", "number"),
+    Column("subscribes", "number"),
+    Column("services", "number"),
+    Column("actions", "number"),
+    Column("where", "dim", spare=2),
+    Column("problem", spare=1),
+)
+_COUNTED: Final = {
+    "publishes": Role.PUBLISHES,
+    "subscribes": Role.SUBSCRIBES,
+    "services": Role.SERVICES,
+    "actions": Role.ACTION_SERVERS,
+}
+_TOPICS: Final = (
+    Column("topic", "name"),
+    Column("type"),
+    Column("publishers", spare=2),
+    Column("subscribers", spare=1),
+    Column("messages", "number"),
+    Column("rate", "number"),
+)
+_RECORDED: Final = (
+    Column("topic", "name"),
+    Column("type"),
+    Column("messages", "number"),
+    Column("dropped", "number", spare=1),
+)
+
 
 File = Annotated[
     str,
@@ -36,7 +87,23 @@ def nodes(*, settings: Settings, json: Json = False) -> None:
         kg robot nodes
         kg robot nodes --json
     """
-    list_nodes(settings, json=json)
+    graph = asyncio.run(look(address_of(settings)))
+    tell_problems(graph)
+    ends = {
+        (end.node, end.role, end.name) for end in graph.ends if not is_implicit(end.role, end.name, end.node, graph.ros)
+    }
+    counts = Counter((node, role) for node, role, _ in ends)
+    found = [
+        {
+            "name": node.name,
+            "state": node.state,
+            **{title: counts[node.name, role] for title, role in _COUNTED.items()},
+            "address": node.address,
+            "problem": node.problem,
+        }
+        for node in graph.nodes
+    ]
+    listing(_NODES, (tuple(one.values()) for one in found), objects=found if json else None)
 
 
 @with_settings("robot")
@@ -48,7 +115,33 @@ def topics(*, settings: Settings, json: Json = False) -> None:
         kg robot topics
         kg robot topics --robot bag://drive.mcap
     """
-    list_topics(settings, json=json)
+    graph = asyncio.run(look(address_of(settings)))
+    tell_problems(graph)
+    found = _topics(graph)
+    rows = []
+    for one in found:
+        rate = None if one["rate"] is None else f"{one['rate']:.1f}"
+        ends = (", ".join(one["publishers"]), ", ".join(one["subscribers"]))
+        rows.append((one["name"], one["type"], *ends, one["messages"], rate))
+    listing(_TOPICS, rows, objects=found if json else None)
+
+
+def _topics(graph: "ComputationGraph") -> list[dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    recorded = {one.name: one for one in graph.recorded}
+    for end in graph.ends:
+        if end.role not in {Role.PUBLISHES, Role.SUBSCRIBES}:
+            continue
+        empty: dict[str, Any] = {"name": end.name, "type": None, "publishers": [], "subscribers": []}
+        one = found.setdefault(end.name, {**empty, "messages": None, "rate": None})
+        one["type"] = one["type"] or end.type
+        nodes = one["publishers" if end.role is Role.PUBLISHES else "subscribers"]
+        if end.node not in nodes:
+            nodes.append(end.node)
+        if (told := recorded.get(end.name)) is not None:
+            one["messages"] = told.count
+            one["rate"] = round(told.count / told.seconds, 3) if told.seconds else None
+    return [found[name] for name in sorted(found)]
 
 
 @with_settings("robot")
@@ -68,4 +161,39 @@ def record(
         kg robot record drive.bag
         kg robot record drive.mcap /scan /odom --for 60
     """
-    record_topics(settings, Path(file), names or (), keep=None if keep is None else seconds(keep, "--for"), json=json)
+    period = None if keep is None else seconds(keep, "--for")
+    interruptible(_record(settings, Path(file), names or (), keep=period, json=json))
+
+
+async def _record(settings: Settings, path: Path, topics: "Sequence[str]", *, keep: float | None, json: bool) -> None:
+    """Record topics until the command is ended, `keep` seconds have passed or the robot ends; then list them.
+
+    Raises as `Recorder`; RobotError KG803 when the robot is lost, KG825 if no message arrived within `keep` seconds.
+    """
+    address = address_of(settings)
+    async with connected(address) as connection:
+        await inhabited(connection)
+        recorder = Recorder(
+            connection,
+            path,
+            topics=frozenset(topics) or None,
+            tell=lambda topic, kind: note(f"recording {topic} ({kind})"),
+            on_problem=lambda one: warn(one, json=False),
+        )
+        try:
+            work = recorder.run()
+            await (work if keep is None else within(connection.clock, keep, work))
+        except TimeoutError:
+            pass
+        finally:
+            done = recorder.close()
+            listing(
+                _RECORDED,
+                [(one.topic, one.type, one.messages, one.dropped) for one in done],
+                objects=map(asdict, done) if json else None,
+            )
+            number = sum(one.messages for one in done)
+            if number:
+                note(f"{count(number, 'message')} in {recorder.last - recorder.first:.1f} s: {path}")
+        if not number:
+            raise RobotError("KG825", "no message arrived, so no file was written")

@@ -112,14 +112,10 @@ def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
         for one in findings:
             write(annotation(remark(one)))
     else:
-        _tell(findings, checked)
-
-
-def _tell(findings: "Sequence[Finding]", checked: int) -> None:
-    for one in findings:
-        error = RuleError(one.code, one.message, place=one.place, hint=one.hint)
-        write(render(error, color=colored(sys.stdout), severity=one.severity))
-        write()
-    sums = Counter(one.severity for one in findings)
-    told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
-    say(f"{count(checked, 'rule')} checked: {told or 'nothing wrong'}")
+        for one in findings:
+            error = RuleError(one.code, one.message, place=one.place, hint=one.hint)
+            write(render(error, color=colored(sys.stdout), severity=one.severity))
+            write()
+        sums = Counter(one.severity for one in findings)
+        told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
+        say(f"{count(checked, 'rule')} checked: {told or 'nothing wrong'}")

@@ -5,9 +5,9 @@ from typing import Annotated, Final
 import typer
 
 from kg.cli.completion import rules as rule_names
-from kg.cli.options import with_settings
+from kg.cli.options import require_one_of, with_settings
 from kg.cli.output import write
-from kg.errors import Place, RuleError, UsageError
+from kg.errors import Place, RuleError
 from kg.lazily import lazily
 from kg.settings import Settings
 
@@ -37,8 +37,7 @@ def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
         kg rules compile communication/feeds
         kg rules compile communication/feeds --to srl
     """
-    if to not in _FORMS:
-        raise UsageError("KG003", f"unknown notation `{to}`", hint=f"Use one of {', '.join(_FORMS)}.")
+    require_one_of(to, _FORMS, "notation")
     library = Library.of(settings)
     entry = find_rule(library, name)
     file = library.read(entry.name)

@@ -1,25 +1,19 @@
 """`kg rules graph`, `profile` and `coverage`: how rules hang together, what they cost, which never fire."""
 
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, with_settings
-from kg.cli.output import Column, json_line, json_lines, listing, show, terminal
+from kg.cli.options import Json, OutputFile, require_one_of, with_settings
+from kg.cli.output import Column, json_line, json_lines, listing, show, terminal, write_text
 from kg.errors import UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
-from kg.similar import did_you_mean
 from kg.store.opening import reading
-
-if TYPE_CHECKING:
-    from kg.rules.authoring.coverage import Coverage
-    from kg.rules.authoring.profiling import Profile
 
 with lazily():
     from kg.cli.rules_view import coverage_lines, element_table, gap_words
@@ -47,7 +41,6 @@ _PROFILE: Final = (
 _COVERAGE: Final = (Column("rule", "name"), Column("parts", "number"), Column("covered", "number"), Column("never"))
 
 Cluster = Annotated[bool, typer.Option("--cluster", help="For a graph divided by source; the only plan so far.")]
-Output = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE", help="Write to FILE.")]
 Form = Annotated[str | None, typer.Option("--format", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
 
 
@@ -56,7 +49,7 @@ def graph(
     chosen: Chosen = None,
     *,
     settings: Settings,
-    output: Output = None,
+    output: OutputFile = None,
     form: Form = None,
     json: Json = False,
 ) -> None:
@@ -80,11 +73,9 @@ def graph(
         text = mermaid(found)
     else:
         text = graph_picture(found, f"Rules: {', '.join(chosen)}" if chosen else "Rules")
+    write_text(text, output)
     if output and output != "-":
-        _write(output, text)
         say(f"wrote {output}: {count(len(found.rules), 'rule')}")
-    else:
-        sys.stdout.write(text)
 
 
 @with_settings("rules", "rule_families", "base", "store")
@@ -117,13 +108,6 @@ def plan(
         note("the store has one source; only one with several shows which properties lead from one to another")
 
 
-def _write(output: str, text: str) -> None:
-    try:
-        Path(output).write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise UsageError("KG003", f"cannot write {output}: {error.strerror}", hint="Check the path.") from error
-
-
 def _form(form: str | None, output: str | None) -> str:
     """Return the format that is asked for, or that the ending of the file names; SVG without either."""
     if form is None:
@@ -132,9 +116,7 @@ def _form(form: str | None, output: str | None) -> str:
             hint = f"Write to {', '.join(f'*{known}' for known in _ENDINGS)}, or name one of them with --format."
             raise UsageError("KG003", f"unsupported picture format `{ending}`", hint=hint)
         return _ENDINGS.get(ending, "svg")
-    if form not in _FORMATS:
-        hint = did_you_mean(form, _FORMATS) or f"One of {', '.join(_FORMATS)}."
-        raise UsageError("KG003", f"unknown format `{form}`", hint=hint)
+    require_one_of(form, _FORMATS, "format")
     return form
 
 
@@ -152,11 +134,7 @@ def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) ->
         found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
     if json:
         json_lines(profile_objects(found))
-    else:
-        _show_profile(found)
-
-
-def _show_profile(found: "Profile") -> None:
+        return
     detailed = [rule for rule in found.rules if rule.elements]
     total = sum(rule.seconds for rule in found.rules) or 1.0
     rows = [
@@ -194,11 +172,7 @@ def coverage(chosen: Chosen = None, *, settings: Settings, json: Json = False) -
         found = cover(trial.bench, trial.files, trial.chosen, trial.limits)
     if json:
         json_lines(coverage_objects(found))
-    else:
-        _show_coverage(found)
-
-
-def _show_coverage(found: "Coverage") -> None:
+        return
     lacking = [rule for rule in found.rules if rule.gaps]
     if terminal():
         for rule in lacking:

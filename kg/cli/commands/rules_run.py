@@ -88,8 +88,9 @@ def run(  # noqa: PLR0913 - the options of a command
     _agree(remote=remote, update_url=update_url, data=data, output=output, dry_run=dry_run)
     limits = limits_of(settings, max_triples)
     usual = not (full or dry_run or remote or data or max_triples)
-    if usual and (done := _nothing_to_do(settings)):
-        _show(done, verbose=verbose, json=json)
+    last = unchanged(settings, layout_of(settings)) if usual else None
+    if last is not None:
+        _show(nothing_changed(last.asserted, last.inferred, last.strata), verbose=verbose, json=json)
         return
     if settings.memory:
         supervise(settings.memory)
@@ -106,15 +107,6 @@ def run(  # noqa: PLR0913 - the options of a command
         _show_remote(answer, json=json)
     else:
         _show(report, verbose=verbose, json=json)
-
-
-def _nothing_to_do(settings: Settings) -> "RunReport | None":
-    """Return the report of a run where nothing changed since the last one, without reading a rule."""
-    last = unchanged(settings, layout_of(settings))
-    if last is None:
-        return None
-
-    return nothing_changed(last.asserted, last.inferred, last.strata)
 
 
 def limits_of(settings: Settings, max_triples: str | None = None) -> "Limits":
@@ -153,19 +145,16 @@ def _show(report: "RunReport", *, verbose: bool, json: bool) -> None:
     if changes:
         listing(_CHANGES, share_rows(changes))
     if verbose:
-        _show_work(report)
+        did = rule_runs(report.rules)
+        rows = [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did]
+        if did:
+            listing(_COLUMNS, rows)
+        else:
+            note("incremental runs have no results per rule; use --full")
+        for line in work_words(report, sum(rule.derived > 0 for rule in did), len(did)):
+            say(line)
     if terminal() and not report.dry_run and report.generation is not None:
         note("`kg why` explains a fact; `kg rules profile` shows what each rule costs")
-
-
-def _show_work(report: "RunReport") -> None:
-    did = rule_runs(report.rules)
-    if did:
-        listing(_COLUMNS, [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did])
-    else:
-        note("incremental runs have no results per rule; use --full")
-    for line in work_words(report, sum(rule.derived > 0 for rule in did), len(did)):
-        say(line)
 
 
 def _show_remote(report: "RemoteReport", *, json: bool) -> None:

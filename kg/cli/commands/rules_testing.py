@@ -13,7 +13,7 @@ from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show, terminal, write
 from kg.errors import Exit, RuleError
 from kg.lazily import lazily
-from kg.render.text import count
+from kg.render.text import count, some
 from kg.settings import Settings
 
 if TYPE_CHECKING:
@@ -67,21 +67,15 @@ def _show(glance: "Glance") -> None:
     show_results(glance.results, every=False)
     if glance.problem:
         report(glance.problem)
-    if glance.difference is not None:
-        _show_difference(glance)
+    if glance.difference is not None and glance.view is not None:
+        changes = glance.difference.changes
+        if changes:
+            show(*change_lines(changes[:_CHANGES], glance.view))
+        if len(changes) > _CHANGES:
+            write(f"  and {count(len(changes) - _CHANGES, 'more change')}; `kg rules diff` shows them")
+        for line in difference_words(glance.difference):
+            write(line)
     say(f"in {glance.seconds:.2f} s; watching; press Ctrl-C to stop")
-
-
-def _show_difference(glance: "Glance") -> None:
-    if glance.difference is None or glance.view is None:
-        return
-    changes = glance.difference.changes
-    if changes:
-        show(*change_lines(changes[:_CHANGES], glance.view))
-    if len(changes) > _CHANGES:
-        write(f"  and {count(len(changes) - _CHANGES, 'more change')}; `kg rules diff` shows them")
-    for line in difference_words(glance.difference):
-        write(line)
 
 
 @with_settings("rules", "rule_families")
@@ -142,6 +136,4 @@ def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float
     say(f"{count(len(ran), 'example')} of {count(rules, 'rule')}: {verdict} in {seconds:.2f} s")
     without = [entry for entry in without if entry.name not in broken]
     if without:
-        names = ", ".join(entry.name for entry in without[:_FEW])
-        more = f" and {len(without) - _FEW} more" if len(without) > _FEW else ""
-        note(f"without examples: {names}{more}")
+        note(f"without examples: {some([entry.name for entry in without], _FEW)}")

@@ -83,7 +83,9 @@ def search(  # noqa: PLR0913 - the options of a command
     if words:
         tell(answer)
     if terminal() and not json:
-        show_hits(answer.hits, _links(settings))
+        with reading(settings) as snapshot:
+            links = Links.of(sources(snapshot))
+        show_hits(answer.hits, links)
     else:
         listing(COLUMNS, [row(hit) for hit in answer.hits], objects=map(hit_object, answer.hits) if json else None)
     if len(answer.hits) < answer.total and (terminal() or json):
@@ -101,12 +103,6 @@ def _opened(settings: Settings) -> "Iterator[Search]":
             yield search_of(snapshot, cache)
     else:
         yield open_search(existing(settings), _indexing)
-
-
-def _links(settings: Settings) -> "Links":
-    """Return the links to the lines of code."""
-    with reading(settings) as snapshot:
-        return Links.of(sources(snapshot))
 
 
 def _indexing() -> None:

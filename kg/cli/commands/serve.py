@@ -81,14 +81,10 @@ def announce(
             else "not allowed; set KG_TOKEN to allow it"
         )
         say(f"robot {options.robot} at {address}robot (moved {who})")
-    if (token := _token(options)) and sys.stderr.isatty():  # where this is written to a file, the token stays out of it
+    token = Tokens(options.token, options.token_file).current
+    if token and sys.stderr.isatty():  # where this is written to a file, the token stays out of it
         say(f"log in: {address}login#token={quote(token, safe='')}")
     if not libraries():
         say(f"pages have no pictures and a plain editor: their libraries are not installed. {HELP}")
     if browse:
         webbrowser.open(address)
-
-
-def _token(options: "Options") -> str | None:
-    """Return the token of a server, None without one."""
-    return Tokens(options.token, options.token_file).current

@@ -52,7 +52,12 @@ def stats(*, settings: Settings, json: Json = False) -> None:
 
 
 def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, list[tuple[str, object]]]]:
+    """Return titled figures; with `most`, the triples of the rarer properties are counted together."""
     connected = found.connectivity
+    triples: list[tuple[str, object]] = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
+    rest = found.triples[len(triples) :]
+    if rest:
+        triples.append((f"{len(rest)} other properties", sum(number for _, number in rest)))
     return [
         ("entities", [*found.entities, ("all", sum(number for _, number in found.entities))]),
         ("entities per node", [(name, f"{figure:.2f}") for name, figure in found.per_node]),
@@ -72,15 +77,8 @@ def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, l
                 ("shortest path, longest", connected.longest),
             ],
         ),
-        ("triples", [*_triples(found, most), ("quads in the store", found.quads)]),
+        ("triples", [*triples, ("quads in the store", found.quads)]),
     ]
-
-
-def _triples(found: "Statistics", most: int | None) -> list[tuple[str, int]]:
-    """Return the number of triples by property, the rarer ones together when there are more than `most`."""
-    shown = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
-    rest = found.triples[len(shown) :]
-    return [*shown, *([(f"{len(rest)} other properties", sum(number for _, number in rest))] if rest else [])]
 
 
 def _tables(found: "Statistics", ours: "Counted") -> None:

@@ -54,10 +54,15 @@ def update(  # noqa: PLR0913 - the options of a command
         kg update 'INSERT DATA { GRAPH <urn:notes> { <urn:rover> rdfs:comment "mine" } }'
         kg update -f cleaning.ru --dry-run
     """
+    from kg.pipeline.updating.ownership import LEFT_OUT  # noqa: PLC0415 - start-up time
+
     asked, place = _asked(text, file)
     updated = apply(existing(settings), settings, Update(text=asked, path=place), rules=not no_rules, dry_run=dry_run)
     show(updated, dry_run=dry_run, json=json)
-    _end(updated)
+    for sentence in updated.warnings:
+        note(sentence)
+    if any(sentence.startswith(LEFT_OUT) for sentence in updated.warnings):
+        raise typer.Exit(Exit.FOUND)
 
 
 @with_settings("store")
@@ -103,15 +108,6 @@ def _asked(text: str | None, file: str | None) -> tuple[str, str]:
         return Path(str(file)).read_text(encoding="utf-8-sig"), str(file)
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError("KG003", f"cannot be read: {error}", place=Place(str(file))) from error
-
-
-def _end(updated: "Updated") -> None:
-    for sentence in updated.warnings:
-        note(sentence)
-    from kg.pipeline.updating.ownership import LEFT_OUT  # noqa: PLC0415 - start-up time
-
-    if any(sentence.startswith(LEFT_OUT) for sentence in updated.warnings):
-        raise typer.Exit(Exit.FOUND)
 
 
 _COLUMNS: Final = (Column("graph"), Column("removed"), Column("added"))

@@ -6,7 +6,7 @@ import typer
 
 from kg.cli.diagnostics import note, report
 from kg.cli.numbers import whole
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, require_one_of, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.query_text import pairs, query_meant
 from kg.errors import Exit, RuleError, UsageError
@@ -15,12 +15,12 @@ from kg.settings import Settings
 from kg.store.opening import existing, reading_with_cache
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
     from pathlib import Path
 
     from kg.rules.explain.proof import Proof
     from kg.rules.explain.view import View
-    from kg.rules.form import Rule, Term
+    from kg.rules.form import Rule
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
@@ -89,7 +89,8 @@ def why(  # noqa: PLR0913 - the options of a command
         kg why talker publishes chatter --format mermaid
         kg why --query who-publishes --param topic=/chatter --row 2
     """
-    form = _form("json" if json else form)
+    form = "json" if json else form
+    require_one_of(form, _FORMATS, "format")
     with reading_with_cache(settings) as (snapshot, cache):
         known, view = _known(snapshot, settings, cache)
         if query is not None:
@@ -97,8 +98,14 @@ def why(  # noqa: PLR0913 - the options of a command
                 raise UsageError("KG003", "a fact and --query are mutually exclusive", hint="See `kg why --help`.")
 
             asked, number = query_meant(query, None, settings), whole(row, "--row", 1)
-            text, found = row_of(snapshot, asked, pairs(param or []), number, timeout=settings.timeout or None)
-            proofs: Iterable[Proof] = _matched(text, found, number, view, known)
+            text, matched = row_of(snapshot, asked, pairs(param or []), number, timeout=settings.timeout or None)
+            note(f"row {number}: " + ", ".join(f"?{name} = {view.label(term)}" for name, term in matched.items()))
+            found = why_row(view, known, text, matched)
+            if found.remark:
+                note(found.remark)
+            for condition in found.conditions:
+                note(f"where {condition.text}")
+            proofs: Iterable[Proof] = found.proofs
         else:
             proofs = _proofs(_three(words), snapshot, view, known, every=every, shortest=shortest)
         _show(list(proofs), view, form, snapshot, settings.base)
@@ -132,18 +139,6 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
             yield explained(view, known, fact, shortest=shortest)
 
 
-def _matched(
-    text: str, row: "Mapping[str, Term]", number: int, view: "View", known: "tuple[Rule, ...]"
-) -> "tuple[Proof, ...]":
-    note(f"row {number}: " + ", ".join(f"?{name} = {view.label(term)}" for name, term in row.items()))
-    found = why_row(view, known, text, row)
-    if found.remark:
-        note(found.remark)
-    for condition in found.conditions:
-        note(f"where {condition.text}")
-    return found.proofs
-
-
 @with_settings("rules", "rule_families", "store")
 def why_not(
     words: Words = None,
@@ -175,12 +170,6 @@ def why_not(
             json_lines([why_not_object(answer, view)])
         else:
             print_tree(why_not_lines(answer, view), places(snapshot), Iris(settings.base))
-
-
-def _form(name: str) -> str:
-    if name not in _FORMATS:
-        raise UsageError("KG003", f"unknown format `{name}`", hint=f"One of {', '.join(_FORMATS)}.")
-    return name
 
 
 def _known(snapshot: "EmbeddedSnapshot", settings: Settings, cache: "Path") -> "tuple[tuple[Rule, ...], View]":

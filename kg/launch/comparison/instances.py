@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from functools import partial
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.holes import anonymous
 from kg.launch.comparison.changes import Change, Kind, Level, Side
-from kg.launch.comparison.pairing import canonical, paired, relabelled
+from kg.launch.comparison.pairing import all_pairs, canonical, matched, relabelled
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 
-    from kg.facts import InstanceInterface, LaunchParameter, Location, NodeInstance, Remap, System
+    from kg.facts import InstanceInterface, Interface, LaunchParameter, Location, NodeInstance, Remap, System
     from kg.launch.comparison.renaming import Renames
 
-Told: TypeAlias = frozenset[tuple[str | Kind | None, ...]]
+CodeChanges: TypeAlias = frozenset[tuple[str | Kind | None, ...]]
 """Changes of interfaces of node types: node type, kind, role, and the name at both sides."""
 _Ends: TypeAlias = "tuple[InstanceInterface | None, InstanceInterface | None]"
 
@@ -23,7 +23,7 @@ _Ends: TypeAlias = "tuple[InstanceInterface | None, InstanceInterface | None]"
 class Instances:
     """Compares the nodes of two states of a system."""
 
-    def __init__(self, systems: tuple[System, System], renames: Renames, code: Told, *, every: bool) -> None:
+    def __init__(self, systems: tuple[System, System], renames: Renames, code: CodeChanges, *, every: bool) -> None:
         self._systems = systems
         self._renames = renames
         self._code = code
@@ -33,8 +33,8 @@ class Instances:
     def changes(self, one: NodeInstance, other: NodeInstance) -> Iterator[Change]:
         """Yield the differences between two states of a node."""
         owner = other.name, one.name if one.name != other.name else ""
-        for kind, say in _TOLD.items():
-            values = say(one), say(other)
+        for kind, aspect in _ASPECTS.items():
+            values = aspect(one), aspect(other)
             if not self._same(*values):
                 sides = (
                     self.side(0, one.name, values[0], one.started.location),
@@ -102,27 +102,16 @@ class Instances:
     def _paired(self, one: NodeInstance, other: NodeInstance) -> Iterator[_Ends]:
         """Yield the ends of both sides; certainly renamed ends share a sign."""
         before, after = (sorted(filter(self._shown, each.interfaces), key=_end_order) for each in (one, other))
-        lone: list[_Ends] = []
-        pairs: list[tuple[InstanceInterface, InstanceInterface]] = []
-        for first, second in paired(before, after, _end_key):
+        ways = partial(relabelled, key=_end_key), partial(matched, key=_renamed_key)
+        for first, second in all_pairs(before, after, _end_key, *ways):
             if first and second:
-                pairs.append((first, second))
-            else:
-                lone.append((first, second))
-        gone, new = ([end for ends in lone if (end := ends[side])] for side in (0, 1))
-        pairs += relabelled(gone, new, _end_key)
-        known = {id(end) for pair in pairs for end in pair}
-        pairs += _another_name(ends for ends in lone if not {id(end) for end in ends if end} & known)
-        for pair in pairs:
-            number = len(self._signs)
-            self._signs[0, id(one), id(pair[0])] = self._signs[1, id(other), id(pair[1])] = number
-            yield pair
-        known = {id(end) for pair in pairs for end in pair}
-        yield from (ends for ends in lone if not {id(end) for end in ends if end} & known)
+                number = len(self._signs)
+                self._signs[0, id(one), id(first)] = self._signs[1, id(other), id(second)] = number
+            yield first, second
 
     def _end(self, owner: tuple[str, str], one: InstanceInterface, other: InstanceInterface) -> Iterator[Change]:
-        for kind, say in _END_TOLD.items():
-            values = say(one), say(other)
+        for kind, aspect in _END_ASPECTS.items():
+            values = aspect(one), aspect(other)
             if values[0] == values[1] or self._is_reported(kind, one, other):
                 continue
             if kind is Kind.RENAMED and self._renames.follows(*values):
@@ -144,7 +133,7 @@ class Instances:
         end = one or other
         if end is None or kind is Kind.QOS:
             return False
-        names = tuple(_code_name(each) if each else None for each in (one, other))
+        names = tuple(code_name(each.declared) if each else None for each in (one, other))
         return (f"{end.owner.package}/{end.owner.node}", kind, str(end.declared.role), *names) in self._code
 
     def _end_side(self, number: int, end: InstanceInterface, value: str) -> Side:
@@ -169,41 +158,38 @@ class Instances:
         yield from self._values(Level.REMAP, owner, *known)
 
 
-_TOLD: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {
+_ASPECTS: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {
     Kind.TYPE: lambda instance: instance.started_type,
     Kind.HOST: lambda instance: instance.host or "",
     Kind.CONDITION: lambda instance: instance.started.condition or "",
     Kind.KNOWN: lambda instance: "" if instance.type else instance.reason or "not known",
 }
-_END_TOLD: Final[Mapping[Kind, Callable[[InstanceInterface], str]]] = {
+_END_ASPECTS: Final[Mapping[Kind, Callable[[InstanceInterface], str]]] = {
     Kind.RENAMED: lambda end: anonymous(end.resolved or "?"),
     Kind.TYPE: lambda end: end.declared.type or "?",
     Kind.QOS: lambda end: str(end.qos or ""),
 }
 
 
-def _another_name(lone: Iterable[_Ends]) -> list[tuple[InstanceInterface, InstanceInterface]]:
-    """Return the pairs that are certainly one end renamed in the code, as for interfaces of node types."""
-    groups: defaultdict[Hashable, tuple[list[InstanceInterface], list[InstanceInterface]]] = defaultdict(
-        lambda: ([], [])
-    )
-    for ends in lone:
-        for side, end in enumerate(ends):
-            if end and end.declared.type and end.declared.name is not None:
-                declared = end.declared
-                key = end.owner.package, end.owner.node, declared.role, declared.type, declared.location.path
-                groups[key][side].append(end)
-    return [(one[0], other[0]) for one, other in groups.values() if len(one) == len(other) == 1]
-
-
-def _code_name(end: InstanceInterface) -> str:
-    declared = end.declared
+def code_name(declared: Interface) -> str:
+    """Return the name of an interface in code, or its expression behind a question mark."""
     return declared.name if declared.name is not None else f"? {declared.written or ''}".strip()
 
 
+def renamed_key(declared: Interface) -> Hashable | None:
+    """Return a key that interfaces share which may be one under two names; None without a name or type."""
+    if not declared.type or declared.name is None:
+        return None
+    return declared.role, declared.type, declared.location.path
+
+
+def _renamed_key(end: InstanceInterface) -> Hashable | None:
+    key = renamed_key(end.declared)
+    return (end.owner.package, end.owner.node, key) if key is not None else None
+
+
 def _end_key(end: InstanceInterface) -> tuple[str, ...]:
-    declared = end.declared
-    return end.owner.package, end.owner.node, str(declared.role), declared.name or f"? {declared.written or ''}"
+    return end.owner.package, end.owner.node, str(end.declared.role), code_name(end.declared)
 
 
 def _end_order(end: InstanceInterface) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import yaml
@@ -34,10 +34,7 @@ def canonical(text: str) -> str:
         return text
     if _EXPONENT.fullmatch(text.strip()):
         return repr(float(text))
-    return _written(_read(text), text)
-
-
-def _written(value: Any, text: str) -> str:
+    value = _read(text)
     if isinstance(value, str):
         return value if _read(value) == value else json.dumps(value, ensure_ascii=False)
     if isinstance(value, bool | int | float | list | dict):
@@ -72,6 +69,49 @@ def _numbered(things: Iterable[_Thing], key: Callable[[_Thing], Hashable]) -> Ma
         seen[name] += 1
         found[name, seen[name]] = thing
     return found
+
+
+def all_pairs(
+    before: Iterable[_Thing],
+    after: Iterable[_Thing],
+    key: Callable[[_Thing], Hashable],
+    *ways: Callable[[list[_Thing], list[_Thing]], Iterable[tuple[_Thing, _Thing]]],
+) -> Iterator[tuple[_Thing | None, _Thing | None]]:
+    """Yield all things in pairs: with the same key, then those that each of `ways` finds among what is left.
+
+    None is a side without a partner.
+    """
+    gone: list[_Thing] = []
+    new: list[_Thing] = []
+    for one, other in paired(before, after, key):
+        if one is not None and other is not None:
+            yield one, other
+        elif one is not None:
+            gone.append(one)
+        elif other is not None:
+            new.append(other)
+    for way in ways:
+        pairs = list(way(gone, new))
+        done = {id(thing) for pair in pairs for thing in pair}
+        gone, new = ([thing for thing in things if id(thing) not in done] for things in (gone, new))
+        yield from pairs
+    yield from ((one, None) for one in gone)
+    yield from ((None, other) for other in new)
+
+
+def matched(
+    before: Iterable[_Thing], after: Iterable[_Thing], key: Callable[[_Thing], Hashable | None], most: int = 1
+) -> Iterator[tuple[_Thing, _Thing]]:
+    """Yield pairs of one key, where both sides have equally many, at most `most`; a thing without a key has none."""
+    groups: defaultdict[Hashable, tuple[list[_Thing], list[_Thing]]] = defaultdict(lambda: ([], []))
+    for side, things in enumerate((before, after)):
+        for thing in things:
+            name = key(thing)
+            if name is not None:
+                groups[name][side].append(thing)
+    for one, other in groups.values():
+        if len(one) == len(other) <= most:
+            yield from zip(one, other, strict=True)
 
 
 def relabelled(

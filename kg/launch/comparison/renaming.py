@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Final
 
-from kg.launch.comparison.pairing import paired
+from kg.launch.comparison.pairing import all_pairs, matched
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
@@ -64,38 +64,14 @@ class Renames:
 
 def instance_pairs(before: Iterable[NodeInstance], after: Iterable[NodeInstance]) -> Iterator[_Pair]:
     """Yield the pairs of nodes, None for a side without the node."""
-    gone: list[NodeInstance] = []
-    new: list[NodeInstance] = []
-    for one, other in paired(sorted(before, key=_place), sorted(after, key=_place), lambda instance: instance.name):
-        if one and other:
-            yield one, other
-        elif one:
-            gone.append(one)
-        elif other:
-            new.append(other)
-    for key, most in _WAYS:
-        for one, other in _alike(gone, new, key, most):
-            gone.remove(one)
-            new.remove(other)
-            yield one, other
-    yield from ((one, None) for one in gone)
-    yield from ((None, one) for one in new)
 
+    def alike(
+        gone: list[NodeInstance], new: list[NodeInstance], *, key: Callable[[NodeInstance], Hashable], most: int
+    ) -> Iterator[tuple[NodeInstance, NodeInstance]]:
+        return matched(sorted(gone, key=_place), sorted(new, key=_place), key, most)
 
-def _alike(
-    gone: Iterable[NodeInstance], new: Iterable[NodeInstance], key: Callable[[NodeInstance], Hashable], most: int
-) -> list[tuple[NodeInstance, NodeInstance]]:
-    """Return pairs of one key, where both sides have equally many, at most `most`."""
-    groups: defaultdict[Hashable, tuple[list[NodeInstance], list[NodeInstance]]] = defaultdict(lambda: ([], []))
-    for side, instances in enumerate((gone, new)):
-        for instance in sorted(instances, key=_place):
-            groups[key(instance)][side].append(instance)
-    return [
-        pair
-        for one, other in groups.values()
-        if len(one) == len(other) <= most
-        for pair in zip(one, other, strict=True)
-    ]
+    ways = [partial(alike, key=key, most=most) for key, most in _WAYS]
+    yield from all_pairs(sorted(before, key=_place), sorted(after, key=_place), lambda one: one.name, *ways)
 
 
 def _started(instance: NodeInstance) -> tuple[Hashable, ...]:

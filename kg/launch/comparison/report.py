@@ -21,7 +21,7 @@ _BELOW_NODES: Final = frozenset({Level.END, Level.SETTING, Level.REMAP})
 Link: TypeAlias = "Callable[[Side, bool], str | None]"
 """Gives the address of a side's line; the flag tells whether it is the side after."""
 _OF_NODES: Final = frozenset({Level.INSTANCE, Level.END, Level.SETTING, Level.REMAP})
-_CAME_OR_WENT: Final = frozenset({Kind.NEW, Kind.GONE})
+_ADDED_OR_REMOVED: Final = frozenset({Kind.NEW, Kind.GONE})
 
 
 def difference_lines(difference: Difference) -> list[str]:
@@ -37,10 +37,10 @@ def difference_markdown(difference: Difference, title: str, link: Link | None = 
 
     `link` returns addresses of lines; a table has at most `most` rows, and the number of omitted ones.
     """
-    parts = [f"### {_code(title)}", "", f"**{summary(difference)}**", ""]
+    parts = [f"### {code(title)}", "", f"**{summary(difference)}**", ""]
     for heading, changes in _groups(difference):
-        parts += [f"#### {_code(heading)}", "", "|   | what | where |", "|---|---|---|"]
-        parts += [f"| {sign(one)} | {_code(change_words(one))} | {_places(one, link)} |" for one in changes[:most]]
+        parts += [f"#### {code(heading)}", "", "|   | what | where |", "|---|---|---|"]
+        parts += [f"| {sign(one)} | {code(change_words(one))} | {_places(one, link)} |" for one in changes[:most]]
         parts += ["", *([f"{count(len(changes) - most, 'more row')} left out.", ""] if len(changes) > most else [])]
     return "\n".join(parts)
 
@@ -98,21 +98,20 @@ def _aligned(changes: list[Change]) -> Iterator[str]:
 
 
 def _places(change: Change, link: Link | None) -> str:
+    before, after = change.before, change.after
+    if before and after and before.location == after.location:
+        before = None
     found = []
-    for side, is_after in ((change.before, False), (change.after, True)):
-        if side is None or side.location is None or (not is_after and change.after and _same_line(change)):
+    for side, is_after in ((before, False), (after, True)):
+        if side is None or side.location is None:
             continue
         address = link(side, is_after) if link else None
-        text = _code(str(side.location))
+        text = code(str(side.location))
         found.append(f"[{text}]({address})" if address else text)
     return " → ".join(found)
 
 
-def _same_line(change: Change) -> bool:
-    return bool(change.before and change.after and change.before.location == change.after.location)
-
-
-def _code(text: str) -> str:
+def code(text: str) -> str:
     """Return text as code in a cell, escaped from Markdown, HTML and mentions of users."""
     safe = printable(text).replace("`", "'").replace("|", "\\|")
     return f"`{safe}`"
@@ -129,7 +128,7 @@ def changed_keys(difference: Difference, system: str) -> frozenset[str]:
     for change in difference.changes:
         if change.system != system or change.level not in _OF_NODES:
             continue
-        if change.level is Level.INSTANCE and change.kind in _CAME_OR_WENT:
+        if change.level is Level.INSTANCE and change.kind in _ADDED_OR_REMOVED:
             continue
         found.add(change.owner)
         if change.kind in {Kind.TYPE, Kind.QOS} and change.role:

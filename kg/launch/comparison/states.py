@@ -23,10 +23,10 @@ from kg.facts import (
     Role,
     System,
 )
-from kg.holes import is_known
+from kg.holes import anonymous, is_known
 from kg.launch.comparison.changes import Change, Difference, Finding, Kind, Level, Record, Side, Sources
-from kg.launch.comparison.instances import Instances, Told
-from kg.launch.comparison.pairing import canonical, paired, relabelled
+from kg.launch.comparison.instances import CodeChanges, Instances, code_name, renamed_key
+from kg.launch.comparison.pairing import all_pairs, canonical, matched, paired, relabelled
 from kg.launch.comparison.renaming import Renames, instance_pairs
 from kg.render.text import count
 
@@ -65,7 +65,7 @@ class Wiring:
                 launch = system.configuration
                 name = launch.name
                 side = Side(name, count(len(system.instances), "node"), Location(launch.path, 1), launch.repository)
-                yield _came_or_went(Level.SYSTEM, name, side, name, gone=one is not None)
+                yield _added_or_removed(Level.SYSTEM, name, side, name, gone=one is not None)
 
 
 def _name(system: System) -> str:
@@ -76,7 +76,7 @@ def _order(system: System) -> tuple[str, str]:
     return _name(system), system.configuration.repository
 
 
-def _came_or_went(  # noqa: PLR0913 - what a change consists of
+def _added_or_removed(  # noqa: PLR0913 - what a change consists of
     level: Level, owner: str, side: Side, system: str, role: str = "", *, gone: bool
 ) -> Change:
     if gone:
@@ -87,14 +87,7 @@ def _came_or_went(  # noqa: PLR0913 - what a change consists of
 class _Systems:
     """One system at both sides."""
 
-    def __init__(
-        self,
-        before: System,
-        after: System,
-        code: Told,
-        *,
-        every: bool,
-    ) -> None:
+    def __init__(self, before: System, after: System, code: CodeChanges, *, every: bool) -> None:
         self._sides = (before, after)
         self._name = _name(after)
         self._pairs = list(instance_pairs(before.instances, after.instances))
@@ -109,7 +102,7 @@ class _Systems:
                 yield from self._instances.changes(one, other)
             elif found := one or other:
                 side = self._started(found, 0 if one else 1)
-                yield _came_or_went(Level.INSTANCE, found.name, side, self._name, gone=one is not None)
+                yield _added_or_removed(Level.INSTANCE, found.name, side, self._name, gone=one is not None)
         shared = ([(each.name, each) for each in side.shared_parameters] for side in self._sides)
         yield from self._instances.settings((self._name, ""), *shared)
         yield from self._connections()
@@ -140,8 +133,8 @@ class _Systems:
         """Yield connections added and removed, except those where only names changed."""
         before, after = (joined(side, partial(self._instances.sign, number)) for number, side in enumerate(self._sides))
         for one, other, gone in ((before, after, True), (after, before, False)):
-            for source, kind, channel, target in came_apart(one, other):
-                yield _came_or_went(Level.CONNECTION, source, Side(channel, target), self._name, kind, gone=gone)
+            for source, kind, channel, target in lost_connections(one, other):
+                yield _added_or_removed(Level.CONNECTION, source, Side(channel, target), self._name, kind, gone=gone)
 
     def _renamed(self) -> Iterator[Change]:
         """Yield each renamed node once, with the number of names changed only because of that."""
@@ -184,7 +177,7 @@ def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Ha
     return found
 
 
-def came_apart(one: _Joined, other: _Joined) -> Iterator[Connection]:
+def lost_connections(one: _Joined, other: _Joined) -> Iterator[Connection]:
     """Yield the connections of one system whose ends are not connected in the other under any name; sorted."""
     still = {ends for pairs in other.values() for ends in pairs}
     for connection in sorted(one):
@@ -207,8 +200,7 @@ def _node_changes(before: Iterable[Record], after: Iterable[Record], *, every: b
         elif record := one or other:
             name = f"{record.package}/{record.node.name}"
             side = Side(name, str(record.node.kind), record.node.location, record.repository)
-            kind = Kind.GONE if one else Kind.NEW
-            yield Change(Level.NODE, kind, name, side if one else None, None if one else side)
+            yield _added_or_removed(Level.NODE, name, side, "", gone=one is not None)
 
 
 def _sorted(records: Iterable[Record]) -> list[Record]:
@@ -235,40 +227,25 @@ class _Node:
         return Side(self._name, str(record.node.kind), record.node.location, record.repository)
 
     def _interfaces(self) -> Iterator[Change]:
-        gone, new = [], []
-        for one, other in paired(self._ends(self._before.node), self._ends(self._after.node), _interface_key):
-            if one and other:
-                yield from self._interface(one, other)
-            elif one:
-                gone.append(one)
-            elif other:
-                new.append(other)
-        for one, other in [*relabelled(gone, new, _interface_key)]:
-            gone.remove(one)
-            new.remove(other)
-            yield from self._interface(one, other)
-        for one, other in _renamed(gone, new):
-            gone.remove(one)
-            new.remove(other)
-            yield self._change(Kind.RENAMED, one, other, lambda end: end.type or "")
-            yield from self._interface(one, other)
-        for one in gone:
-            yield self._change(Kind.GONE, one, None, lambda end: end.type or "")
-        for other in new:
-            yield self._change(Kind.NEW, None, other, lambda end: end.type or "")
-
-    def _interface(self, one: Interface, other: Interface) -> Iterator[Change]:
-        if one.type != other.type:
-            yield self._change(Kind.TYPE, one, other, lambda end: end.type or "?")
-        if one.qos != other.qos:
-            yield self._change(Kind.QOS, one, other, lambda end: str(end.qos or ""))
+        before, after = self._ends(self._before.node), self._ends(self._after.node)
+        ways = partial(relabelled, key=_interface_key), partial(matched, key=renamed_key)
+        for one, other in all_pairs(before, after, _interface_key, *ways):
+            if one is None or other is None:
+                yield self._change(Kind.GONE if one else Kind.NEW, one, other, lambda end: end.type or "")
+                continue
+            if anonymous(code_name(one)) != anonymous(code_name(other)):  # labels of unknown parts are not names
+                yield self._change(Kind.RENAMED, one, other, lambda end: end.type or "")
+            if one.type != other.type:
+                yield self._change(Kind.TYPE, one, other, lambda end: end.type or "?")
+            if one.qos != other.qos:
+                yield self._change(Kind.QOS, one, other, lambda end: str(end.qos or ""))
 
     def _change(
         self, kind: Kind, one: Interface | None, other: Interface | None, value: Callable[[Interface], str]
     ) -> Change:
         known = one or other
-        before = Side(_shown(one), value(one), one.location, self._before.repository) if one else None
-        after = Side(_shown(other), value(other), other.location, self._after.repository) if other else None
+        before = Side(code_name(one), value(one), one.location, self._before.repository) if one else None
+        after = Side(code_name(other), value(other), other.location, self._after.repository) if other else None
         return Change(Level.INTERFACE, kind, self._name, before, after, str(known.role) if known else "")
 
     def _ends(self, node: NodeType) -> list[Interface]:
@@ -295,21 +272,7 @@ class _Node:
 
 
 def _interface_key(end: Interface) -> tuple[str, str]:
-    return str(end.role), end.name if end.name is not None else f"? {end.written or ''}"
-
-
-def _shown(end: Interface) -> str:
-    return end.name if end.name is not None else f"? {end.written or ''}".strip()
-
-
-def _renamed(gone: list[Interface], new: list[Interface]) -> list[tuple[Interface, Interface]]:
-    """Return the pairs that are certainly one renamed interface."""
-    groups: defaultdict[tuple[object, ...], tuple[list[Interface], list[Interface]]] = defaultdict(lambda: ([], []))
-    for side, ends in enumerate((gone, new)):
-        for end in ends:
-            if end.type and end.name is not None:
-                groups[end.role, end.type, end.location.path][side].append(end)
-    return [(one[0], other[0]) for one, other in groups.values() if len(one) == len(other) == 1]
+    return str(end.role), code_name(end)
 
 
 def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
@@ -343,9 +306,7 @@ def _finding_changes(
         if found is None or (one and other):
             continue
         side = Side(found.subject, found.message, found.location, found.repository)
-        kind = Kind.GONE if one else Kind.NEW
-        sides = side if one else None, None if one else side
-        yield Change(Level.FINDING, kind, found.code, sides[0], sides[1], system=found.system)
+        yield _added_or_removed(Level.FINDING, found.code, side, found.system, gone=one is not None)
 
 
 def _finding_key(finding: Finding) -> tuple[str, str, str, str]:

@@ -66,7 +66,7 @@ def run_trees(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draft]:
             files = dict(_files(draft, node, types))
             made = [(row, one) for row in rows("tree", _Runner) if row.ros == draft.ros for one in _actions(row, node)]
             for row, action in made:
-                inner = _made(row, action, draft, lines)
+                inner = _inner_draft(row, action, draft, lines)
                 own = [file for parameter, file in files.items() if len(made) == 1 or _beside(parameter, action, node)]
                 _give(inner, own, types)
                 yield inner
@@ -99,7 +99,7 @@ def _files(draft: Draft, node: NodeType, types: NodeTypes) -> Iterator[tuple[str
             yield parameter.name or "", file
 
 
-def _made(row: _Runner, action: Interface, maker: Draft, lines: dict[str, StartedNode]) -> Draft:
+def _inner_draft(row: _Runner, action: Interface, maker: Draft, lines: dict[str, StartedNode]) -> Draft:
     """Return the node that is made for an action server; it has the command line of its maker's process."""
     process = maker.started.host or maker.place.full
     name = row.name.replace("{node}", maker.place.name).replace("{action}", (action.name or "").replace("/", "_"))
@@ -174,7 +174,11 @@ def _of_tree(
     if home is None or name in above or len(above) > _MOST_DEPTH:
         return
     for use in _read(home.text).uses[name]:
-        ports = {port: _value(text, given) for port, text in use.ports}
+        # A port names an entry of the blackboard in braces: in a subtree, one of the subtree's own ports.
+        ports = {
+            port: (given.get(text[1:-1].strip()) if text.startswith("{") and text.endswith("}") else text)
+            for port, text in use.ports
+        }
         if use.subtree:
             yield from _of_tree(use.name, home, ports, types, (*above, name))
             continue
@@ -192,11 +196,6 @@ def _setting(name: str, value: str | None, place: Location) -> LaunchParameter:
     if value is None:
         return LaunchParameter(name, None, place, reason=_BLACKBOARD)
     return LaunchParameter(name, json.dumps(value), place, type="string")
-
-
-def _value(text: str, given: Mapping[str, str | None]) -> str | None:
-    """Return the value of a port: a text, or the port of the subtree that it names; None for other entries."""
-    return given.get(text[1:-1].strip()) if text.startswith("{") and text.endswith("}") else text
 
 
 def _home(name: str, file: DataFile, types: NodeTypes, seen: tuple[str, ...]) -> DataFile | None:

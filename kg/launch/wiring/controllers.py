@@ -39,7 +39,7 @@ class _Spawner:
     valued: tuple[str, ...]
 
 
-def with_controllers(drafts: Sequence[Draft], types: NodeTypes, repository: str) -> Iterator[Draft]:
+def with_controllers(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draft]:
     """Yield the nodes, and after them the controllers that spawners ask their managers for (ROS 2)."""
     yield from drafts
     by_name = {draft.place.full: draft for draft in drafts}
@@ -50,12 +50,15 @@ def with_controllers(drafts: Sequence[Draft], types: NodeTypes, repository: str)
             continue
         options, names = _read(row, draft.started.arguments)
         manager = by_name.get(draft.place.resolve(next((options[o] for o in row.manager if o in options), row.named)))
+        if manager is None:
+            continue
         given = next((options[option] for option in row.kind if option in options), None)
-        for name in names if manager is not None else ():
-            kind = given or _kind_of(name, manager) if manager is not None else None
-            if kind is not None and manager is not None and f"{manager.place.namespace}/{name}" not in made:
-                made.add(f"{manager.place.namespace}/{name}")
-                yield _controller(name, kind, manager, draft, types, repository)
+        for name in names:
+            full = f"{manager.place.namespace}/{name}"
+            kind = given or _kind_of(name, manager)
+            if kind is not None and full not in made:
+                made.add(full)
+                yield _controller(name, kind, manager, draft, types)
 
 
 def _is_of(row: _Spawner, draft: Draft) -> bool:
@@ -84,9 +87,7 @@ def _kind_of(name: str, manager: Draft) -> str | None:
     return next((shown(given.value) for full, given in manager.set_here if full == wanted), None)
 
 
-def _controller(  # noqa: PLR0913, PLR0917 - what is known of one controller
-    name: str, kind: str, manager: Draft, spawner: Draft, types: NodeTypes, repository: str
-) -> Draft:
+def _controller(name: str, kind: str, manager: Draft, spawner: Draft, types: NodeTypes) -> Draft:
     """Return the node of a controller; it gets the parameter files of its manager."""
     line = manager.written or manager.started
     started = replace(
@@ -103,12 +104,12 @@ def _controller(  # noqa: PLR0913, PLR0917 - what is known of one controller
         arguments=(),
         settings=(("made-by", manager.place.full),),
     )
-    made = draft_of(started, types, repository, manager.ros, Inner((), manager.ros, name, "", ""))
+    made = draft_of(started, types, manager.repository, manager.ros, Inner((), manager.ros, name, "", ""))
     made.process = manager.place.full
     return made
 
 
-def attach(drafts: Sequence[Draft], server: Server, types: NodeTypes, repository: str) -> None:
+def attach(drafts: Sequence[Draft], server: Server, types: NodeTypes) -> None:
     """Give each plugin that starters name to the first node that can load it; without such a node it is left out."""
     for framework in table().values():
         loader = next((draft for draft in drafts if _loads(draft, framework)), None) if framework.loader else None
@@ -117,7 +118,7 @@ def attach(drafts: Sequence[Draft], server: Server, types: NodeTypes, repository
         for scope, identifier in dict.fromkeys(_wanted(drafts, framework)):
             given = server.all.get(normalise(f"{scope}/{identifier}{_TYPE}"))
             kind = shown(given.value) if given is not None else None
-            found = types.plugin(kind, repository) if kind is not None else None
+            found = types.plugin(kind, loader.repository) if kind is not None else None
             if kind is not None and (found is None or found[1].base_class == framework.base):
                 loader.plugins.append(Loaded(identifier, kind, scope, found, framework, f"{identifier}{_TYPE}"))
 

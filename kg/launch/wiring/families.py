@@ -266,8 +266,11 @@ def _may_be(switch: Switch, node: NodeType, settings: Settings, place: Place, me
 
 def _holds(switch: Switch, value: str | None) -> bool | None:
     """Return whether a value is the one of a switch, or true; None for one that is not known."""
-    if switch.value is None:
-        return _truth(value)
+    if switch.value is None:  # a boolean, or a text that turns something on unless it is empty
+        found = "" if value is not None and not value.strip() else parsed(value)
+        if isinstance(found, str):
+            return None if "{" in found else found != ""
+        return found if isinstance(found, bool) else None
     found = parsed(value)
     if isinstance(found, bool) or not isinstance(found, (str, int, float)) or "{" in str(found):
         return None
@@ -279,11 +282,3 @@ def _holds(switch: Switch, value: str | None) -> bool | None:
     same = str(found) == switch.value
     # Code often folds the case before it compares.
     return same if same or str(found).casefold() != switch.value.casefold() else None
-
-
-def _truth(value: str | None) -> bool | None:
-    """Return a truth value, or whether a text is not empty; None for what is unknown or neither."""
-    found = "" if value is not None and not value.strip() else parsed(value)
-    if isinstance(found, str):
-        return None if "{" in found else found != ""
-    return found if isinstance(found, bool) else None

@@ -22,7 +22,6 @@ from kg.facts import (
     MissingType,
     NodeInstance,
     NodeReference,
-    NodeType,
     Remap,
     Resolution,
     Role,
@@ -202,7 +201,12 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
         for_many = (one for one in written.parameters if "*" in (one.node or ""))
         draft.for_many.update(addressed(for_many, place.full, alone=False))
     if typed is not None:
-        draft.defaults.update(_defaults(typed[1]))
+        for parameter in typed[1].parameters:
+            name = parameter.name
+            if name is None or parameter.default is None or parameter.access is Access.WRITE or is_partial(name):
+                continue
+            if ros != 1 or name.startswith("~/"):  # ROS 1: code that asks without `~` asks for what is not the node's
+                draft.defaults[name.removeprefix("~/")] = parameter.default
     if made_by is not None:
         draft.defaults.update(filled_defaults(made_by, place))
     if ros != 1:
@@ -210,7 +214,7 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
     return draft
 
 
-def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
+def loads(draft: Draft, types: NodeTypes) -> None:
     """Add the plugins that the parameters of an instance name, those that it declares by default among them."""
     values: dict[str, str | None] = dict(draft.defaults)
     below = f"{draft.place.full}/"
@@ -218,7 +222,7 @@ def loads(draft: Draft, types: NodeTypes, repository: str) -> None:
     slots = draft.typed[1].slots if draft.typed is not None else ()
     if values or slots:
         package = draft.started.package
-        found = loaded_plugins(values, types, repository, draft.ros, package, slots)
+        found = loaded_plugins(values, types, draft.repository, draft.ros, package, slots)
         draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
 
 
@@ -228,16 +232,6 @@ def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
         return plugin
     owner, node = plugin.found
     return replace(plugin, found=(owner, without_inner(node, makes)))
-
-
-def _defaults(node: NodeType) -> dict[str, str | None]:
-    """Return the defaults of a node's own parameters, those of the node that code asks for without `~` left out."""
-    return {
-        name.removeprefix("~/"): parameter.default
-        for parameter in node.parameters
-        if (name := parameter.name) is not None and parameter.default is not None
-        if parameter.access is not Access.WRITE and not is_partial(name) and (node.ros != 1 or name.startswith("~/"))
-    }
 
 
 def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeInstance:
@@ -261,13 +255,15 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     if host is not None:
         host.used |= remapping.used
     tool = any(end.declared.origin == TOOL for end in interfaces)
+    loaded = [plugin.found[0] for plugin in draft.plugins if plugin.found is not None]
+    loaded += [node.typed[0] for node in draft.tree_nodes]
     return NodeInstance(
         name=draft.place.full,
         namespace=draft.place.namespace,
         started=draft.written or draft.started,
         type=draft.typed[0] if draft.typed is not None else None,
         reason=None if tool else draft.reason,
-        plugins=tuple(dict.fromkeys(one[0] for one in _loaded(draft))),
+        plugins=tuple(dict.fromkeys(loaded)),
         host=draft.started.host,
         interfaces=interfaces,
         parameters=parameters,
@@ -276,11 +272,6 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         missing=None if tool else draft.missing,
         similar=draft.similar,
     )
-
-
-def _loaded(draft: Draft) -> Iterator[Typed]:
-    yield from (plugin.found for plugin in draft.plugins if plugin.found is not None)
-    yield from (node.typed for node in draft.tree_nodes)
 
 
 def _spelling(draft: Draft) -> Spelling | None:
@@ -325,21 +316,13 @@ def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[Inst
         similar: tuple[str, ...] = ()
         if not used:
             if own is None:
-                names = sorted(_unmapped(interfaces))
+                unmapped = (end for end in interfaces if end.remap is None and not end.declared.implicit)
+                names = sorted({end.resolved for end in unmapped if end.resolved is not None})
                 own = Alike(names)
             short = (name for name in names if alike_when_short(rule.source, name))
             similar = tuple(own.find(rule.source) or short)
         found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
     return tuple(found)
-
-
-def _unmapped(interfaces: Iterable[InstanceInterface]) -> set[str]:
-    """Return the names of interfaces that no remapping changed."""
-    return {
-        end.resolved
-        for end in interfaces
-        if end.resolved is not None and end.remap is None and not end.declared.implicit
-    }
 
 
 def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bool) -> bool:

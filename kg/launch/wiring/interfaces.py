@@ -168,9 +168,9 @@ class Ends:
                 made.setdefault(declared.location, []).append(end)
                 yield end
         for declared in later:
-            base = next((end for end in made.get(declared.location, ()) if _made_beside(declared, end)), None)
+            base = next((end for end in made.get(declared.location, ()) if _is_derived(declared, end)), None)
             if base is not None:
-                yield self._beside(declared, base)
+                yield self._derived(declared, base)
             else:
                 name = self._named(declared, node, declared.parameter, self.place)
                 yield self._placed(declared, owner, name, self.place, _handle(declared, node))
@@ -192,7 +192,7 @@ class Ends:
             else:
                 yield from self._names(replace(declared, name=left, parameter=other), node, done)
 
-    def _beside(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
+    def _derived(self, declared: Interface, base: InstanceInterface) -> InstanceInterface:
         """Return an end whose name is made of that of another after its remapping, as `image_transport` does."""
         above, name = base.declared.name or "", declared.name or ""
         resolved = base.resolved or ""
@@ -306,7 +306,7 @@ class Ends:
         )
 
 
-def _made_beside(declared: Interface, base: InstanceInterface) -> bool:
+def _is_derived(declared: Interface, base: InstanceInterface) -> bool:
     """Return whether a library makes the name of an end of that of another at the same line of code."""
     above, name = base.declared.name, declared.name or ""
     if above is None or not is_known(base.resolved):

@@ -6,32 +6,22 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import InstanceInterface, NodeInstance, Role
+from kg.facts import InstanceInterface, NodeInstance
 from kg.holes import is_known
 from kg.launch.wiring.similar_names import Alike, Related, words_of
 from kg.names import FRAMEWORK
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator
 
+    from kg.facts import InstanceInterface, NodeInstance
 
-_ENDS: Final = {
-    Role.PUBLISHES: ("topic", 0),
-    Role.SUBSCRIBES: ("topic", 1),
-    Role.SERVICES: ("service", 0),
-    Role.CLIENTS: ("service", 1),
-    Role.ACTION_SERVERS: ("action", 0),
-    Role.ACTION_CLIENTS: ("action", 1),
-}
-"""What kind of name a role has, and whether it gives (0) or takes (1)."""
 _ACTION_TOPICS: Final = {"goal": 1, "cancel": 1, "status": 0, "feedback": 0, "result": 0}
 """The topics of an action of ROS 1, and which end of them its server has."""
 _TO_LOOK_AT: Final = frozenset({f"sensor_msgs/{name}" for name in ("Image", "CameraInfo", "CompressedImage")})
 """What is offered in many forms for whoever wants to see it, so that nobody has to hear each."""
 _COMMON_WORDS: Final = frozenset({"array", "stamped", "list", "info", "state", "data", "with", "covariance"})
 _NUMBERS: Final = re.compile("[0-9]+")
-_GIVES: Final = frozenset({0})
-_TAKES: Final = frozenset({1})
 
 
 class _Channels:
@@ -91,6 +81,30 @@ class _Channels:
             return False
         return not _type_words(types).isdisjoint(_type_words(others))
 
+    def moved(self, met: set[str]) -> Iterator[tuple[str, str]]:
+        """Yield pairs of names that are likely one in the wrong namespace, the smaller name first.
+
+        They differ in their first namespace alone, and each has the end that the other lacks. A part of a system that
+        is started in the namespace of another robot meets nobody there. Of systems with many robots, each may lack the
+        same: only a name with one possible partner counts, of the same type. One of the two namespaces has no name at
+        which anybody meets, or the two differ in numbers (`drone1`, `drone2`).
+
+        `met` are the first namespaces of names at which somebody meets.
+        """
+        found: defaultdict[tuple[str, int], list[str]] = defaultdict(list)
+        for name in self.named:
+            rest = name[1:].partition("/")[2]
+            if rest and len(self.ends[name]) == 1:
+                found[rest, min(self.ends[name])].append(name)
+        for (rest, side), given in found.items():
+            taken = found.get((rest, 1), [])
+            if side != 0 or not len(given) == len(taken) == 1 or self.types[given[0]].isdisjoint(self.types[taken[0]]):
+                continue
+            one, other = sorted((given[0], taken[0]))
+            spaces = _first_namespace(one), _first_namespace(other)
+            if not met.issuperset(spaces) or len({_NUMBERS.sub("", space) for space in spaces}) == 1:
+                yield one, other
+
 
 def _type_words(types: Iterable[str]) -> set[str]:
     """Return the words in the names of types, without packages and what is added to many."""
@@ -106,16 +120,12 @@ def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str,
                 _enter(kinds, end, end.resolved, ros)
     met = {_first_namespace(name) for channels in kinds.values() for name in channels.met()}
     found = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}
-    moved = {
-        (kind, *pair)
-        for kind, channels in kinds.items()
-        for pair in _in_other_namespace(channels.ends, channels.types, channels.named, met)
-    }
+    moved = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.moved(met)}
     return tuple(sorted(found | moved))
 
 
 def _enter(kinds: defaultdict[str, _Channels], end: InstanceInterface, name: str, ros: int) -> None:
-    kind, side = _ENDS[end.declared.role]
+    kind, side = end.declared.role.channel, 0 if end.declared.role.gives else 1
     channels = kinds[kind]
     channels.ends[name].add(side)
     if end.declared.type is not None:
@@ -129,38 +139,7 @@ def _enter(kinds: defaultdict[str, _Channels], end: InstanceInterface, name: str
             kinds["topic"].ends[f"{name}/{part}"].add(of_server if side == 0 else 1 - of_server)
 
 
-def _in_other_namespace(
-    ends: Mapping[str, set[int]], types: Mapping[str, set[str]], names: Iterable[str], met: set[str]
-) -> Iterator[tuple[str, str]]:
-    """Yield pairs of `names` that are likely one in the wrong namespace, the smaller name first.
-
-    They differ in their first namespace alone, and each has the end that the other lacks. A part of a system that is
-    started in the namespace of another robot meets nobody there. Of systems with many robots, each may lack the same:
-    only a name with one possible partner counts, of the same type. One of the two namespaces has no name at which
-    anybody meets, or the two differ in numbers (`drone1`, `drone2`).
-
-    `ends` has the ends of a name (0 gives, 1 takes), `types` their types; `met` are the first namespaces of
-    names at which somebody meets.
-    """
-    found: defaultdict[tuple[str, int], list[str]] = defaultdict(list)
-    for name in names:
-        rest = name[1:].partition("/")[2]
-        if rest and ends[name] in (_GIVES, _TAKES):
-            found[rest, min(ends[name])].append(name)
-    for (rest, side), given in found.items():
-        taken = found.get((rest, 1), [])
-        if side == 0 and len(given) == len(taken) == 1:
-            one, other = given[0], taken[0]
-            namespaces = _first_namespace(one), _first_namespace(other)
-            if not types[one].isdisjoint(types[other]) and _strange(*namespaces, met):
-                yield min(one, other), max(one, other)
-
-
 def _first_namespace(name: str) -> str:
     """Return the first segment of an absolute name that has more than one; else nothing."""
     first, slash, _ = name[1:].partition("/")
     return first if slash else ""
-
-
-def _strange(one: str, other: str, met: set[str]) -> bool:
-    return one not in met or other not in met or _NUMBERS.sub("", one) == _NUMBERS.sub("", other)

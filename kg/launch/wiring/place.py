@@ -70,15 +70,13 @@ def place_of(started: StartedNode, node: NodeType | None) -> Place:
     """
     rules = {rule.source: rule.target for rule in reversed(started.remaps) if rule.source.startswith("__")}
     name = started.name or rules.get("__node") or rules.get("__name")
-    if not name:
-        name = own_name(node) if node is not None else _program(started)
+    if not name and node is not None:
+        name = own_name(node)
+    elif not name:
+        program = (started.executable or started.plugin or ANONYMOUS).replace("::", "/").rpartition("/")[2]
+        name = program.removesuffix(".py") or ANONYMOUS
     namespace = normalise(f"/{started.namespace}")
     if namespace == "/" and "__ns" in rules:
         namespace = normalise(f"/{rules['__ns']}")
     inner, _, last = normalise(name).strip("~/").rpartition("/")
     return Place(normalise(f"{namespace}/{inner}"), last or ANONYMOUS)
-
-
-def _program(started: StartedNode) -> str:
-    program = (started.executable or started.plugin or ANONYMOUS).replace("::", "/").rpartition("/")[2]
-    return program.removesuffix(".py") or ANONYMOUS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from functools import cache
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from kg.errors import Place as ErrorPlace
 from kg.errors import UsageError
@@ -26,11 +26,10 @@ def rows(key: str, kind: type[_Row]) -> tuple[_Row, ...]:
 def load_rows(path: Path, key: str, kind: type[_Row]) -> tuple[_Row, ...]:
     """Return rows of a table file; a `UsageError` KG002 names the problems of one that cannot be used."""
     try:
-        return tuple(_row(row, kind) for row in tomllib.loads(path.read_text("utf-8"))[key])
+        return tuple(
+            kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in row.items()})
+            for row in tomllib.loads(path.read_text("utf-8"))[key]
+        )
     except (OSError, KeyError, TypeError, ValueError) as error:
         message = f"the table of plugins cannot be used: {error}"
         raise UsageError("KG002", message, place=ErrorPlace(str(path))) from error
-
-
-def _row(row: dict[str, Any], kind: type[_Row]) -> _Row:
-    return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in row.items()})

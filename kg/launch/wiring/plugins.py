@@ -163,7 +163,8 @@ def _by_parameters(  # noqa: PLR0913, PLR0917 - as above
     separator = "/" if ros == 1 else "."
     listed = _listed(values) if ros != 1 else None
     for name, value in values.items():
-        if value is None or not _may_hold_classes(value):
+        # Most values are no classes; they need not be parsed.
+        if value is None or not ("/" in value or "::" in value or value.lstrip().startswith("[")):
             continue
         scope, _, last = name.rpartition(separator)
         for told, kind in _classes(parsed(value)):
@@ -189,10 +190,6 @@ def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
 ) -> Loaded:
     framework = framework_of(found[1].base_class if found is not None else None, ros)
     return Loaded(identifier, kind, scope, found, framework, parameter)
-
-
-def _may_hold_classes(value: str) -> bool:
-    return "/" in value or "::" in value or value.lstrip().startswith("[")
 
 
 def _classes(value: Any) -> Iterator[tuple[str | None, str]]:

@@ -153,6 +153,7 @@ def _slip(one: str, other: str) -> bool:
 
 def _distance(one: str, other: str) -> int:
     """Return the number of letters to insert, delete, replace or swap with their neighbour."""
+    # Optimal string alignment (Damerau-Levenshtein without repeated edits), of which three rows are needed at a time.
     before: list[int] = []
     row = list(range(len(other) + 1))
     for i, a in enumerate(one, 1):

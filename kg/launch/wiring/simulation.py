@@ -28,7 +28,6 @@ from kg.launch.wiring.remapping import Remapping, rules_of
 from kg.launch.wiring.simulation_table import (
     Device,
     End,
-    Simulator,
     Spawner,
     device_of,
     filled,
@@ -59,12 +58,10 @@ class Simulated:
     model: str = ""
 
     def ends(self, node: Place, remapping: Remapping) -> Iterator[InstanceInterface]:
-        """Yield the ends that the plugin makes in the instance at `node`."""
+        """Return the ends that the plugin makes in the instance at `node`."""
         if self.row.ros == 1:
-            yield from self._made(self._beside(node), remapping)
-            return
-        place, own = self._own_node()
-        yield from self._made(place, own)
+            return self._ends_at(self._beside(node), remapping)
+        return self._ends_at(*self._own_node())
 
     def _values(self) -> dict[str, str]:
         values = {one.element: one.text for one in reversed(self.plugin.values)}
@@ -89,7 +86,7 @@ class Simulated:
                 remaps.append(Remap(source.strip(), target.strip(), one.location, self.plugin.chain))
         return place, Remapping(rules_of(remaps, place, self.row.ros), self.row.ros)
 
-    def _made(self, place: Place, remapping: Remapping) -> Iterator[InstanceInterface]:
+    def _ends_at(self, place: Place, remapping: Remapping) -> Iterator[InstanceInterface]:
         values = self._values()
         for each in self._each():
             now = values if each is None else {**values, "each": each}
@@ -119,7 +116,9 @@ class Simulated:
         partial = is_partial(resolved)
         location, written = self._evidence(end)
         sure = Resolution.LITERAL if written is not None else Resolution.PARAMETER_DEFAULT
-        reason = "a part of it is known only at run time" if partial else self._doubt()
+        reason = f"the plugin is there only if {self.plugin.condition}" if self.plugin.condition else None
+        if partial:
+            reason = "a part of it is known only at run time"
         declared = Interface(
             role=end.role,
             name=full,
@@ -130,11 +129,9 @@ class Simulated:
             origin=ORIGIN,
             reason=reason,
         )
-        owner = NodeReference(location.repository or self.repository, self.row.package, _library(self.plugin.library))
+        library = self.plugin.library.rpartition("/")[2]
+        owner = NodeReference(location.repository or self.repository, self.row.package, library)
         return InstanceInterface(declared, owner, resolved, declared.resolution, remap, reason=reason)
-
-    def _doubt(self) -> str | None:
-        return f"the plugin is there only if {self.plugin.condition}" if self.plugin.condition else None
 
     def _evidence(self, end: End) -> tuple[Location, str | None]:
         """Return the line that gives the name: of the element, else of the plugin; and the text of the element."""
@@ -145,16 +142,12 @@ class Simulated:
         return self.plugin.location, None
 
 
-def _library(written: str) -> str:
-    return written.rpartition("/")[2]
-
-
 def simulate(drafts: Sequence[Draft], configuration: LaunchConfiguration) -> None:
     """Give the plugins of each description that is handed to a simulator to the instance that they run in."""
     if not configuration.plugins:
         return
     ros = configuration.ros
-    runner = next((draft for draft in drafts if _simulator(draft, ros) is not None), None)
+    runner = next((one for one in drafts if simulator_of(one.started.package, one.started.executable, ros)), None)
     for draft in drafts:
         spawner = spawner_of(draft.started.package, draft.started.executable, ros)
         if spawner is None:
@@ -162,14 +155,14 @@ def simulate(drafts: Sequence[Draft], configuration: LaunchConfiguration) -> Non
         words = [word for argument in draft.started.arguments for word in argument.split()]
         namespace = _option(words, spawner.namespace) or (draft.place.namespace if ros == 1 else "")
         model = _option(words, spawner.model) or ""
-        for plugin in _handed(draft, spawner, words, configuration):
+        for plugin in _described_plugins(draft, spawner, words, configuration):
             row = device_of(plugin.library, ros)
             if row is not None:
                 simulated = Simulated(plugin, row, configuration.repository, namespace, model)
                 (runner or draft).simulated.append(simulated)
 
 
-def _handed(
+def _described_plugins(
     draft: Draft, spawner: Spawner, words: Sequence[str], configuration: LaunchConfiguration
 ) -> list[LaunchPlugin]:
     """Return the plugins of the description that a program hands over."""
@@ -193,10 +186,6 @@ def _option(words: Sequence[str], names: Sequence[str]) -> str | None:
         if word in names or (word.startswith("--") and word[1:] in names):
             return following
     return None
-
-
-def _simulator(draft: Draft, ros: int) -> Simulator | None:
-    return simulator_of(draft.started.package, draft.started.executable, ros)
 
 
 def own_ends(

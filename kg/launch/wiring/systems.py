@@ -29,7 +29,7 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     repository, ros = configuration.repository, configuration.ros
     drafts = [draft_of(started, types, repository, ros) for started in configuration.nodes]
     if ros != 1:
-        drafts = list(with_controllers(_with_inner(drafts, configuration.nodes, types, repository), types, repository))
+        drafts = list(with_controllers(_with_inner(drafts, configuration.nodes, types), types))
     server = Server(configuration.parameters) if ros == 1 else None
     shared: list[str] = []
     if server is not None:
@@ -37,9 +37,9 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
         for draft in drafts:
             draft.set_here = [(name, server.all[name]) for name in of.get(draft.place.full, ())]
     for draft in drafts:
-        loads(draft, types, repository)
+        loads(draft, types)
     if server is not None:
-        attach(drafts, server, types, repository)
+        attach(drafts, server, types)
     drafts = list(run_trees(drafts, types))
     simulate(drafts, configuration)
     by_name = {draft.place.full: draft for draft in reversed(drafts)}
@@ -63,9 +63,7 @@ def _line_of(draft: Draft) -> str | None:
     return draft.process or draft.started.host
 
 
-def _with_inner(
-    drafts: Sequence[Draft], nodes: Sequence[StartedNode], types: NodeTypes, repository: str
-) -> list[Draft]:
+def _with_inner(drafts: Sequence[Draft], nodes: Sequence[StartedNode], types: NodeTypes) -> list[Draft]:
     """Return the nodes, each followed by those that it makes; these get the command line of the whole process."""
     lines = {draft.place.full: started for draft, started in zip(drafts, nodes, strict=True)}
     found = []
@@ -73,9 +71,8 @@ def _with_inner(
         found.append(draft)
         process = started.host or draft.place.full
         for row in draft.makes:
-            inner = draft_of(
-                started_inner(row, started, draft.place, lines.get(process)), types, repository, draft.ros, row
-            )
+            node = started_inner(row, started, draft.place, lines.get(process))
+            inner = draft_of(node, types, draft.repository, draft.ros, row)
             inner.process = process
             found.append(inner)
     return found

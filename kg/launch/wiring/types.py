@@ -123,7 +123,10 @@ class NodeTypes:
                 return found, None, None
         if not {program, _without_end(program)}.isdisjoint(self.installed(package)):
             return None, MissingType.NO_NODE, f"no node was found in {program} of package {package}"
-        return None, MissingType.UNKNOWN_NODE, self._other_names(package, executable)
+        names = self.executables(package)
+        shown = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
+        reason = f"package {package} has no executable {executable}; it has: {shown or 'none'}"
+        return None, MissingType.UNKNOWN_NODE, reason
 
     def _class(self, started: StartedNode, repository: str) -> tuple[Typed | None, MissingType | None, str | None]:
         plugin = started.plugin or ""
@@ -167,11 +170,6 @@ class NodeTypes:
         named = [one for one in files if one.path.rpartition("/")[2] == inner.rpartition("/")[2]]
         found = whole or (named if len(named) == 1 else [])
         return min(found, key=lambda one: len(one.path), default=None)
-
-    def _other_names(self, package: str, executable: str) -> str:
-        names = self.executables(package)
-        shown = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
-        return f"package {package} has no executable {executable}; it has: {shown or 'none'}"
 
 
 def class_name(name: str) -> str:

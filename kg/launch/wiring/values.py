@@ -95,8 +95,13 @@ class Settings:
         self._server = server
         self._remapping = remapping
         self._started = started
-        self.words = _words(started.arguments)
-        """The arguments that the program sees."""
+        self.words: list[str] = []
+        """The arguments that the program sees: ROS takes remappings, and what follows `--ros-args`, for itself."""
+        for word in (part for argument in started.arguments for part in argument.split()):
+            if word == "--ros-args":
+                break
+            if ":=" not in word:
+                self.words.append(word)
         self.own = {parameter.name.removeprefix("~/").lstrip("/"): parameter for parameter in started.parameters}
 
     @property
@@ -178,14 +183,3 @@ def _prefix(place: Place) -> str:
     """Return the prefix of the names of a plugin's parameters in ROS 2 (`FollowPath`)."""
     private = place.private or place.full
     return private.removeprefix(f"{place.full}/").replace("/", ".") if private != place.full else ""
-
-
-def _words(arguments: Iterable[str]) -> list[str]:
-    """Return the arguments that a program sees when ROS has taken its own: remappings and what follows `--ros-args`."""
-    words: list[str] = []
-    for word in (part for argument in arguments for part in argument.split()):
-        if word == "--ros-args":
-            break
-        if ":=" not in word:
-            words.append(word)
-    return words

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
+from functools import partial
+from io import BytesIO
 from typing import TYPE_CHECKING
 
-from pyoxigraph import DefaultGraph, NamedNode
+from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, parse
 
 from kg.errors import KgError, Place, QueryError
 from kg.pipeline.inferring import Inference
-from kg.pipeline.updating import contents
 from kg.pipeline.updating.changes import Change, GraphChange, Updated
 from kg.pipeline.updating.checking import parsed
 from kg.pipeline.updating.executing import Executor
 from kg.pipeline.updating.ownership import protected_graphs, warnings
 from kg.store.failure import is_of_store
+from kg.store.files import BYTE_ORDER_MARK, parsing
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from kg.pipeline.report import Inferred
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
@@ -77,7 +81,10 @@ class Applier:
         began = time.perf_counter()
         inferred: Inferred | None = None
         with self._store.write("kg update") as transaction:
-            self._check_snapshot(transaction, change)
+            found = str(transaction.base or 0)
+            if change.snapshot is not None and change.snapshot != found:
+                message = f"the update is for snapshot {change.snapshot}, and the data is now {found}"
+                raise QueryError("KG512", message, hint="Look at the data as it is now, and ask again.")
             executor = Executor(transaction, protected_graphs(self._settings))
             created = _make(executor, transaction, change)
             changed = bool(executor.touched)
@@ -102,12 +109,6 @@ class Applier:
             seconds=time.perf_counter() - began,
         )
 
-    def _check_snapshot(self, transaction: EmbeddedTransaction, change: Change) -> None:
-        found = str(transaction.base or 0)
-        if change.snapshot is not None and change.snapshot != found:
-            message = f"the update is for snapshot {change.snapshot}, and the data is now {found}"
-            raise QueryError("KG512", message, hint="Look at the data as it is now, and ask again.")
-
 
 def _make(executor: Executor, transaction: EmbeddedTransaction, change: Change) -> bool:
     """Execute a change; return whether it created the graph that it writes."""
@@ -125,7 +126,10 @@ def _make(executor: Executor, transaction: EmbeddedTransaction, change: Change) 
 
 
 def _write_graph(executor: Executor, transaction: EmbeddedTransaction, change: GraphChange) -> bool:
-    graph = _graph(change.graph)
+    try:
+        graph = DefaultGraph() if change.graph is None else NamedNode(change.graph)
+    except ValueError as error:
+        raise QueryError("KG560", f"`{change.graph}` is not the IRI of a graph: {error}") from error
     executor.allow(graph)
     known = isinstance(graph, DefaultGraph) or transaction.has_graph(graph)
     if change.action == "delete":
@@ -134,7 +138,7 @@ def _write_graph(executor: Executor, transaction: EmbeddedTransaction, change: G
         executor.remove(graph, drop=True)
         return False
     base = change.base or change.graph
-    content = list(contents.quads(change.parts, graph, base))
+    content = list(_content(change.parts, graph, base))
     before = list(transaction.quads(graph)) if change.action == "put" and known else []
     executor.patch(before, content)
     if not known:
@@ -142,8 +146,33 @@ def _write_graph(executor: Executor, transaction: EmbeddedTransaction, change: G
     return not known
 
 
-def _graph(name: str | None) -> NamedNode | DefaultGraph:
-    try:
-        return DefaultGraph() if name is None else NamedNode(name)
-    except ValueError as error:
-        raise QueryError("KG560", f"`{name}` is not the IRI of a graph: {error}") from error
+def _content(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, base: str | None) -> Iterator[Quad]:
+    """Yield the triples of parts, each with its media type or the name of its format, as quads of a graph.
+
+    Relative IRIs are resolved against `base`. Blank nodes are new ones; parts do not share them.
+
+    Raises:
+        QueryError: KG562 with the place of a syntax error, KG563 for a format that is not for a single graph.
+    """
+    for number, (content, kind) in enumerate(parts, 1):
+        rdf_format = _format(kind)
+        name = "content" if number == 1 else f"content of part {number}"
+        plain = content.removeprefix(BYTE_ORDER_MARK)
+        try:
+            with parsing(rdf_format, partial(BytesIO, plain)):
+                found = parse(plain, rdf_format, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
+                for quad in found:
+                    yield Quad(quad.subject, quad.predicate, quad.object, graph)
+        except SyntaxError as error:
+            place = Place(name, error.lineno, error.offset)
+            raise QueryError("KG562", error.msg, place=place) from error
+
+
+def _format(name: str) -> RdfFormat:
+    """Return the format with a media type, or a file name suffix."""
+    plain = name.partition(";")[0].strip().lower()
+    found = RdfFormat.from_media_type(plain) if "/" in plain else RdfFormat.from_extension(plain)
+    if found is None or (found.supports_datasets and found != RdfFormat.JSON_LD):
+        hint = "The formats are text/turtle, application/n-triples, application/rdf+xml and application/ld+json."
+        raise QueryError("KG563", f"`{name}` is not a format for one graph", hint=hint)
+    return found

@@ -54,7 +54,11 @@ def _check_each(found: list[Operation], text: str, path: str, base: str | None) 
         if not _is_sound(alone, operation.begin, base):
             problem = _explained(alone, path, base)
             if problem:
-                raise _shown(problem, text)
+                # The line is shown as the user typed it: earlier operations are blanked in `alone`.
+                if problem.place is not None and problem.place.line is not None:
+                    line = text.split("\n")[problem.place.line - 1]
+                    problem.place = replace(problem.place, excerpt=line)
+                raise problem
         for token in tokens(text[operation.begin : operation.end]):
             if token.text.startswith("_:") and labels.setdefault(token.text, operation) is not operation:
                 message = f"the blank node `{token.text}` is that of another operation"
@@ -98,14 +102,6 @@ def _explained(text: str, path: str, base: str | None) -> QueryError | None:
     except (RuntimeError, OSError):
         return None
     return None
-
-
-def _shown(error: QueryError, text: str) -> QueryError:
-    """Return an error with the line as the user typed it."""
-    if error.place is not None and error.place.line is not None:
-        line = text.split("\n")[error.place.line - 1]
-        error.place = replace(error.place, excerpt=line)
-    return error
 
 
 def _guarded(text: str) -> Iterator[list[Token]]:

@@ -103,7 +103,10 @@ class Executor:
         default, named = self._data_set(operation, graph, using, using_named)
         removed: dict[Quad, None] = {}
         added: dict[Quad, None] = {}
-        pickers = [(_picker(one, variables), one, removed if one is delete else added) for one in templates]
+        pickers = [
+            ([variables.index(name) for name in one.variables], one, removed if one is delete else added)
+            for one in templates
+        ]
         # Do not hold the solutions longer than this, as they keep the store open.
         for row in self._transaction.solutions(query, default=default, named=named, prefixes=PREFIXES):
             for picker, template, into in pickers:
@@ -129,14 +132,11 @@ class Executor:
             if isinstance(target, NamedNode) and self._check_exists(operation, target, wanted=False):
                 self.create(target)
         elif source != target and self._check_exists(operation, source, wanted=True):
-            self._copy(operation.verb, source, target)
-
-    def _copy(self, verb: str, source: NamedNode | DefaultGraph, target: NamedNode | DefaultGraph) -> None:
-        quads = list(self._transaction.quads(source))
-        before = [] if verb == "add" else list(self._transaction.quads(target))
-        self.patch(before, (Quad(quad.subject, quad.predicate, quad.object, target) for quad in quads))
-        if verb == "move":
-            self.remove(source, drop=True)
+            quads = list(self._transaction.quads(source))
+            before = [] if operation.verb == "add" else list(self._transaction.quads(target))
+            self.patch(before, (Quad(quad.subject, quad.predicate, quad.object, target) for quad in quads))
+            if operation.verb == "move":
+                self.remove(source, drop=True)
 
     def _empty(self, operation: Manage) -> None:
         if operation.target in {"NAMED", "ALL"}:
@@ -194,7 +194,3 @@ def _unused(text: str) -> str:
     while f"one{number}" in text:
         number += 1
     return f"one{number}"
-
-
-def _picker(template: Template, variables: Sequence[str]) -> list[int]:
-    return [variables.index(name) for name in template.variables]

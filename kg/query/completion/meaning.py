@@ -31,7 +31,8 @@ def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> l
     options = []
     for each in patterns:
         if each.subject == term and each.path and each.path[0].iri != TYPE:
-            options.append(_from(each.path[0], statistics))
+            first = each.path[0]
+            options.append(_to(Step(first.iri, not first.inverse), statistics))
         if each.object == term and each.path and each.path[-1].iri != TYPE:
             options.append(_to(each.path[-1], statistics))
     options = [each for each in options if each]
@@ -49,15 +50,9 @@ def behind(step: Step, statistics: Statistics) -> list[str]:
 def _to(step: Step, statistics: Statistics) -> set[str]:
     if step.iri is None:
         return set()
-    return _users(step.iri, statistics) if step.inverse else _values(step.iri, statistics)
-
-
-def _from(step: Step, statistics: Statistics) -> set[str]:
-    return _to(Step(step.iri, not step.inverse), statistics)
-
-
-def _users(iri: str, statistics: Statistics) -> set[str]:
-    return {kind for kind, used in statistics.used.items() if iri in used}
+    if step.inverse:
+        return {kind for kind, used in statistics.used.items() if step.iri in used}
+    return _values(step.iri, statistics)
 
 
 def _values(iri: str, statistics: Statistics) -> set[str]:

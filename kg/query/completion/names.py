@@ -66,15 +66,13 @@ def values(kept: Kept, iri: str, kind: str | None, *, literal: bool) -> Values:
         counted = _COUNTED % (_OF_CLASS % kind if kind else "", iri)
         rows: Any = kept.snapshot.query(counted if literal else _LABELLED % counted, prefixes=PREFIXES)
         found = {
-            row[0]: _value(row[0], int(row[1].value), None if literal else row[2]) for row in rows if _named(row[0])
+            row[0]: _value(row[0], int(row[1].value), None if literal else row[2])
+            for row in rows
+            if isinstance(row[0], NamedNode | Literal)
         }
         return sorted(found.values(), key=lambda value: (-value.count, value.text))[:_MOST]
 
     return _lowered(kept, f"values {iri} {kind}", make)
-
-
-def _named(term: object) -> bool:
-    return isinstance(term, NamedNode | Literal)
 
 
 def _lowered(kept: Kept, key: str, make: Callable[[], list[Value]]) -> Values:

@@ -14,7 +14,7 @@ from kg.syntax.lexer import Kind, Token
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
 
 TYPE: Final = PREFIXES["rdf"] + "type"
@@ -165,31 +165,21 @@ def outline(found: Iterable[Token], known: Outline | None = None) -> Outline:
     """Return the outline of tokens; `known` is the outline of those before, which is extended."""
     result = known or Outline()
     for token in found:
-        _read(result, token)
+        frame = result.frame
+        word = token.text.lower() if token.kind is Kind.WORD else ""
+        if token.kind is Kind.VARIABLE:
+            result.uses.append(Use(token.text[1:], frame.slot, frame.group, frame.within, token))
+        if token.kind is Kind.SIGN:
+            _sign(result, frame, token)
+        elif frame.role is Role.EXPRESSION:
+            result.words.add(word)
+            frame.slot = Slot.NEW if word == "as" else Slot.EXPRESSION
+        elif word and _keyword(result, frame, word):
+            result.words.add(word)
+        else:
+            _other_token(result, frame, token)
         result.previous = token
     return result
-
-
-def _read(result: Outline, token: Token) -> None:
-    frame = result.frame
-    if token.kind is Kind.VARIABLE:
-        result.uses.append(Use(token.text[1:], frame.slot, frame.group, frame.within, token))
-    if token.kind is Kind.SIGN:
-        _sign(result, frame, token)
-    elif frame.role is Role.EXPRESSION:
-        _expression(result, frame, token)
-    elif token.kind is Kind.WORD and _keyword(result, frame, token.text.lower()):
-        result.words.add(token.text.lower())
-    elif frame.slot in _TOKENS:
-        _TOKENS[frame.slot](result, frame, token)
-    else:
-        _pattern_term(result, frame, token)
-
-
-def _expression(result: Outline, frame: Frame, token: Token) -> None:
-    word = token.text.lower() if token.kind is Kind.WORD else ""
-    result.words.add(word)
-    frame.slot = Slot.NEW if word == "as" else Slot.EXPRESSION
 
 
 _KEYWORDS: Final = {
@@ -236,54 +226,42 @@ def _keyword(result: Outline, frame: Frame, word: str) -> bool:
     return True
 
 
-def _prefix(_result: Outline, frame: Frame, token: Token) -> None:
-    frame.subject = token.text.partition(":")[0]
-    frame.slot = Slot.NAMESPACE
+_IN_ORDER: Final = frozenset(
+    {
+        Slot.BEGIN,
+        Slot.PROJECTION,
+        Slot.DATASET,
+        Slot.CLAUSE,
+        Slot.TEMPLATE,
+        Slot.OPENING,
+        Slot.CONSTRAINT,
+        Slot.MODIFIER,
+        Slot.ORDER,
+    }
+)
+"""Slots that may contain several tokens: a token does not change them."""
 
 
-def _namespace(result: Outline, frame: Frame, token: Token) -> None:
-    if token.kind is Kind.IRI and result.previous is not None and result.previous.kind is Kind.NAME:
-        result.prefixes[frame.subject] = token.text[1:-1]
-    frame.slot = Slot.BEGIN
-
-
-def _graph(_result: Outline, frame: Frame, _token: Token) -> None:
-    frame.slot = Slot.OPENING
-
-
-def _column(_result: Outline, frame: Frame, token: Token) -> None:
-    frame.columns.append("?" + token.text[1:])
-
-
-def _data(_result: Outline, frame: Frame, _token: Token) -> None:
-    frame.column += 1
-
-
-def _number(_result: Outline, frame: Frame, _token: Token) -> None:
-    frame.slot = Slot.MODIFIER
-
-
-def _keep_slot(_result: Outline, _frame: Frame, _token: Token) -> None:
-    """Keep the slot, which may contain several tokens."""
-
-
-_TOKENS: Final[dict[Slot, Callable[[Outline, Frame, Token], None]]] = {
-    Slot.BEGIN: _keep_slot,
-    Slot.PREFIX: _prefix,
-    Slot.NAMESPACE: _namespace,
-    Slot.PROJECTION: _keep_slot,
-    Slot.DATASET: _keep_slot,
-    Slot.CLAUSE: _keep_slot,
-    Slot.TEMPLATE: _keep_slot,
-    Slot.OPENING: _keep_slot,
-    Slot.CONSTRAINT: _keep_slot,
-    Slot.GRAPH: _graph,
-    Slot.COLUMNS: _column,
-    Slot.DATA: _data,
-    Slot.MODIFIER: _keep_slot,
-    Slot.ORDER: _keep_slot,
-    Slot.NUMBER: _number,
-}
+def _other_token(result: Outline, frame: Frame, token: Token) -> None:
+    """Process a token that is neither a sign, a keyword, nor a part of an expression."""
+    match frame.slot:
+        case Slot.PREFIX:
+            frame.subject = token.text.partition(":")[0]
+            frame.slot = Slot.NAMESPACE
+        case Slot.NAMESPACE:
+            if token.kind is Kind.IRI and result.previous is not None and result.previous.kind is Kind.NAME:
+                result.prefixes[frame.subject] = token.text[1:-1]
+            frame.slot = Slot.BEGIN
+        case Slot.GRAPH:
+            frame.slot = Slot.OPENING
+        case Slot.COLUMNS:
+            frame.columns.append("?" + token.text[1:])
+        case Slot.DATA:
+            frame.column += 1
+        case Slot.NUMBER:
+            frame.slot = Slot.MODIFIER
+        case slot if slot not in _IN_ORDER:
+            _pattern_term(result, frame, token)
 
 
 def _pattern_term(result: Outline, frame: Frame, token: Token) -> None:

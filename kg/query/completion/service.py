@@ -42,22 +42,16 @@ def matcher(typed: str) -> Callable[[str], int | None]:
     def fit(name: str) -> int | None:
         lower = name.lower()
         if wanted not in lower:
-            return WORST if len(wanted) >= _SHORTEST and spread.search(_parts(name)) else None
+            parts = _HUMP.sub(" ", name).lower()
+            return WORST if len(wanted) >= _SHORTEST and spread.search(parts) else None
         if lower == wanted:
             return 0
         if lower.startswith(wanted) or _SIGNS.sub("", lower, count=1).startswith(wanted):
             return 1
-        return 2 if part.search(lower) or wanted in _beginnings(name) else 3
-
-    def _beginnings(name: str) -> set[str]:
-        return {name[match.start() : match.start() + len(wanted)].lower() for match in _HUMP.finditer(name)}
+        humps = (name[hump.start() : hump.start() + len(wanted)].lower() for hump in _HUMP.finditer(name))
+        return 2 if part.search(lower) or wanted in humps else 3
 
     return fit
-
-
-def _parts(name: str) -> str:
-    """Return a name in lower case, with spaces between the parts of camel case."""
-    return _HUMP.sub(" ", name).lower()
 
 
 _FORMS: Final = ("SELECT", "CONSTRUCT", "ASK", "DESCRIBE", "PREFIX", "BASE")

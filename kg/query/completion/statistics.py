@@ -112,12 +112,9 @@ def _used(snapshot: Snapshot, kind: str, number: int) -> dict[str, int]:
     found = dict(_numbers(snapshot, _USED % (kind, SAMPLE)))
     if number <= SAMPLE:
         return found
-    return {each: number if seen == SAMPLE else _rounded(seen * number / SAMPLE) for each, seen in found.items()}
-
-
-def _rounded(value: float) -> int:
-    """Return an estimate rounded to its significant digits."""
-    return int(float(f"{value:.{_DIGITS - 1}e}"))
+    # Estimates are rounded to their significant digits.
+    estimates = {each: f"{seen * number / SAMPLE:.{_DIGITS - 1}e}" for each, seen in found.items()}
+    return {each: number if seen == SAMPLE else int(float(estimates[each])) for each, seen in found.items()}
 
 
 def _is_literal(snapshot: Snapshot, each: str) -> bool:

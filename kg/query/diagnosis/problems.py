@@ -1,4 +1,4 @@
-"""`diagnose`: the problems of a query, the same for all interfaces."""
+"""`diagnose`: the problems of a query and edits that fix them, the same for all interfaces."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import pyoxigraph
 
 from kg.errors import QueryError
 from kg.query.completion.outline import Outline, outline
-from kg.query.diagnosis import fixes
 from kg.query.diagnosis.variables import bound, product, unbound
 from kg.query.guard import check
-from kg.query.syntax import syntax_error
+from kg.query.syntax import keywords_meant, syntax_error
 from kg.query.terms import unknown
-from kg.similar import asked
-from kg.syntax.lexer import Token, normalise, tokens
-from kg.syntax.names import PREFIXES
+from kg.similar import asked, similar
+from kg.syntax.lexer import Kind, Token, normalise, tokens
+from kg.syntax.names import PREFIXES, WELL_KNOWN
 from kg.syntax.position import offset_of, place_at
+from kg.syntax.prologue import declaration
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -72,17 +72,17 @@ def _of_error(error: QueryError, text: str, found: list[Token], declared: Mappin
     end = start if place.end_line is None else offset_of(text, place.end_line, place.end_column or 1)
     known = outline(found)
     culprit = next((token for token in found if token.start == start), None)
-    repairs = fixes.of_token(text, culprit, known, declared) if culprit else fixes.closing(text, known)
+    repairs = _fixes_of(text, culprit, known, declared) if culprit else _closing(text, known)
     return _problem("error", error, (text, start, end), repairs)
 
 
 def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
     names = bound(known)
     for use in unbound(known):
-        similar = get_close_matches(use.name, sorted(names))
-        hint = asked([f"?{name}" for name in similar])
+        near = [f"?{name}" for name in get_close_matches(use.name, sorted(names))]
+        hint = asked(near)
         error = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
-        repairs = fixes.replacing(use.token, [f"?{name}" for name in similar])
+        repairs = _replacing(use.token, near)
         yield _problem("warning", error, (text, use.token.start, use.token.end), repairs)
 
 
@@ -98,7 +98,7 @@ def _unknown(text: str, snapshot: Snapshot, used: Iterable[str]) -> Iterator[dic
     for each in unknown(snapshot, text, used):
         error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
         span = (text, each.token.start, each.token.end)
-        yield _problem("warning", error, span, fixes.replacing(each.token, each.meant))
+        yield _problem("warning", error, span, _replacing(each.token, each.meant))
 
 
 def _problem(
@@ -134,3 +134,35 @@ def _moved(problem: dict[str, Any], text: str) -> dict[str, Any]:
 
     repairs = [{**fix, "edits": [moved(edit) for edit in fix["edits"]]} for fix in problem["fixes"]]
     return {**moved(problem), "fixes": repairs}
+
+
+def _replacing(token: Token, names: Iterable[str]) -> list[dict[str, Any]]:
+    """Return a fix for each of the names that may replace a token."""
+    return [_fix(f"Replace by `{name}`", token.start, token.end, name) for name in names]
+
+
+def _fixes_of(text: str, token: Token, known: Outline, declared: Mapping[str, str]) -> list[dict[str, Any]]:
+    """Return fixes for the first unexpected token of a query; `declared` contains the prefixes of the store."""
+    if token.kind is Kind.WORD:
+        return _replacing(token, keywords_meant(token.text))
+    prefix, _, local = token.text.partition(":")
+    if token.kind is not Kind.NAME or prefix in known.prefixes or prefix in PREFIXES:
+        return []
+    near = similar(f"{prefix}:", [f"{one}:" for one in (*known.prefixes, *PREFIXES)])
+    fixes = _replacing(token, [name + local for name in near])
+    namespace = declared.get(prefix) or WELL_KNOWN.get(prefix)
+    if namespace:
+        at, line = declaration(text, {prefix: namespace})
+        fixes.insert(0, _fix(f"Declare `{prefix}:` as <{namespace}>", at, at, line))
+    return fixes
+
+
+def _closing(text: str, known: Outline) -> list[dict[str, Any]]:
+    """Return a fix that closes the open brackets at the end of a query."""
+    missing = " ".join(frame.closes for frame in reversed(known.frames) if frame.closes)
+    end = len(text.rstrip())
+    return [_fix(f"Add `{missing}`", end, end, f" {missing}")] if missing else []
+
+
+def _fix(title: str, start: int, end: int, text: str) -> dict[str, Any]:
+    return {"title": title, "edits": [{"start": start, "end": end, "text": text}]}

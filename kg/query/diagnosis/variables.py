@@ -15,11 +15,8 @@ _PATTERN: Final = frozenset({Slot.SUBJECT, Slot.PREDICATE, Slot.OBJECT, Slot.AFT
 
 def bound(known: Outline) -> set[str]:
     """Return the names of the variables bound by a pattern, BIND, VALUES or AS."""
-    return {use.name for use in known.uses if _binds(use)}
-
-
-def _binds(use: Use) -> bool:
-    return use.slot in {Slot.NEW, Slot.COLUMNS} or (use.group > 0 and use.slot in _PATTERN)
+    binding = {Slot.NEW, Slot.COLUMNS}
+    return {use.name for use in known.uses if use.slot in binding or (use.group > 0 and use.slot in _PATTERN)}
 
 
 def unbound(known: Outline) -> Iterator[Use]:

@@ -77,7 +77,10 @@ class _ForkServer:
             while True:
                 ready = {key.fileobj for key, _ in selector.select(_IDLE_SECONDS if self._modules else None)}
                 if not ready:
-                    self._load_another()
+                    # Errors are ignored: the reader that needs the module reports them.
+                    with suppress(Exception):
+                        import_module(self._modules.pop())
+                    gc.freeze()
                 if ended in ready:
                     ended.recv(4096)
                     self._reap()
@@ -85,12 +88,6 @@ class _ForkServer:
                     break
         for pid in self._readers.values():
             os.kill(pid, signal.SIGKILL)
-
-    def _load_another(self) -> None:
-        """Import one module in advance. Errors are ignored: the reader that needs the module reports them."""
-        with suppress(Exception):
-            import_module(self._modules.pop())
-        gc.freeze()
 
     def _execute(self, private: list[socket.socket]) -> bool:
         """Execute one order; return false at the end of the stream."""

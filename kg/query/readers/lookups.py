@@ -37,6 +37,7 @@ _ROWS: Final = 256
 _VALUE_CHARS: Final = 64 << 10
 """Readers answer look-ups whose terms have more characters in all."""
 
+# All quantifiers are possessive: matching takes linear time, because it blocks the event loop of the server.
 _GAP: Final = r"(?:[ \t\r\n]++|\#[^\r\n]*+)*+"
 _IRI: Final = r"<[^\x00-\x20<>\"{}|^`\\]*+>"
 _NAME: Final = r"(?:[a-z][\w-]*+)?+:[a-z_][\w-]*+"
@@ -81,7 +82,10 @@ class LookUps:
         if self._layout.address is not None or not plain or given or not is_look_up(question.text):
             return None
         if self._snapshot is None or self._snapshot.identity != identity:
-            self._open(identity)
+            # In the background, and once for each identity.
+            if self._opening is None and self._identity != identity:
+                self._identity = identity
+                self._opening = asyncio.get_running_loop().create_task(self._opened())
             return None
         # A reader reports the error.
         with suppress(SyntaxError, RuntimeError, OSError, ValueError, KgError):
@@ -101,12 +105,6 @@ class LookUps:
         self.release(None)
         if self._opening is not None:
             await asyncio.gather(self._opening, return_exceptions=True)
-
-    def _open(self, identity: str) -> None:
-        """Open the current data in the background, once for each identity."""
-        if self._opening is None and self._identity != identity:
-            self._identity = identity
-            self._opening = asyncio.get_running_loop().create_task(self._opened())
 
     async def _opened(self) -> None:
         try:

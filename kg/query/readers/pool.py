@@ -149,7 +149,11 @@ class Readers:
         if kept is not None:
             yield Answer.of(entry, kept)
             return
-        self._admit(entry)
+        if self._closed:
+            raise QueryError("KG510", _CLOSED)
+        if entry.identity in self.jobs:
+            raise QueryError("KG505", "the job with this identity is still running", hint="Choose another identity.")
+        self.jobs[entry.identity] = entry
         timer = asyncio.get_running_loop().call_later(seconds, _expire, entry, seconds) if seconds else None
         run = Run(self._scheduler, entry, message, room, view=isinstance(request, Call))
         try:
@@ -217,13 +221,6 @@ class Readers:
             cache=self._cache.stats(),
             snapshot=self._pointer.snapshot(),
         )
-
-    def _admit(self, job: Job) -> None:
-        if self._closed:
-            raise QueryError("KG510", _CLOSED)
-        if job.identity in self.jobs:
-            raise QueryError("KG505", "the job with this identity is still running", hint="Choose another identity.")
-        self.jobs[job.identity] = job
 
     async def _look(self) -> None:
         """Check for new data regularly."""

@@ -55,13 +55,13 @@ def write_quads(quads: Iterable[Quad], output: IO[bytes]) -> int:
     # Terms recur often: dictionaries and zstd make a file thirty times smaller than N-Quads.
     with parquet.ParquetWriter(output, schema, compression="zstd", dictionary_pagesize_limit=_DICTIONARY_BYTES) as file:
         while batch := list(islice(left, _BATCH)):
-            rows = zip(*map(_spelt, batch), strict=True)
+            rows = zip(*map(_spelled, batch), strict=True)
             file.write_table(pa.table([pa.array(column, pa.string()) for column in rows], schema=schema))
             number += len(batch)
     return number
 
 
-def _spelt(quad: Quad) -> tuple[str, str, str, str | None]:
+def _spelled(quad: Quad) -> tuple[str, str, str, str | None]:
     graph = None if isinstance(quad.graph_name, DefaultGraph) else str(quad.graph_name)
     return str(quad.subject), str(quad.predicate), turtle(quad.object), graph
 

@@ -54,7 +54,10 @@ def _term(term: Term) -> str:
     if isinstance(term, Literal):
         quoted, mark = quoted_and_mark(term)
         value = term.value if "\\" in quoted else quoted[1:-1]
-        return f"<literal{_marks(mark)}>{_text(value)}</literal>"
+        reason = forbidden_in_xml(value)
+        if reason:
+            raise QueryError("KG504", f"xml cannot represent a text of a row: {reason}", hint="Use json, csv or tsv.")
+        return f"<literal{_marks(mark)}>{escape(value, _ESCAPES)}</literal>"
     if isinstance(term, Triple):
         parts = {"subject": term.subject, "predicate": term.predicate, "object": term.object}
         return "<triple>" + "".join(f"<{key}>{_term(part)}</{key}>" for key, part in parts.items()) + "</triple>"
@@ -68,10 +71,3 @@ def _marks(mark: str) -> str:
         return f" datatype={quoteattr(mark[3:-1])}"
     language, _, direction = mark[1:].partition("--")
     return f' xml:lang="{language}"' + (_DIRECTION.format(direction) if direction else "")
-
-
-def _text(value: str) -> str:
-    reason = forbidden_in_xml(value)
-    if reason:
-        raise QueryError("KG504", f"xml cannot represent a text of a row: {reason}", hint="Use json, csv or tsv.")
-    return escape(value, _ESCAPES)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
-from urllib.parse import parse_qsl, unquote
+from urllib.parse import unquote
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connecting import not_commanded
+from kg.robot.connecting import not_commanded, number, options
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
 from kg.robot.inbox import Changes, Inbox
 from kg.robot.ros1.graph import fold
@@ -41,23 +42,14 @@ class BagAddress:
     def read(cls, text: str) -> BagAddress:
         """Return a parsed address; RobotError KG801 for an unknown option or invalid value."""
         place, _, query = text.removeprefix("bag://").partition("?")
-        options = dict(parse_qsl(query, keep_blank_values=True))
-        if unknown := set(options) - set(_OPTIONS):
-            known = ", ".join(f"{name}= ({what})" for name, what in _OPTIONS.items())
-            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"Valid: {known}.")
+        given = options(text, query, _OPTIONS)
         if not place:
             raise RobotError("KG801", f"`{text}` names no file", hint="Write bag://FILE, as in bag://drive.mcap.")
-        speed, start = (_number(text, options, name, given) for name, given in (("speed", 1.0), ("start", 0.0)))
+        speed = number(text, given.get("speed", "1"), f"speed is {_OPTIONS['speed']}.")
+        start = number(text, given.get("start", "0"), f"start is {_OPTIONS['start']}.")
         if speed == 0:
             raise RobotError("KG801", f"`{text}`: the speed is 0", hint="Write speed=2 or speed=0.5.")
         return cls(text, Path(unquote(place)).expanduser(), speed, start)
-
-
-def _number(address: str, options: dict[str, str], name: str, otherwise: float) -> float:
-    text = options.get(name, str(otherwise))
-    if not text.replace(".", "", 1).isdecimal() or not text.isascii():
-        raise RobotError("KG801", f"`{address}`: `{text}` is not a number", hint=f"{name} is {_OPTIONS[name]}.")
-    return float(text)
 
 
 _LEAD: Final = 0.2
@@ -72,15 +64,12 @@ class BagClock:
         self._speed = speed
         self._begun: float | None = None
 
-    def begin(self) -> None:
-        """Start the clock after a short delay; may be repeated."""
-        if self._begun is None:
+    def begin(self) -> bool:
+        """Start the clock after a short delay; return whether it stood until now."""
+        stood = self._begun is None
+        if stood:
             self._begun = asyncio.get_running_loop().time() + _LEAD
-
-    @property
-    def begun(self) -> bool:
-        """Whether the clock runs."""
-        return self._begun is not None
+        return stood
 
     def now(self) -> float:
         """Return the time of the recording in seconds since 1970."""
@@ -139,17 +128,15 @@ class BagConnection:
             for one in sources
             for qos in one.qos or (None,)
         }
-        recorded = tuple(self._topic(topic) for topic in sorted({one.topic for one in sources}))
+        counts: Counter[str] = Counter()
+        for one in sources:
+            counts[one.topic] += one.count
+        seconds = self._bag.end - self._bag.start
+        recorded = tuple(RecordedTopic(topic, count, seconds) for topic, count in sorted(counts.items()))
         problems = tuple(sorted(self._problems))
         if self.ros == 1:
-            ordered = sorted(fold(ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
-            return ComputationGraph(1, nodes, tuple(ordered), problems, recorded=recorded)
-        seen = computation_graph(Neighbourhood(nodes, tuple(ends), problems), complete=True)
-        return ComputationGraph(2, seen.nodes, seen.ends, seen.problems, recorded=recorded)
-
-    def _topic(self, topic: str) -> RecordedTopic:
-        count = sum(one.count for one in self._bag.sources if one.topic == topic)
-        return RecordedTopic(topic, count, self._bag.end - self._bag.start)
+            return ComputationGraph(1, nodes, fold(ends), problems, recorded=recorded)
+        return replace(computation_graph(Neighbourhood(nodes, tuple(ends), problems), complete=True), recorded=recorded)
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the graph, and again after each message that could not be decoded."""
@@ -174,31 +161,26 @@ class BagConnection:
             raise RobotError("KG806", f"`{topic}` is of the type {min(other)}, not {kind}")
         inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(inbox))
         since = self.clock.now()
-        if not self.clock.begun:
+        if self.clock.begin():
             self._tasks.spawn(self._end(), "playing a recording")
-        self.clock.begin()
         self._playing[inbox] = self._tasks.spawn(self._play(inbox, sources, since), f"playing `{topic}`")
         return inbox
 
     async def _play(self, inbox: Inbox[Received], sources: list[Source], since: float) -> None:
         try:
-            self._put_latched(inbox, [one for one in sources if one.latched], since)
+            # A subscriber also gets the last message that each publisher latched before.
+            latched = [one for one in sources if one.latched] if since > self._bag.start else []
+            last = {message[0].node: message for message in self._bag.messages(latched, stop=since)} if latched else {}
+            for source, at, content in last.values():
+                self._put(inbox, source, at, content)
             for source, at, content in self._bag.messages(sources, since):
                 await self.clock.until(at)
                 self._put(inbox, source, at, content)
             await self.clock.until(self._bag.end)
-        except RobotError as error:
+        except RobotError as error:  # the file was broken or removed while it was played
             self._report(GraphProblem(error.code, sources[0].topic, error.message))
         finally:
             inbox.end()
-
-    def _put_latched(self, inbox: Inbox[Received], sources: list[Source], since: float) -> None:
-        """Deliver the last message that each publisher latched before a moment."""
-        last: dict[str | None, tuple[Source, float, bytes]] = {}
-        for message in self._bag.messages(sources, stop=since) if sources and since > self._bag.start else ():
-            last[message[0].node] = message
-        for source, at, content in last.values():
-            self._put(inbox, source, at, content)
 
     def _put(self, inbox: Inbox[Received], source: Source, at: float, content: bytes) -> None:
         try:
@@ -219,8 +201,7 @@ class BagConnection:
         self._lost.set_result(_OVER)
 
     def _leave(self, inbox: Inbox[Received]) -> None:
-        task = self._playing.pop(inbox, None)
-        if task is not None:
+        if task := self._playing.pop(inbox, None):
             task.cancel()
 
     async def _refused(self, *_given: Any, **_options: Any) -> NoReturn:

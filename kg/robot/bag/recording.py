@@ -14,7 +14,6 @@ from __future__ import annotations
 import shutil
 from collections import Counter
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from rosbags.interfaces import Qos as BagQos
@@ -26,13 +25,13 @@ from rosbags.rosbag2 import Writer as Writer2
 from kg.errors import Place, RobotError, UsageError
 from kg.facts import Qos, Role
 from kg.robot.connecting import is_recording
-from kg.robot.connection import ComputationGraph, Connection, GraphProblem, LiveEnd, Received, Subscription
-from kg.robot.ros2.names import family
+from kg.robot.connection import Connection, GraphProblem, LiveEnd, Received, Subscription
+from kg.robot.ros2.names import full_type
 from kg.robot.ros2.types import type_hash
 from kg.robot.tasks import Tasks, ended
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
     from pathlib import Path
 
     from kg.robot.messages import Types
@@ -114,7 +113,11 @@ class Recorder:
 
     async def _follow(self) -> None:
         async for graph in self._connection.changes():
-            for topic, ends in _published(graph, self._topics):
+            publishers: dict[str, list[LiveEnd]] = {}
+            for one in graph.ends:
+                if one.role is Role.PUBLISHES and (self._topics is None or one.name in self._topics):
+                    publishers.setdefault(one.name, []).append(one)
+            for topic, ends in sorted(publishers.items()):
                 if topic not in self._subscribed:
                     await self._subscribe(topic, ends)
 
@@ -128,23 +131,20 @@ class Recorder:
             return
         self._subscribed[topic] = subscription
         self._types[topic] = kind or ""
-        self._tasks.spawn(self._listen(topic, kind or "", ends, subscription), f"recording `{topic}`")
+        self._tasks.spawn(self._write(topic, ends, subscription), f"recording `{topic}`")
         self._tell(topic, kind or "")
 
-    async def _listen(self, topic: str, kind: str, ends: list[LiveEnd], subscription: Subscription) -> None:
+    async def _write(self, topic: str, ends: list[LiveEnd], subscription: Subscription) -> None:
         try:
             async for received in subscription:
-                self._write(topic, kind, ends, received)
+                if self._file is None:
+                    self._file = (_Bag1 if self._connection.ros == 1 else _Bag2)(self._path, self._connection.types)
+                    self.first = received.at
+                self._file.write(topic, self._types[topic], ends, received)
+                self._counts[topic] += 1
+                self.last = max(self.last, received.at)
         finally:
             await subscription.aclose()
-
-    def _write(self, topic: str, kind: str, ends: list[LiveEnd], received: Received) -> None:
-        if self._file is None:
-            self._file = (_Bag1 if self._connection.ros == 1 else _Bag2)(self._path, self._connection.types)
-            self.first = received.at
-        self._file.write(topic, kind, ends, received)
-        self._counts[topic] += 1
-        self.last = max(self.last, received.at)
 
     def close(self) -> tuple[Recorded, ...]:
         """Complete the file, and return its content; without messages there is no file."""
@@ -156,15 +156,6 @@ class Recorder:
             for topic, one in sorted(self._subscribed.items())
             if one is not None
         )
-
-
-def _published(graph: ComputationGraph, topics: frozenset[str] | None) -> Iterable[tuple[str, list[LiveEnd]]]:
-    """Yield the selected topics that have publishers, with the ends of these."""
-    found: dict[str, list[LiveEnd]] = {}
-    for one in graph.ends:
-        if one.role is Role.PUBLISHES and (topics is None or one.name in topics):
-            found.setdefault(one.name, []).append(one)
-    return sorted(found.items())
 
 
 class _Bag1:
@@ -196,24 +187,20 @@ class _Bag2:
 
     def __init__(self, path: Path, types: Types) -> None:
         self._path = path
+        self._folder = path.with_name(f"{path.name}.part")
         self._types = types
         self._writer = Writer2(self._folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
         self._writer.open()
         self._channels: dict[str, Any] = {}
 
-    @cached_property
-    def _folder(self) -> Path:
-        return self._path.with_name(f"{self._path.name}.part")
-
     def write(self, topic: str, kind: str, ends: list[LiveEnd], received: Received) -> None:
         """Write a message."""
         channel = self._channels.get(topic)
         if channel is None:
-            package, _, name = kind.partition("/")
             offered = [_bag_qos(one) for one in dict.fromkeys(end.qos for end in ends) if one is not None]
             channel = self._channels[topic] = self._writer.add_connection(
                 topic,
-                f"{package}/{family(kind)}/{name}",
+                full_type(kind),
                 msgdef=self._types.definition(kind),
                 rihs01=type_hash(self._types, kind),
                 offered_qos_profiles=offered,

@@ -10,15 +10,10 @@ Cyclone DDS is configured by `$CYCLONEDDS_URI`, as usual.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from kg.errors import RobotError
 from kg.robot.messages import Types
 from kg.robot.ros2 import Address, Ros2Connection
 from kg.robot.ros2.names import absolute
-
-if TYPE_CHECKING:
-    from kg.robot.dds.middleware import DdsMiddleware
 
 __all__ = ["connect"]
 
@@ -32,10 +27,6 @@ async def connect(address: str, name: str, types: Types | None = None) -> Ros2Co
     """
     read = Address.read(address)
     own = absolute(name)
-    return await Ros2Connection.open(_joined(read, own, types or Types(2)), read, own)
-
-
-def _joined(address: Address, name: str, types: Types) -> DdsMiddleware:
     try:
         from cyclonedds.core import DDSException  # noqa: PLC0415 - an optional extra
 
@@ -44,7 +35,8 @@ def _joined(address: Address, name: str, types: Types) -> DdsMiddleware:
         hint = 'Install it with `pip install "kg-ros[dds]"`.'
         raise RobotError("KG801", f"Cyclone DDS is not installed: {error}", hint=hint) from None
     try:
-        return DdsMiddleware(address.domain, name, types, humble=address.humble, ask_types=address.ask_types)
+        wire = DdsMiddleware(read.domain, own, types or Types(2), humble=read.humble, ask_types=read.ask_types)
     except DDSException as error:
-        told = f"the domain {address.domain} of DDS cannot be joined: {error.msg}"
+        told = f"the domain {read.domain} of DDS cannot be joined: {error.msg}"
         raise RobotError("KG817", told, hint="See to the network and to $CYCLONEDDS_URI.") from None
+    return await Ros2Connection.open(wire, read, own)

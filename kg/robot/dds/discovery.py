@@ -16,7 +16,7 @@ from kg.errors import RobotError
 from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
 from kg.robot.dds.entities import PREFIX
 from kg.robot.ros2.middleware import Neighbourhood
-from kg.robot.ros2.names import is_name, replies, ros_end
+from kg.robot.ros2.names import is_name, replies
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -103,8 +103,6 @@ class Endpoint:
     end: RosEnd | None
     qos: Qos
     handle: int
-    mark: str | None = None
-    """The `clientid` or `serviceid` that the two halves of a client or server share."""
     type_id: Any = None
     problem: GraphProblem | None = None
     hash: str | None = None
@@ -150,16 +148,6 @@ class Discovery:
             self._ends[key] = endpoint
             self._handles[endpoint.handle] = key
 
-    @staticmethod
-    def read_end(topic: str, kind: str, *, writer: bool) -> tuple[RosEnd | None, GraphProblem | None]:
-        """Return the ROS end of a reader or writer, and the error of its name."""
-        end = ros_end(topic, kind, writer=writer)
-        if end is None:
-            return None, None
-        if not is_name(end[1]):
-            return None, GraphProblem("KG816", topic[:80], f"`{end[1][:80]}` is not a ROS 2 name")
-        return end, None
-
     def gone(self, key: bytes) -> None:
         """Remove a participant with all its entities, or a reader or writer."""
         endpoint = self._ends.pop(key, None)
@@ -190,7 +178,7 @@ class Discovery:
         found.nodes, found.problems = _nodes(value["node_entities_info_seq"], found.address)
         for name, each in found.nodes.items():
             for one in (*each[0], *each[1]):
-                if one[:PREFIX] == key:
+                if one[:PREFIX] == key:  # nobody can claim the ends of another participant
                     self._owners[one] = name
 
     def node(self, handle: int) -> str | None:

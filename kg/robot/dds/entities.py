@@ -176,7 +176,7 @@ class DdsReader(_End):
         self._entity = DataReader(bell.participant, topic, qos=qos)
         self.identity: bytes = self._entity.guid.bytes
         bell.add(self._entity, DDSStatus.DataAvailable | DDSStatus.SubscriptionMatched, self._happened)
-        self._happened()
+        self._happened()  # for what came before the bell was attached
 
     @property
     def peers(self) -> int:
@@ -236,6 +236,7 @@ class DdsWriter(_End):
 
     def write(self, content: bytes) -> None:
         """Send a message with its encapsulation; RobotError KG803 if the library refuses it."""
+        # The library takes whole words of four bytes; readers ignore what follows the last field.
         padded = content.ljust(-(-len(content) // _ALIGNMENT) * _ALIGNMENT, b"\0")
         code = DDSException.DDS_RETCODE_ALREADY_DELETED
         if not self._closed:
@@ -284,11 +285,6 @@ class _ServiceEnd:
         """Take the two ends."""
         self._requests, self._responses = requests, responses
 
-    @property
-    def peers(self) -> int:
-        """How many ends are at the other side."""
-        return self._requests.peers
-
     def close(self) -> None:
         """Close both ends."""
         self._requests.close()
@@ -305,14 +301,10 @@ class DdsCaller(_ServiceEnd):
         self._number = 0
         self._waiting: dict[int, asyncio.Future[bytes]] = {}
 
-    async def ready(self) -> None:
-        """Return when requests and responses are both connected."""
+    async def call(self, content: bytes) -> bytes:
+        """Return the response to a request, once requests and responses are both connected."""
         await self._requests.ready()
         await self._responses.ready()
-
-    async def call(self, content: bytes) -> bytes:
-        """Return the response to a request."""
-        await self.ready()
         self._number += 1
         number = self._number
         self._waiting[number] = asyncio.get_running_loop().create_future()
@@ -349,10 +341,6 @@ class DdsServer(_ServiceEnd):
     def __init__(self, answer: Callable[[bytes], Awaitable[bytes]]) -> None:
         self._answer = answer
         self._running = Tasks()
-
-    async def ready(self) -> None:
-        """Return when there is a client."""
-        await self._requests.ready()
 
     def take(self, content: bytes, writer: int) -> None:
         """Take a request, and respond when the response is ready."""

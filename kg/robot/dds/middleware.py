@@ -25,7 +25,7 @@ from kg.robot.dds.entities import Bell, DdsCaller, DdsReader, DdsServer, DdsWrit
 from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
 from kg.robot.dds.types import Classes, learned
 from kg.robot.ros2.middleware import ANSWERS, Deliver, Neighbourhood
-from kg.robot.ros2.names import dds_topic, replies
+from kg.robot.ros2.names import dds_topic, is_name, replies, ros_end
 from kg.robot.ros2.types import type_hash
 
 if TYPE_CHECKING:
@@ -71,16 +71,17 @@ class DdsMiddleware:
         """Watch the domain, and announce our node."""
         self._watch = watch
         self._bell = Bell(self._participant)
-        self._builtin = [
-            self._watching(BuiltinTopicDcpsParticipant, self._participants),
-            self._watching(BuiltinTopicDcpsPublication, self._publications),
-            self._watching(BuiltinTopicDcpsSubscription, self._subscriptions),
+        takes: list[tuple[Any, Callable[[], None]]] = [
+            (BuiltinTopicDcpsParticipant, self._participants),
+            (BuiltinTopicDcpsPublication, lambda: self._endpoints(1, writer=True)),
+            (BuiltinTopicDcpsSubscription, lambda: self._endpoints(2, writer=False)),
         ]
+        self._builtin = [self._watching(topic, take) for topic, take in takes]
         topic = self._topic(_TOPIC, INFO)
         self._info = DdsWriter(self._bell, topic, to_dds(_TOLD, {}), watch.changed)
         self._heard = DdsReader(self._bell, topic, to_dds(_HEARD, {}), self._hear, watch.changed)
         self._tell()
-        for take in (self._participants, self._publications, self._subscriptions):
+        for _, take in takes:
             take()
 
     def _watching(self, topic: Any, take: Callable[[], None]) -> BuiltinDataReader:
@@ -106,28 +107,22 @@ class DdsMiddleware:
             host = told.get("__Hostname") or sample.key.hex
             process = f" process {told['__Pid']}" if "__Pid" in told else ""
             self._discovery.participant(sample.key.bytes, host + process, ours=_OURS in user_data(sample.qos))
-        self._suit()
-
-    def _publications(self) -> None:
-        self._endpoints(1, writer=True)
-
-    def _subscriptions(self) -> None:
-        self._endpoints(2, writer=False)
+        self._adapt_length()
 
     def _endpoints(self, index: int, *, writer: bool) -> None:
         for sample in self._taken(index):
-            end, problem = Discovery.read_end(sample.topic_name, sample.type_name, writer=writer)
-            told = user_data(sample.qos)
+            end, problem = ros_end(sample.topic_name, sample.type_name, writer=writer), None
+            if end is not None and not is_name(end[1]):
+                problem = GraphProblem("KG816", sample.topic_name[:80], f"`{end[1][:80]}` is not a ROS 2 name")
             endpoint = Endpoint(
                 sample.participant_key.bytes,
                 sample.topic_name,
-                end,
+                None if problem else end,
                 from_dds(sample.qos, writer=writer, cyclone=sample.key.bytes.startswith(_CYCLONE)),
                 sample.sample_info.instance_handle,
-                told.get("clientid") or told.get("serviceid"),
                 sample.type_id,
                 problem,
-                told.get("typehash"),
+                user_data(sample.qos).get("typehash"),
             )
             self._discovery.end(sample.key.bytes, endpoint)
 
@@ -140,7 +135,7 @@ class DdsMiddleware:
             )
             return
         self._discovery.told(value, length)
-        self._suit()
+        self._adapt_length()
         self._watch.changed()
 
     def _tell(self) -> None:
@@ -148,7 +143,7 @@ class DdsMiddleware:
         node = (self._name, sorted(self._readers), sorted(self._writers))
         self._info.write(encode_info(self.types, self._gid, [node], self._length))
 
-    def _suit(self) -> None:
+    def _adapt_length(self) -> None:
         """Announce our node again when others use another length of identifiers than before."""
         length = LONG if self._humble or LONG in self._discovery.lengths() else SHORT
         if length != self._length:

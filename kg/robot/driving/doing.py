@@ -37,25 +37,21 @@ class Command:
 
     def __init__(self) -> None:
         self.sent = 0
-        self._ending: Ending | None = None
-        self._work: asyncio.Future[Any] | None = None
-
-    @property
-    def ending(self) -> Ending | None:
+        self.ending: Ending | None = None
         """Why it was ended early."""
-        return self._ending
+        self._work: asyncio.Future[Any] | None = None
 
     async def begin(self, work: Coroutine[Any, Any, Result]) -> Result:
         """Run the work and return its result; CancelledError if the command is ended, or already was."""
         task = asyncio.ensure_future(work)
         self._work = task
-        if self._ending is not None:
+        if self.ending is not None:
             task.cancel()
         return await task
 
     def end(self, why: Ending) -> None:
         """End the command; the first reason counts."""
-        self._ending = self._ending or why
+        self.ending = self.ending or why
         if self._work is not None:
             self._work.cancel()
 
@@ -103,11 +99,11 @@ class Channel:
         """
         if self.taken or self.zero is not None or self.lost or self._sending:
             return False
-        self._count()
+        self._count_peers()
         idle = asyncio.get_running_loop().time() - self._used
         return not self._left and idle >= seconds and (self._peers == 0 or self._publication.confirmed)
 
-    def _count(self) -> int:
+    def _count_peers(self) -> int:
         """Return the number of subscribers, and record whether one has left."""
         peers = self._publication.peers
         self._left |= peers < self._peers
@@ -135,10 +131,10 @@ class Channel:
 
     async def send(self, message: Value, command: Command) -> None:
         """Send a message of the command that owns the channel; KG824 if the subscriber is gone."""
-        wait = min(self._free - self._clock.now(), self._gap)
+        wait = min(self._free - self._clock.now(), self._gap)  # a clock that was set back causes no long wait
         if wait > 0:
             await self._clock.sleep(wait)
-        if self._count() == 0:
+        if self._count_peers() == 0:
             raise RobotError("KG824", f"no node listens to `{self.topic}` any more")
         self._free = self._clock.now() + self._gap
         await self._send(message)
@@ -156,7 +152,7 @@ class Channel:
         zero = self.zero or (self.last_zero if again else None)
         self.zero, self.last_zero = None, zero or self.last_zero
         if zero is not None:
-            self._count()
+            self._count_peers()
             try:
                 await self._send(zero())
                 self.lost = False
@@ -274,16 +270,18 @@ class Doing:
             RobotError: KG827 another command moves the same part of the robot, and those of `Driver.do`.
         """
         with self._parts.held(command, route):
-            return await self._done(command, route, plan, on_feedback)
+            if plan.kind == "service":
+                seconds = _SERVICE if plan.seconds is None else plan.seconds
+                command.sent = 1
+                return route.answer(await self._connection.call(plan.name, plan.type, plan.message, seconds=seconds))
+            if plan.kind == "action":
+                return await self._goal(command, route, plan, on_feedback)
+            await self._publish(command, route, plan)
+            return {}
 
-    async def _done(self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None) -> dict[str, Any]:
-        if plan.kind == "service":
-            seconds = _SERVICE if plan.seconds is None else plan.seconds
-            command.sent = 1
-            return route.answer(await self._connection.call(plan.name, plan.type, plan.message, seconds=seconds))
-        if plan.kind == "action":
-            return await self._goal(command, route, plan, on_feedback)
-        channel = await self._channel(plan, route)
+    async def _publish(self, command: Command, route: Route, plan: Plan) -> None:
+        async with self._opening:
+            channel = await self._open(plan.name, plan.type, latch=route.moves)
         channel.take(command)
         try:
             await channel.heard(self._listen)
@@ -294,11 +292,6 @@ class Doing:
             finally:
                 if self._watchdog is not None and channel.zero is None:
                     await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
-        return {}
-
-    async def _channel(self, plan: Plan, route: Route) -> Channel:
-        async with self._opening:
-            return await self._open(plan.name, plan.type, latch=route.moves)
 
     async def _open(self, topic: str, kind: str, *, latch: bool) -> Channel:
         if topic not in self.channels:
@@ -332,6 +325,7 @@ class Doing:
         """Repeat a command until its time is over, or until the robot's clock is set back."""
         clock, period = self._connection.clock, 1 / min(plan.rate, self._limit)
         stood, channel.zero = channel.zero is None, lambda: route.zero(clock.now())
+        # Before the first velocity: whatever moves must be stopped if this process dies.
         if stood and self._watchdog is not None and plan.afterwards is not None:
             await self._watchdog.watch_topic(plan.name, plan.type, plan.afterwards)
         begun = now = clock.now()
@@ -341,10 +335,11 @@ class Doing:
                 raise late
             await channel.send(route.restamped(plan.message, now), command)
             now = clock.now()
+            # The next multiple of the period since the beginning, so delays do not add up.
             due = begun + (int((now - begun) / period + _SLACK) + 1) * period
             await clock.sleep(min(due, end) - now)
             before, now = now, clock.now()
-            begun = begun if now >= before else float("inf")
+            begun = begun if now >= before else float("inf")  # a clock that was set back ends the loop
 
     async def _goal(self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None) -> dict[str, Any]:
         earlier, self._goals[plan.name] = self._goals.get(plan.name), command
@@ -352,7 +347,7 @@ class Doing:
             earlier.end("taken over")
         identity = uuid4().hex
         if self._watchdog is not None:
-            await self._watchdog.watch_goal(plan.name, plan.type, identity)
+            await self._watchdog.watch_goal(plan.name, identity)
         sending = asyncio.ensure_future(
             self._connection.send_goal(plan.name, plan.type, plan.message, seconds=_SERVED, identity=identity)
         )
@@ -370,8 +365,8 @@ class Doing:
             if self._goals.get(plan.name) is command:
                 del self._goals[plan.name]
             try:
-                if not done:
-                    await self._cancel(sending)
+                if not done:  # even if it is still being sent, and whatever happens to its command
+                    await asyncio.shield(self._cancelling.spawn(_cancel(sending), "cancelling a goal"))
             finally:
                 if self._watchdog is not None:
                     await self._watchdog.forget(identity)
@@ -391,10 +386,6 @@ class Doing:
             raise RobotError(
                 "KG825", f"`{plan.capability}` was not done within {plan.seconds:g} s; the goal was cancelled"
             ) from None
-
-    async def _cancel(self, sending: asyncio.Future[Goal]) -> None:
-        """Cancel a goal, even one being sent, whatever happens to its command."""
-        await asyncio.shield(self._cancelling.spawn(_cancelled(sending), "cancelling a goal"))
 
     async def still(self, *, released: bool) -> None:
         """Send zero to all topics that moved; with `released`, also to those that are not published any more."""
@@ -418,7 +409,7 @@ class Doing:
                 await self._watchdog.release()
 
 
-async def _cancelled(sending: asyncio.Future[Goal]) -> None:
+async def _cancel(sending: asyncio.Future[Goal]) -> None:
     with suppress(RobotError, TimeoutError):
         async with asyncio.timeout(_PATIENCE):
             await (await sending).cancel()

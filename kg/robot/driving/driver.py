@@ -112,19 +112,19 @@ class Driver:
         self._parts.know(capabilities)
         ending = []
         for command, found in self._commands.items():
-            if found is not None and not self._there(found):
+            if found is not None and not self._is_offered(found):
                 command.end(_vanished(found))
                 ending.append(command.ended())
-        readings = [one for one, found in self._readings.items() if not self._there(found)]
+        readings = [one for one, found in self._readings.items() if not self._is_offered(found)]
         topics = {way.name for one in capabilities.capabilities if one.modality == "read" for way in one.ways}
         await asyncio.gather(*ending, *(one.aclose() for one in readings), self._newest.keep(topics))
 
     async def _watch_connection(self) -> None:
         self._lost = await self.connection.wait_lost()
         for command in list(self._commands):
-            command.end(self._gone("the driver is closed"))
+            command.end(self._lost_error("the driver is closed"))
 
-    def _gone(self, otherwise: str) -> RobotError:
+    def _lost_error(self, otherwise: str) -> RobotError:
         """Return the error KG803 with the reason of the lost connection, or with another one while it is open."""
         if self._lost is None:
             return RobotError("KG803", otherwise)
@@ -153,7 +153,7 @@ class Driver:
         throttle = Throttle(rate)
         self._readings[subscription] = found
         try:
-            if self._closed or not self._there(found):  # it came too late for `take` to end it
+            if self._closed or not self._is_offered(found):  # it came too late for `take` to end it
                 await subscription.aclose()
             async for received in subscription:
                 if throttle.takes(received.at):
@@ -196,7 +196,7 @@ class Driver:
             await self.connection.clock.sleep(1 / asked)
         following = await self._newest.of(found.way.name, found.way.type)
         told = None
-        while self._there(found) and not following.ended:
+        while self._is_offered(found) and not following.ended:
             if following.newest is told:
                 await following.news()
             else:
@@ -211,9 +211,9 @@ class Driver:
 
     async def _ended(self, found: Route) -> RobotError:
         await asyncio.sleep(0)  # the watcher of the connection might know why in a moment
-        if self._lost is None and not self._there(found):
+        if self._lost is None and not self._is_offered(found):
             return _vanished(found)
-        return self._gone(f"`{found.way.name}` has ended")
+        return self._lost_error(f"`{found.way.name}` has ended")
 
     async def doubts(
         self, capability: str, modality: Literal["read", "write"], *, way: str | None = None
@@ -224,7 +224,7 @@ class Driver:
         or wait. RobotError KG821 or KG822 if there is no such capability or interface.
         """
         found = await self._route(capability, modality, way)
-        graph = await self._seen()
+        graph = await self._recent_graph()
         return () if graph is None else tuple(doubts_of(found.way, graph, reads=modality == "read"))
 
     async def plan(
@@ -236,7 +236,8 @@ class Driver:
         way: str | None = None,
     ) -> Plan:
         """Return what `do` would send; errors as those of `do` that need no robot."""
-        return self._plan(await self._route(capability, "write", way, arguments or ()), arguments or {}, seconds)
+        found = await self._route(capability, "write", way, arguments or ())
+        return self._plan(found, given(found.capability, arguments or {}), seconds)
 
     async def do(  # noqa: PLR0913 - what a command can say
         self,
@@ -271,24 +272,24 @@ class Driver:
         self._commands[command] = None
         try:
             found = self._commands[command] = await self._route(capability, "write", way, arguments or ())
-            plan = self._plan(found, arguments or {}, seconds)
+            values = given(found.capability, arguments or {})
+            plan = self._plan(found, values, seconds)
             if dry_run or self._dry_run:
                 return Outcome(plan=plan, ended="planned")
-            values = given(found.capability, arguments or {})
             return await self._carry_out(command, found, plan, values, on_feedback)
         finally:
             del self._commands[command]
 
     async def _carry_out(
-        self, command: Command, found: Route, plan: Plan, arguments: Mapping[str, Any], on_feedback: Feedback | None
+        self, command: Command, found: Route, plan: Plan, commanded: Mapping[str, Any], on_feedback: Feedback | None
     ) -> Outcome:
         if self._lost is not None or self._closed:
-            raise self._gone("the driver is closed")
+            raise self._lost_error("the driver is closed")
         if found.moves:
             graph = await self.connection.graph() if self._exclusive else self._whole
             if graph is not None and (error := self._contested(found, graph)) is not None:
                 raise error
-        observation = Observation(arguments)
+        observation = Observation(commanded)
         observing = list(self._observe(observation, found)) if found.moves else []
         try:
             values = await command.begin(self._doing.carry_out(command, found, plan, on_feedback))
@@ -313,9 +314,8 @@ class Driver:
                         watching = observation.watch(self._ready(one, way), self._newest, self.connection.clock)
                         yield spawn(watching, "watching whether the robot moves")
 
-    def _plan(self, found: Route, arguments: Mapping[str, Any], seconds: float | None) -> Plan:
+    def _plan(self, found: Route, values: Mapping[str, Any], seconds: float | None) -> Plan:
         now, types = self.connection.clock.now(), self.connection.types
-        message = found.message(given(found.capability, arguments), now)
         timed = found.moves or found.way.kind != "topic"
         return Plan(
             capability=found.capability.name,
@@ -323,7 +323,7 @@ class Driver:
             name=found.way.name,
             type=found.way.type,
             node=found.way.node,
-            message=types.complete(found.sends, message),
+            message=types.complete(found.sends, found.message(values, now)),
             rate=found.way.rate if found.moves else 0,
             seconds=seconds if timed else None,
             afterwards=types.complete(found.sends, found.zero(now)) if found.moves else None,
@@ -401,7 +401,7 @@ class Driver:
                 if not ways:
                     raise RobotError("KG822", f"`{capability.name}` is only reported while its action runs")
             managed = self.connection.ros == 2  # noqa: PLR2004 - the version whose nodes have a life cycle
-            graph = await self._seen() if managed or len(ways) > 1 else None
+            graph = await self._recent_graph() if managed or len(ways) > 1 else None
         chosen = choose(ways, arguments, graph, reads=modality == "read")
         if graph is not None and (nodes := idle(graph, chosen.name, role_of(chosen, reads=modality == "read"))):
             raise RobotError("KG819", f"`{capability.name}` is not available now: {in_words(nodes)}")
@@ -413,12 +413,12 @@ class Driver:
             self._routes[key] = route(capability, way, self.connection.types)
         return self._routes[key]
 
-    def _there(self, found: Route) -> bool:
+    def _is_offered(self, found: Route) -> bool:
         """Return whether the robot still has a capability over an interface."""
         key = _key(found.capability, found.way)
         return any(key == _key(one, way) for one in self.capabilities.capabilities for way in one.ways)
 
-    async def _seen(self) -> ComputationGraph | None:
+    async def _recent_graph(self) -> ComputationGraph | None:
         now = asyncio.get_running_loop().time()
         if self._graph is None or now - self._graph[0] > _GRAPH:
             try:

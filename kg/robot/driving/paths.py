@@ -99,7 +99,14 @@ class _Parser:
         name = self._take("name")
         if name is None:
             raise self._wrong("the name of a field or function")
-        found: Path = self._call(name, depth) if self._sign("(") else Field(None, name)
+        found: Path = Field(None, name)
+        if self._sign("("):
+            arguments = [self._argument(depth + 1)]
+            while self._sign(","):
+                arguments.append(self._argument(depth + 1))
+            if not self._sign(")"):
+                raise self._wrong("`,` or `)`")
+            found = Call(name, tuple(arguments))
         while True:
             if self._sign("."):
                 following = self._take("name")
@@ -120,14 +127,6 @@ class _Parser:
         if not index.lstrip("+-").isdecimal():
             raise self._wrong("a whole number as an index")
         return Element(found, int(index))
-
-    def _call(self, name: str, depth: int) -> Call:
-        arguments: list[Argument] = [self._argument(depth + 1)]
-        while self._sign(","):
-            arguments.append(self._argument(depth + 1))
-        if not self._sign(")"):
-            raise self._wrong("`,` or `)`")
-        return Call(name, tuple(arguments))
 
     def _argument(self, depth: int) -> Argument:
         number = self._take("number")
@@ -244,16 +243,13 @@ def _at(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None
     if not ranges or not step or not isinstance(angle, float) or not isinstance(width, float):
         return None
     beams = round(width / 2 / abs(step))
-    middle = _beam(angle, scan.get("angle_min", 0.0), step, len(ranges))
+    # Scans of a full circle count angles from 0 or from -pi, so the angle may be one turn away.
+    turn = round(math.tau / abs(step))
+    middle = round((angle - scan.get("angle_min", 0.0)) / step) % max(turn, 1)
+    if middle >= len(ranges):
+        middle -= turn
     seen = [ranges[index] for index in range(middle - beams, middle + beams + 1) if 0 <= index < len(ranges)]
     return min((one for one in numbers(seen) if _counts(one, scan)), default=None)
-
-
-def _beam(angle: float, first: float, step: float, count: int) -> int:
-    """Return the index of the beam at an angle; full-circle scans count angles from 0 or from -pi."""
-    turn = round(math.tau / abs(step))
-    index = round((angle - first) / step) % max(turn, 1)
-    return index if index < count else index - turn
 
 
 def _nearest(look: Look, value: Any, arguments: tuple[Argument, ...]) -> Any:
@@ -293,7 +289,10 @@ def look(path: Argument, value: Any) -> Any:
     if isinstance(path, float):
         return path
     if isinstance(path, Call):
-        found = _called(path, value)
+        try:
+            found = _function(path).read(look, value, path.arguments)
+        except (TypeError, KeyError, AttributeError, ArithmeticError):
+            raise RobotError("KG826", f"`{path}` is of a field of another kind") from None
     elif isinstance(path, Field):
         found = _field(value if path.of is None else look(path.of, value), path.name, many=_many(path.of))
     elif isinstance(path, Each):
@@ -301,13 +300,6 @@ def look(path: Argument, value: Any) -> Any:
     else:
         found = _element(look(path.of, value), path.index, many=_many(path.of))
     return None if isinstance(found, float) and math.isnan(found) else found
-
-
-def _called(call: Call, value: Any) -> Any:
-    try:
-        return _function(call).read(look, value, call.arguments)
-    except (TypeError, KeyError, AttributeError, ArithmeticError):
-        raise RobotError("KG826", f"`{call}` is of a field of another kind") from None
 
 
 def _many(path: Path | None) -> bool:
@@ -386,29 +378,20 @@ def roots(path: Argument) -> list[str]:
     return [path.name] if isinstance(path, Field) and path.of is None else roots(path.of or 0.0)
 
 
-def check(path: Path, types: Types, kind: str) -> None:
-    """Raise RobotError KG826 for a path with an unknown function, or to a field missing from a type."""
-    type_at(path, types, kind)
-
-
-def type_at(path: Path, types: Types, kind: str) -> str | None:
-    """Return the type at a path of a type, None if it is unknown.
+def type_at(path: Argument, types: Types, kind: str, whole: str = "") -> str | None:
+    """Return the type at a path of a type, None if it is unknown; `whole` is the path for messages.
 
     Raises:
-        RobotError: KG826 as `check`, KG804 the type of the message is unknown.
+        RobotError: KG826 an unknown function, or a field missing from a type; KG804 an unknown type of message.
     """
-    return _kind(path, types, kind, str(path))
-
-
-def _kind(path: Argument, types: Types, kind: str, whole: str) -> str | None:
-    """Return the type at a path, None if it is unknown."""
+    whole = whole or str(path)
     if isinstance(path, float):
         return None
     if isinstance(path, Call):
         return _returned(path, types, kind, whole)
     if not isinstance(path, Field):
-        return _kind(path.of, types, kind, whole)
-    inner = kind if path.of is None else _kind(path.of, types, kind, whole)
+        return type_at(path.of, types, kind, whole)
+    inner = kind if path.of is None else type_at(path.of, types, kind, whole)
     if inner is None:
         return None
     if "/" not in inner:
@@ -424,7 +407,7 @@ def _returned(call: Call, types: Types, kind: str, whole: str) -> str | None:
     function = _function(call)
     if not function.least <= len(call.arguments) <= function.most:
         raise RobotError("KG826", f"`{call}` has {len(call.arguments)} arguments, not {function.least}")
-    inner = _kind(call.arguments[0], types, kind, whole)
+    inner = type_at(call.arguments[0], types, kind, whole)
     if call.function == "nearest" and inner is not None:
-        _kind(call.arguments[1], types, inner, whole)
+        type_at(call.arguments[1], types, inner, whole)
     return inner if call.function in {"first", "nearest"} else None

@@ -11,7 +11,7 @@ from kg.errors import RobotError
 from kg.robot.clock import stamp
 from kg.robot.connection import Value  # noqa: TC001 - read when the classes are made
 from kg.robot.driving.arguments import missing
-from kg.robot.driving.paths import Path, check, look, parse, put, roots
+from kg.robot.driving.paths import Path, look, parse, put, roots, type_at
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -158,13 +158,9 @@ def route(capability: Capability, way: Way, types: Types) -> Route:
     answers = {name: path for name, path in paths.items() if name not in arguments}
     constants = tuple((parse(path), value) for path, value in way.constants.items())
     for path in [*arguments.values(), *(path for path, _ in constants)]:
-        check(path, types, sends)
-    _check_answers(answers, types, told)
+        type_at(path, types, sends)  # raises if it does not fit
+    for path in answers.values():
+        fitting = [kind for kind in told if set(roots(path)) <= {one.name for one in types.fields(kind)}]
+        type_at(path, types, (fitting or told)[0])
     stamped = way.kind == "topic" and any(one.type == "std_msgs/Header" for one in types.fields(sends)[:1])
     return Route(capability, way, sends, stamped, arguments, answers, constants)
-
-
-def _check_answers(answers: Mapping[str, Path], types: Types, kinds: list[str]) -> None:
-    for path in answers.values():
-        fitting = [kind for kind in kinds if set(roots(path)) <= {one.name for one in types.fields(kind)}]
-        check(path, types, (fitting or kinds)[0])

@@ -84,9 +84,9 @@ class Watchdog:
         """Stop a topic with a message if this process is silent or dies, until `forget`."""
         await self._watch(topic, ["topic", topic, kind, zero])
 
-    async def watch_goal(self, action: str, kind: str, identity: str) -> None:
+    async def watch_goal(self, action: str, identity: str) -> None:
         """Cancel a goal if this process is silent or dies, until `forget`."""
-        await self._watch(identity, ["goal", identity, action, kind])
+        await self._watch(identity, ["goal", identity, action])
 
     async def _watch(self, key: str, order: list[Any]) -> None:
         self._watched.add(key)
@@ -278,9 +278,9 @@ class _Watching:
                     self._publications[topic] = asyncio.ensure_future(offering)
                     self._publications[topic].add_done_callback(partial(_check, f"stop `{topic}`"))
                 self._zeros[topic], self._moving[topic] = zero, order
-            case ["goal", identity, action, kind]:
+            case ["goal", identity, action]:
                 if action not in self._cancellers:
-                    self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action, kind))
+                    self._cancellers[action] = asyncio.ensure_future(self._connection.canceller(action))
                     self._cancellers[action].add_done_callback(partial(_check, f"cancel goals of `{action}`"))
                 self._goals[identity] = action
             case ["forget", key]:
@@ -289,7 +289,7 @@ class _Watching:
             case ["withdraw", topic]:
                 if topic not in self._zeros and topic not in self._stopping and topic in self._publications:
                     self._tasks.spawn(_closed(self._publications.pop(topic)), f"closing `{topic}`")
-            case ["owe", topic]:
+            case ["owe", topic]:  # the zero of a topic that is stopped when the robot is back
                 if self._zeros.pop(topic, None) is not None:
                     self.owed.append(self._moving[topic])
             case ["end"]:

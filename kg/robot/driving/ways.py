@@ -7,10 +7,10 @@ from typing import Final, Literal
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.capability import Capabilities, Capability, Way, role_of
+from kg.robot.capability import Capabilities, Capability, Way, called, role_of
 from kg.robot.connection import ComputationGraph, GraphProblem
 from kg.robot.lifecycle import ACTIVE, idle
-from kg.similar import did_you_mean, folded
+from kg.similar import did_you_mean
 
 
 def find(capabilities: Capabilities, name: str, modality: Literal["read", "write"] | None = None) -> Capability:
@@ -19,22 +19,15 @@ def find(capabilities: Capabilities, name: str, modality: Literal["read", "write
     Raises:
         RobotError: KG821 unknown, with suggestions; KG822 it can only be used the other way, or is not available.
     """
-    wanted = folded(name)
-    named = [one for one in capabilities.capabilities if folded(one.name) == wanted or one.iri == name]
-    found = named or [
-        one for one in capabilities.capabilities if wanted in {folded(each) for each in (one.label, *one.alternatives)}
-    ]
+    found = called(capabilities, name)
     if not found:
         raise _unknown(capabilities, name, modality)
     fitting = [one for one in found if modality in {None, one.modality}]
     if not fitting:
-        can = "be done" if found[0].modality == "write" else "be read"
-        raise RobotError("KG822", f"`{found[0].name}` can only {can}", hint=_other(found[0]))
+        can, command = ("done", "do") if found[0].modality == "write" else ("read", "read")
+        hint = f"Use `kg robot {command} {found[0].name}`."
+        raise RobotError("KG822", f"`{found[0].name}` can only be {can}", hint=hint)
     return min(fitting, key=lambda one: not one.ways)
-
-
-def _other(capability: Capability) -> str:
-    return f"Use `kg robot {'do' if capability.modality == 'write' else 'read'} {capability.name}`."
 
 
 def _unknown(capabilities: Capabilities, name: str, modality: str | None) -> RobotError:
@@ -75,18 +68,17 @@ def choose(ways: list[Way], arguments: Collection[str], graph: ComputationGraph 
     """
     order = ("topic", "service", "action") if reads else ("action", "service", "topic")
 
+    ends: set[tuple[str, Role]] = set()
+    if graph is not None:
+        dead = {one.name for one in graph.nodes if one.problem is not None or one.state not in {None, ACTIVE}}
+        ends = {(one.name, one.role) for one in graph.ends if one.node not in dead}
+
     def key(way: Way) -> tuple[bool, int, int, int]:
         lacking = sum(name not in way.fields for name in arguments)
-        dead = graph is not None and not _alive(way, graph, reads=reads)
+        dead = graph is not None and (way.name, role_of(way, reads=reads)) not in ends
         return dead, lacking, -len(way.fields), order.index(way.kind)
 
     return min(ways, key=key)
-
-
-def _alive(way: Way, graph: ComputationGraph, *, reads: bool) -> bool:
-    role = role_of(way, reads=reads)
-    dead = {one.name for one in graph.nodes if one.problem is not None or one.state not in {None, ACTIVE}}
-    return any(one.name == way.name and one.role is role and one.node not in dead for one in graph.ends)
 
 
 _DEAD: Final = "KG811"

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import hashlib
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
@@ -89,15 +89,11 @@ def remembered(name: str, make: Callable[[], Capabilities]) -> Capabilities:
         with suppress(OSError):
             place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             write_atomically(place, content, durable=False)
-            _prune(place.parent)
+            # The least recently used files are removed, and so are leftovers of killed writers.
+            files = sorted((path.stat().st_mtime_ns, path) for path in place.parent.iterdir())
+            for _, path in files[:-MOST]:
+                path.unlink(missing_ok=True)
     return msgspec.json.decode(content, type=Capabilities)  # omitted defaults are always the same
-
-
-def _prune(place: Path) -> None:
-    """Remove the least recently used files, and leftovers of killed writers."""
-    found = [(path.stat().st_mtime_ns, path) for path in place.iterdir()]
-    for _, path in sorted(found)[:-MOST]:
-        path.unlink(missing_ok=True)
 
 
 FAMILIES: Final = ("capability", "communication")
@@ -134,7 +130,7 @@ class Knowledge:
         """
         store = Store()
         bulk.load(lambda: store, DefaultGraph(), [content])
-        _, own = read_columns(MemorySnapshot(store), wanted(self.program.rules), [None], self.dictionary)
+        own = read_columns(MemorySnapshot(store), wanted(self.program.rules), [None], self.dictionary)
         found = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
         shown = stored(found, self.dictionary)
         bulk.load(lambda: store, self.inferred, lines(shown, self.dictionary))
@@ -147,21 +143,15 @@ def knowledge(settings: Settings) -> Knowledge:
 
     Unusable rule files are left out. Raises as `kg.pipeline.reasoning.digest`.
     """
-    return _known(_Same(settings, f"{settings.base} {rule_folders(settings)} {digest(settings)}"))
+    return _known(_Same(f"{settings.base} {rule_folders(settings)} {digest(settings)}", settings))
 
 
 @dataclass(frozen=True, slots=True)
 class _Same:
     """Settings that compare equal if their `mark` is equal."""
 
-    settings: Settings
     mark: str
-
-    def __hash__(self) -> int:
-        return hash(self.mark)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and other.mark == self.mark
+    settings: Settings = field(compare=False)
 
 
 @lru_cache(maxsize=2)
@@ -169,8 +159,9 @@ def _known(same: _Same) -> Knowledge:
     content = ontology_triples([path for path in ontologies_in_force(same.settings) if path.name not in _LEFT_OUT])
     store = Store()
     bulk.load(lambda: store, DefaultGraph(), [content])
-    rules = discover(rule_folders(same.settings), packs(), _families(same.settings), [])
-    rules = specialised(rules, schema_of(store))
+    named = [one for one in families_in_force(same.settings) if not one.startswith("+")]
+    families = tuple(one for one in FAMILIES if not named or one in named)
+    rules = specialised(discover(rule_folders(same.settings), packs(), families, []), schema_of(store))
     dictionary = Dictionary()
     triples = [quad.triple for quad in parse(content, RdfFormat.N_TRIPLES)]
     ontology = stated([*triples, *rules.data], dictionary)
@@ -184,11 +175,6 @@ def _known(same: _Same) -> Knowledge:
     return Knowledge(
         program, dictionary, ontology, content, b"".join(told), definitions(MemorySnapshot(store)), rules, inferred
     )
-
-
-def _families(settings: Settings) -> tuple[str, ...]:
-    named = [one for one in families_in_force(settings) if not one.startswith("+")]
-    return tuple(one for one in FAMILIES if not named or one in named)
 
 
 def now() -> str:

@@ -59,15 +59,16 @@ class Parts:
         before, self._lines = self._lines, {}
         instances: dict[str, NodeInstance] = {}
         for iri, instance, content in system_parts(system, records, self._iris, self._instances):
-            self._lines[iri] = before[iri] if content is None else self._own(content)
+            if content is None:
+                self._lines[iri] = before[iri]
+            else:
+                own, shared = split(content, self._iris)
+                shared = [line for line in shared if line.partition(b" ")[0] not in self._described]
+                self._lines[iri] = frozenset([*own, *shared])
             if instance is not None:
                 instances[iri] = instance
         self._instances = instances
         return self._differences(before)
-
-    def _own(self, content: bytes) -> _Lines:
-        own, shared = split(content, self._iris)
-        return frozenset([*own, *(line for line in shared if line.partition(b" ")[0] not in self._described)])
 
     def _differences(self, before: Mapping[str, _Lines]) -> tuple[bytes, bytes]:
         """Return the lines no longer in any part, and the new ones; moved lines are counted up first."""
@@ -146,11 +147,17 @@ class Keeper:
         Raises StoreError: KG302 another process is writing, KG304 the disk is full; and as `Inference.run`.
         """
         with self._store.write("kg robot watch") as transaction:
-            if transaction.base != self._generation:
-                self._begin(transaction)
+            if transaction.base != self._generation:  # another process wrote the store
+                self._inference.update_ontologies(transaction)
+                self._recognizer.forget()
+                self._parts = None
             self._generation = _NONE  # until the write is certain to be final
             matches = self._recognizer.matches(transaction, graph)
-            written = self._write(transaction, self._system(graph, matches, until))
+            moment = now()
+            self._nodes = {node.name: self._nodes.get(node.name, moment) for node in graph.nodes}
+            seen = Seen(self._address, self._name, self._since, until, self._nodes)
+            system = system_of(graph, seen, matches, similar=near_misses, made=self._instances)
+            written = self._write(transaction, system)
             problems = self._inference.run(transaction).problems if written else ()
             found = held(transaction, self.iri)
             if not written:
@@ -161,21 +168,9 @@ class Keeper:
             self._inference.remember(generation, save=False)
         return Kept(generation, found, matches, problems)
 
-    def _begin(self, transaction: EmbeddedTransaction) -> None:
-        """Read the content of the store after another process wrote it."""
-        self._inference.update_ontologies(transaction)
-        self._recognizer.forget()
-        self._parts = None
-
     def save(self) -> None:
         """Save the state that lets the next process start its rules quickly."""
         self._inference.save()
-
-    def _system(self, graph: ComputationGraph, matches: Mapping[str, Match], until: str | None) -> System:
-        moment = now()
-        self._nodes = {node.name: self._nodes.get(node.name, moment) for node in graph.nodes}
-        seen = Seen(self._address, self._name, self._since, until, self._nodes)
-        return system_of(graph, seen, matches, similar=near_misses, made=self._instances)
 
     def _write(self, transaction: EmbeddedTransaction, system: System) -> bool:
         """Write the differences; types that the store already describes are left to their graph."""

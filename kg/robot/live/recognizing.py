@@ -21,7 +21,7 @@ from kg.robot.live.systems import Match, is_implicit
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from kg.facts import Interface, NodeReference
     from kg.robot.connection import ComputationGraph, LiveEnd
@@ -60,25 +60,20 @@ class Recognizer:
         return {name: match for name, match in found.items() if match is not None}
 
     def _recognize(self, store: Queryable, fresh: Sequence[tuple[str, tuple[LiveEnd, ...]]]) -> None:
-        named = self._by_name(store, {_base(name) for name, _ in fresh})
-        wired = self._by_channel(store, [end for _, ends in fresh for end in ends])
+        names = {_base(name) for name, _ in fresh}
+        channels = {self._channel(end) for _, ends in fresh for end in ends}
+        named = _asked(store, "node-types-by-name", [Literal(name) for name in sorted(names)])
+        wired = _asked(store, "node-types-by-channel", [NamedNode(iri) for iri in sorted(channels)])
         wanted = {iri for iris in (*named.values(), *wired.values()) for iri in iris}
         records = {one.iri: one for one in node_records(store, iris=wanted)} if wanted else {}
         for name, ends in fresh:
             alike = [records[iri] for iri in sorted(named.get(_base(name), ())) if iri in records]
             sharing = {iri for end in ends for iri in wired.get(self._channel(end), ())}
             others = [records[iri] for iri in sorted(sharing) if iri in records]
-            match = _best(name, ends, alike, _half) or _best(name, ends, others, _whole)
+            match = _best(name, ends, alike, same_name=True) or _best(name, ends, others, same_name=False)
             self._known[name, ends] = match
             if match is not None:
                 self.records.update((one.reference, one) for one in (*alike, *others) if one.reference == match.type)
-
-    def _by_name(self, store: Queryable, names: Iterable[str]) -> dict[str, set[str]]:
-        return _asked(store, "node-types-by-name", [Literal(name) for name in sorted(names)])
-
-    def _by_channel(self, store: Queryable, ends: Iterable[LiveEnd]) -> dict[str, set[str]]:
-        channels = sorted({self._channel(end) for end in ends})
-        return _asked(store, "node-types-by-channel", [NamedNode(iri) for iri in channels])
 
     def _channel(self, end: LiveEnd) -> str:
         return self._iris.channel(end.role.channel, end.name)
@@ -99,20 +94,13 @@ def _base(name: str) -> str:
     return _ANONYMOUS.sub("", name.rpartition("/")[2])
 
 
-def _half(exact: int, moved: int, total: int) -> bool:
-    return (exact + moved) * 2 >= total
-
-
-def _whole(exact: int, _moved: int, total: int) -> bool:
-    return exact == total >= _FEW
-
-
-def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], enough: Any) -> Match | None:
+def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], *, same_name: bool) -> Match | None:
     """Return the best of some node types; None if none fits, or several fit equally."""
     found: list[tuple[tuple[int, int, int], Match]] = []
     for record in records:
         exact, moved = _paired(name, ends, record)
-        if enough(len(exact), len(moved), len(ends)):
+        half, whole = 2 * len(exact | moved) >= len(ends), len(exact) == len(ends) >= _FEW
+        if half if same_name else whole:
             declared = sum(not one.implicit for one in record.node.interfaces)
             match = Match(record.reference, {**moved, **exact})
             found.append(((len(exact), len(moved), -declared), match))
@@ -124,15 +112,16 @@ def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], eno
 
 def _paired(
     name: str, ends: Sequence[LiveEnd], record: NodeRecord
-) -> tuple[Mapping[LiveEnd, Interface], Mapping[LiveEnd, Interface]]:
+) -> tuple[dict[LiveEnd, Interface], dict[LiveEnd, Interface]]:
     """Return the interfaces of a node type for ends: those of the same name, and those that must have been renamed."""
     namespace, _, base = name.rpartition("/")
     free = [one for one in record.node.interfaces if not one.implicit]
     exact: dict[LiveEnd, Interface] = {}
     moved: dict[LiveEnd, Interface] = {}
     for end in ends:
-        names = ((one, one.name and resolve(one.name, base, namespace or "/")) for one in free)
-        fitting = next((one for one, full in names if full == end.name and _agrees(one, end)), None)
+        names = ((one, one.name and resolve(one.name, base, namespace or "/")) for one in free if one.role is end.role)
+        typed = ((one, full) for one, full in names if None in {one.type, end.type} or one.type == end.type)
+        fitting = next((one for one, full in typed if full == end.name), None)
         if fitting is not None:
             exact[end] = fitting
             free.remove(fitting)
@@ -143,7 +132,3 @@ def _paired(
                 moved[end] = fitting
                 free.remove(fitting)
     return exact, moved
-
-
-def _agrees(declared: Interface, end: LiveEnd) -> bool:
-    return declared.role is end.role and (None in {declared.type, end.type} or declared.type == end.type)

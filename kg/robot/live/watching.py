@@ -22,7 +22,7 @@ from kg.robot.connection import ComputationGraph, Connection
 from kg.robot.live.inference import now
 from kg.robot.live.keeping import Keeper, Kept
 from kg.robot.live.systems import is_implicit, name_of
-from kg.robot.tasks import ended
+from kg.robot.tasks import first
 
 if TYPE_CHECKING:
     from collections.abc import AsyncGenerator, AsyncIterator, Iterator, Mapping
@@ -125,27 +125,16 @@ class Watching:
 
     async def _connected(self, connection: Connection) -> AsyncIterator[Event]:
         """Yield events until the robot is lost."""
-        changes = connection.changes().__aiter__()
-        gone = asyncio.ensure_future(connection.wait_lost())
-        try:
-            while True:
-                following = asyncio.ensure_future(changes.__anext__())
-                try:
-                    await asyncio.wait({following, gone}, return_when=asyncio.FIRST_COMPLETED)
-                finally:
-                    if not following.done():
-                        following.cancel()
-                if gone.done():
-                    await ended(following)
-                    return
-                try:
-                    graph = of_robot(following.result())
-                except StopAsyncIteration:
-                    return
-                async for event in self._step(graph):
-                    yield event
-        finally:
-            await ended(gone)
+        changes = aiter(connection.changes())
+        while True:
+            try:
+                changed = await first(anext(changes), connection.wait_lost())
+            except StopAsyncIteration:
+                return
+            if changed is None:
+                return
+            async for event in self._step(of_robot(changed[0])):
+                yield event
 
     async def _step(self, graph: ComputationGraph) -> AsyncIterator[Event]:
         """Yield what was added and removed, and store a graph; the ends come first, since writing can take seconds."""

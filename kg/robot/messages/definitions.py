@@ -116,20 +116,17 @@ def read(name: str, text: str) -> Definition:
     for raw in text.splitlines():
         line = raw.strip()
         if constant := _CONSTANT.fullmatch(line):
-            constants.append(_constant(constant))
+            kind, own, value = constant.groups()
+            if kind not in _BASE:
+                raise ValueError(f"a constant cannot be a `{kind}`")
+            # The value of a text is all that follows, also a `#`.
+            constants.append(f"{kind} {own}={(value if kind == 'string' else value.partition('#')[0]).strip()}")
         elif line := line.partition("#")[0].strip():
             fields.append(_field(name, line))
     names = [field.name for field in fields]
     if len(set(names)) < len(names):
         raise ValueError("two fields have the same name")
     return Definition(name, tuple(constants), tuple(fields))
-
-
-def _constant(found: re.Match[str]) -> str:
-    kind, name, value = found.groups()
-    if kind not in _BASE:
-        raise ValueError(f"a constant cannot be a `{kind}`")
-    return f"{kind} {name}={(value if kind == 'string' else value.partition('#')[0]).strip()}"
 
 
 def _field(owner: str, line: str) -> Line:
@@ -173,7 +170,8 @@ def sum_text(definition: Definition, sum_of: Callable[[str], str]) -> str:
     return "\n".join((*definition.constants, *shown))
 
 
-_PARTS: Final = {"srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
+PARTS: Final = {"srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
+"""Suffixes of the messages of services and actions, in the order of their definitions."""
 _DERIVED: Final[dict[int, dict[str, str]]] = {
     1: {
         "ActionGoal": "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\n{0}Goal goal\n",
@@ -200,10 +198,12 @@ def parts(name: str, sort: str, text: str, ros: int) -> Iterator[tuple[str, str]
     if sort == "msg":
         yield name, text
         return
-    texts = _cut(text)
-    if len(texts) != len(_PARTS[sort]):
-        raise ValueError(f"it has {len(texts)} parts, not {len(_PARTS[sort])}")
-    for suffix, part in zip(_PARTS[sort], texts, strict=True):
+    lines = iter(text.splitlines())
+    count = 1 + sum(line.strip() == "---" for line in text.splitlines())
+    texts = ["\n".join(takewhile(lambda line: line.strip() != "---", lines)) for _ in range(count)]
+    if len(texts) != len(PARTS[sort]):
+        raise ValueError(f"it has {len(texts)} parts, not {len(PARTS[sort])}")
+    for suffix, part in zip(PARTS[sort], texts, strict=True):
         yield name + (suffix[1:] if sort == "action" and ros == 1 else suffix), part
     if sort == "action":
         yield from derived(name, ros)
@@ -213,12 +213,6 @@ def derived(name: str, ros: int) -> Iterator[tuple[str, str]]:
     """Yield the names and texts of the messages of an action's topics and services."""
     for suffix, text in _DERIVED[ros].items():
         yield name + suffix, text.format(name)
-
-
-def _cut(text: str) -> list[str]:
-    lines = iter(text.splitlines())
-    count = 1 + sum(line.strip() == "---" for line in text.splitlines())
-    return ["\n".join(takewhile(lambda line: line.strip() != "---", lines)) for _ in range(count)]
 
 
 @cache
@@ -247,47 +241,34 @@ def check_size(store: Typestore, new: Mapping[str, Definition], known: Callable[
 
     Lists of messages without fields are refused too: four bytes could declare billions of elements.
     """
-    _Measure(store, new, known).all()
+    sizes: dict[str, int] = {}
 
-
-class _Measure:
-    def __init__(self, store: Typestore, new: Mapping[str, Definition], known: Callable[[str], str]) -> None:
-        self._store = store
-        self._new = new
-        self._known = known
-        self._parts: dict[str, int] = {}
-
-    def all(self) -> None:
-        for name in self._new:
-            self._of_message(name, ())
-
-    def _of_message(self, name: str, within: tuple[str, ...]) -> int:
+    def of_message(name: str, within: tuple[str, ...]) -> int:
         """Return the minimum number of values of a message; arrays of numbers count as one."""
         if name in within or len(within) > _DEEPEST:
             raise ValueError(f"`{name}` contains itself" if name in within else "its messages are nested too deeply")
-        if name not in self._parts:
-            found = sum(self._of(kind, (*within, name)) for kind in self._kinds(name))
-            if found > _MOST_PARTS:
+        if name not in sizes:
+            own: list[Any] = [field.kind for field in new[name].fields] if name in new else []
+            kinds = own if name in new else [kind for _, kind in store.fielddefs[known(name)][1]]
+            sizes[name] = sum(of_field(kind, (*within, name)) for kind in kinds)
+            if sizes[name] > _MOST_PARTS:
                 raise ValueError(f"a `{name}` has more than {_MOST_PARTS} values")
-            self._parts[name] = found
-        return self._parts[name]
+        return sizes[name]
 
-    def _kinds(self, name: str) -> list[Any]:
-        if name in self._new:
-            return [field.kind for field in self._new[name].fields]
-        return [kind for _, kind in self._store.fielddefs[self._known(name)][1]]
-
-    def _of(self, kind: Any, within: tuple[str, ...]) -> int:
+    def of_field(kind: Any, within: tuple[str, ...]) -> int:
         sort, inner = kind
         if sort is Nodetype.BASE:
             return 1
         if sort is Nodetype.NAME:
-            return self._of_message(inner.replace("/msg/", "/"), within)
+            return of_message(inner.replace("/msg/", "/"), within)
         element, length = inner
-        each = self._of(element, within)
+        each = of_field(element, within)
         if sort is Nodetype.SEQUENCE:
             if not each:
                 raise ValueError(f"a list of `{element[1]}` has elements without content")
             return 1
         numbers = element[0] is Nodetype.BASE and element[1][0] != "string"
         return 1 + length // _NUMBERS_OF_A_PART if numbers else int(length * each)
+
+    for name in new:
+        of_message(name, ())

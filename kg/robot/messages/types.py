@@ -21,7 +21,7 @@ from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_typest
 
 from kg.errors import RobotError
 from kg.robot.messages import definitions
-from kg.robot.messages.definitions import Definition, check_size, derived, library, parts
+from kg.robot.messages.definitions import PARTS, Definition, check_size, derived, library, parts
 from kg.robot.messages.installed import installed
 from kg.robot.messages.values import MEMBER_OF_NOTHING, plain, shaped
 
@@ -31,9 +31,7 @@ if TYPE_CHECKING:
     from kg.robot.connection import Value
 
 _STORES: Final = {1: Stores.ROS1_NOETIC, 2: Stores.ROS2_JAZZY}
-_ACTION_PARTS: Final = ("_Goal", "_Result", "_Feedback")
 _ENCAPSULATION: Final = 4  # bytes before the first field in CDR
-_SERVICE_PARTS: Final = ("_Request", "_Response")
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +82,7 @@ class Types:
         """Return `msg`, `srv` or `action`, or None for an unknown type."""
         if self.knows(name):
             return "msg"
-        for sort, suffixes in (("srv", _SERVICE_PARTS), ("action", _ACTION_PARTS)):
+        for sort, suffixes in PARTS.items():
             if all(self.knows(name + suffix) for suffix in suffixes):
                 return sort
         return None
@@ -120,7 +118,8 @@ class Types:
 
     def md5(self, name: str) -> str:
         """Return the MD5 sum that ROS 1 peers compare, also of a service; RobotError KG804 for an unknown type."""
-        whole = "".join(self._sum_text(one) for one in self._of_service(name) or (name,))
+        parts = [name + part for part in PARTS["srv"]] if self.sort(name) == "srv" else [name]
+        whole = "".join(definitions.sum_text(self._definition(one), self.md5) for one in parts)
         return md5(whole.encode(), usedforsecurity=False).hexdigest()
 
     def definition(self, name: str) -> str:
@@ -170,7 +169,7 @@ class Types:
 
     def _message(self, name: str) -> str:
         """Return the name of a part of an action in ROS 1: `TypeGoal` for `Type_Goal`; other names are unchanged."""
-        for suffix in _ACTION_PARTS:
+        for suffix in PARTS["action"]:
             if self.ros == 1 and name.endswith(suffix):
                 return name.removesuffix(suffix) + suffix[1:]
         return name
@@ -213,6 +212,7 @@ class Types:
                 del new[one.name]
         self._derive(new)
         check_size(self._store, new, self._known)
+        # The store refuses to redefine a type, and caches the code that encodes those that contain it.
         for full in [_full(name) for name in new if _full(name) in self._store.fielddefs]:
             del self._store.fielddefs[full], self._store.types[full]
             self._store.cache.clear()
@@ -233,20 +233,14 @@ class Types:
 
     def _derive(self, new: dict[str, Definition]) -> None:
         """Add the messages of an action's topics and services, once its goal, result and feedback are known."""
-        suffixes = [part.removeprefix("_") if self.ros == 1 else part for part in _ACTION_PARTS]
+        suffixes = [part.removeprefix("_") if self.ros == 1 else part for part in PARTS["action"]]
         for name in sorted({one.removesuffix(part) for one in new for part in suffixes if one.endswith(part)}):
             if self.ros == 1 and name.endswith("Action"):
                 continue  # `TypeActionGoal` is derived from an action, not a part of one
-            if all(self._message(name + part) in new or self.knows(name + part) for part in _ACTION_PARTS):
+            if all(self._message(name + part) in new or self.knows(name + part) for part in PARTS["action"]):
                 for one, text in derived(name, self.ros):
                     if not self.knows(one):
                         new.setdefault(one, definitions.read(one, text))
-
-    def _of_service(self, name: str) -> tuple[str, ...]:
-        return tuple(name + part for part in _SERVICE_PARTS) if self.sort(name) == "srv" else ()
-
-    def _sum_text(self, name: str) -> str:
-        return definitions.sum_text(self._definition(name), self.md5)
 
     def _definition(self, name: str) -> Definition:
         full = self._known(name)

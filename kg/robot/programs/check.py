@@ -9,7 +9,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
@@ -24,42 +24,37 @@ from kg.robot.programs.write import written
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
 
+    from kg.errors import Place
     from kg.robot.capability import Capabilities, Capability, Parameter
     from kg.robot.connection import ComputationGraph, GraphProblem
 
 
 def collisions(statement: tree.Parallel | tree.OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:
     """Yield conflicts of parallel parts over one target: path of the later one, description, whether it is certain."""
-    parts = [list(_driven(body, f"{path}/{part}", known)) for part, body in tree.sequences_of(statement)]
+    parts: list[list[tuple[str, Capability]]] = []
+    for part, body in tree.sequences_of(statement):
+        parts.append([])
+        for where, inner in tree.statements(body, f"{path}/{part}"):
+            with suppress(RobotError):
+                if isinstance(inner, tree.Do):
+                    parts[-1].append((where, known.write(inner.capability)))
+
+    def ends(capability: Capability) -> set[tuple[str, str]]:
+        return {(way.kind, way.name) for way in capability.ways}
+
     told = set()
     for earlier, later in combinations(parts, 2):
         for _, one in earlier:
             for where, other in later:
-                same = one.name == other.name or bool(_ends(one) & _ends(other))
-                if (same or _moves(one, other)) and where not in told:
+                same = one.name == other.name or not ends(one).isdisjoint(ends(other))
+                one_part = one.moves is not None and one.moves == other.moves
+                if (same or one_part) and where not in told:
                     told.add(where)
                     both = f"`{one.label}`" if one.name == other.name else f"`{one.label}` and `{other.label}`"
                     what = "is" if one.name == other.name else "are"
                     yield where, f"{both} {what} done in two parts that run at the same time", same
-
-
-def _driven(body: tuple[tree.Statement, ...], path: str, known: Known) -> Iterator[tuple[str, Capability]]:
-    for where, statement in tree.statements(body, path):
-        if isinstance(statement, tree.Do):
-            try:
-                yield where, known.write(statement.capability)
-            except RobotError:
-                continue
-
-
-def _ends(capability: Capability) -> set[tuple[str, str]]:
-    return {(way.kind, way.name) for way in capability.ways}
-
-
-def _moves(one: Capability, other: Capability) -> bool:
-    return one.moves is not None and one.moves == other.moves
 
 
 _SLACK: Final = 1e-9
@@ -72,7 +67,19 @@ def check(program: tree.Program, capabilities: Capabilities, places: Iterable[st
     """
     checker = _Checker(capabilities, places)
     checker.program(program)
-    return sorted(checker.problems, key=lambda problem: _order(problem.path))
+
+    def order(problem: Problem) -> list[tuple[int, str]]:
+        return [(int(part), "") if part.isdecimal() else (-1, part) for part in problem.path.split("/")]
+
+    return sorted(checker.problems, key=order)
+
+
+def refuse_errors(program: tree.Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
+    """Raise the first error of a program as RobotError; `place` returns the place of a part in its file."""
+    for problem in check(program, capabilities):
+        if problem.severity == "error":
+            where = place(problem.path) if place else None
+            raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
 
 
 def kinds_of(program: tree.Program, capabilities: Capabilities) -> Kinds:
@@ -80,10 +87,6 @@ def kinds_of(program: tree.Program, capabilities: Capabilities) -> Kinds:
     checker = _Checker(capabilities)
     checker.program(program)
     return checker.kinds
-
-
-def _order(path: str) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdecimal() else (-1, part) for part in path.split("/")]
 
 
 @dataclass(slots=True)
@@ -334,11 +337,12 @@ class _Checker:
         self._condition(statement.condition, f"{path}/condition")
         then = self.sequence(statement.then, f"{path}/then", flow)
         otherwise = self.sequence(statement.otherwise, f"{path}/otherwise", flow)
+        # A branch that ends the program says nothing about the statements after the condition.
         known = {(False, False): then.known & otherwise.known, (True, False): otherwise.known}
         both = known.get((then.over, otherwise.over), then.known)
         return replace(flow, known=both, over=then.over and otherwise.over)
 
-    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str, flow: _Flow) -> _Flow:
+    def _loop(self, statement: tree.Loop, path: str, flow: _Flow) -> _Flow:
         loop = _Loop()
         inside = replace(flow, loop=loop)
         runs = False
@@ -346,7 +350,8 @@ class _Checker:
         match statement:
             case tree.While():
                 self._condition(statement.condition, f"{path}/condition")
-                runs = forever = _always(statement.condition)
+                always = isinstance(statement.condition, tree.Written) and statement.condition.value is True
+                runs = forever = always
                 self._waits(statement, path)
             case tree.Forever():
                 runs = forever = True
@@ -417,7 +422,9 @@ class _Checker:
                 hint = "Write `within 10 s` before `otherwise`."
                 self._warn(f"{path}/otherwise", "this is never done: the wait has no end", hint)
             self.sequence(statement.otherwise, f"{path}/otherwise", flow)
-        if statement.seconds is None and not flow.ended and _never(statement.condition):
+        reads = any(isinstance(part, tree.Read | tree.Variable) for part in tree.parts_of(statement.condition))
+        may_change = reads and not isinstance(statement.condition, tree.Variable)
+        if statement.seconds is None and not flow.ended and not may_change:
             self._warn(path, "nothing can make this true while it waits")
         return flow
 
@@ -451,21 +458,8 @@ def _given(body: tuple[tree.Statement, ...]) -> set[str]:
     return {statement.variable for _, statement in tree.statements(body) if isinstance(statement, tree.Set | tree.For)}
 
 
-def _always(condition: tree.Expression) -> bool:
-    return isinstance(condition, tree.Written) and condition.value is True
-
-
-def _never(condition: tree.Expression) -> bool:
-    """Return whether a condition can never change."""
-    return isinstance(condition, tree.Written | tree.Variable) or (
-        next(tree.reads_of(condition), None) is None and next(tree.variables_of(condition), None) is None
-    )
-
-
 _MISFITS: Final = frozenset({"KG806", "KG815"})
 """The codes of mismatched types and qualities of service, with which ends of a topic are not connected."""
-_Used = tuple[str, str, Literal["read", "write"]]
-"""The part of the path to a capability, its name, and whether it is read or executed."""
 
 
 def doubts(program: tree.Program, capabilities: Capabilities, graph: ComputationGraph) -> list[Problem]:
@@ -477,22 +471,21 @@ def doubts(program: tree.Program, capabilities: Capabilities, graph: Computation
     told: set[GraphProblem] = set()
     found = []
     for path, statement in tree.statements(program.body):
-        for part, name, modality in _used(statement):
+        used = [(path, known.write, statement.capability)] if isinstance(statement, tree.Do) else []
+        for part, expression in tree.expressions_of(statement):
+            used += [(f"{path}/{part}", known.read, read.capability) for read in tree.reads_of(expression)]
+        for where, look_up, name in used:
             with suppress(RobotError):
-                capability = known.read(name) if modality == "read" else known.write(name)
+                capability = look_up(name)
                 for doubt in _of(capability, graph):
                     if doubt not in told:
                         told.add(doubt)
-                        found.append(_warning(doubt, capability, f"{path}{part}", statement))
+                        message = f"`{capability.label}` may have no effect: {doubt.subject}: {doubt.message}"
+                        problem = Problem(
+                            id=statement.id, path=where, message=message, code=doubt.code, severity="warning"
+                        )
+                        found.append(problem)
     return found
-
-
-def _used(statement: tree.Statement) -> Iterator[_Used]:
-    if isinstance(statement, tree.Do):
-        yield "", statement.capability, "write"
-    for part, expression in tree.expressions_of(statement):
-        for read in tree.reads_of(expression):
-            yield f"/{part}", read.capability, "read"
 
 
 def _of(capability: Capability, graph: ComputationGraph) -> Iterator[GraphProblem]:
@@ -504,8 +497,3 @@ def _of(capability: Capability, graph: ComputationGraph) -> Iterator[GraphProble
     yield from doubts_of(way, graph, reads=reads)
     if way.kind == "topic":
         yield from (one for one in graph.problems if one.code in _MISFITS and one.subject == way.name)
-
-
-def _warning(doubt: GraphProblem, capability: Capability, path: str, statement: tree.Statement) -> Problem:
-    message = f"`{capability.label}` may have no effect: {doubt.subject}: {doubt.message}"
-    return Problem(id=statement.id, path=path, message=message, code=doubt.code, severity="warning")

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from kg.robot.clock import Clock
     from kg.robot.connection import Level
     from kg.robot.programs.tree import Statement
-    from kg.robot.programs.values import Quantity
 
 
 class Problem(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -96,7 +95,6 @@ class Events:
         self._clock = clock
         self._begun = clock.now()
         self._told: dict[tuple[str, str], tuple[float, Any]] = {}
-        self.statements = 0
 
     @property
     def seconds(self) -> float:
@@ -124,7 +122,3 @@ class Events:
         self._told[key] = self.seconds, value
         unit = {"unit": parameter.unit} if parameter.unit else {}
         self.tell("value", path, statement, capability=capability.name, parameter=parameter.name, value=value, **unit)
-
-    def variable(self, path: str, statement: Statement, name: str, quantity: Quantity, shown: str) -> None:
-        """Emit the new value of a variable."""
-        self.tell("set", path, statement, variable=name, value=quantity.value, shown=shown)

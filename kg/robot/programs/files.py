@@ -11,7 +11,7 @@ import msgspec
 from kg.errors import Place, RobotError, UsageError
 from kg.robot.programs.events import place_at
 from kg.robot.programs.parse import parse_with_places
-from kg.robot.programs.tree import BLOCKS_DEEP, EXPRESSIONS_DEEP, Program, Statement, expressions_of, height, statements
+from kg.robot.programs.tree import BLOCKS_DEEP, EXPRESSIONS_DEEP, Program, expressions_of, height, statements
 from kg.robot.programs.trees import program_of
 
 if TYPE_CHECKING:
@@ -32,7 +32,11 @@ def decode(data: bytes | str, path: str = "program") -> Program:
     """Return the program in JSON; RobotError KG831 with the path that violates the schema."""
     try:
         program = msgspec.json.decode(data, type=Program)
-        too_deep = any(_too_deep(where, statement) for where, statement in statements(program.body))
+        too_deep = any(
+            sum(part.isdecimal() for part in where.split("/")) > BLOCKS_DEEP
+            or any(height(one) > EXPRESSIONS_DEEP for _, one in expressions_of(statement))
+            for where, statement in statements(program.body)
+        )
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         message = "the program is nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise RobotError("KG831", message, place=Place(path)) from None
@@ -40,11 +44,6 @@ def decode(data: bytes | str, path: str = "program") -> Program:
         message = f"blocks are nested more than {BLOCKS_DEEP} deep, or expressions more than {EXPRESSIONS_DEEP}"
         raise RobotError("KG831", message, place=Place(path))
     return program
-
-
-def _too_deep(path: str, statement: Statement) -> bool:
-    blocks = sum(part.isdecimal() for part in path.split("/")) > BLOCKS_DEEP
-    return blocks or any(height(one) > EXPRESSIONS_DEEP for _, one in expressions_of(statement))
 
 
 def schema() -> dict[str, Any]:

@@ -83,12 +83,21 @@ class Kinds:
     def of(self, expression: Expression, path: str) -> Kind:
         """Return the kind of an expression; `any` after reporting an error in it."""
         match expression:
+            case Written(value=bool()):
+                return BOOLEAN
+            case Written(value=str()):
+                return TEXT
             case Written():
-                return _of_written(expression)
+                return Kind("number", unit_of(expression.unit).dimension)
             case Variable():
                 return self._of_variable(expression.name, path)
             case Read():
-                return self._of_read(expression, path)
+                try:
+                    capability = self._known.read(expression.capability)
+                    return of_parameter(self._known.parameter(capability, expression.parameter))
+                except RobotError as error:
+                    self._report(path, error)
+                    return ANY
             case Unary():
                 return self._of_unary(expression, path)
             case Binary():
@@ -109,14 +118,6 @@ class Kinds:
             )
             return self._wrong(path, f"the variable `{name}` has no value here", hint, "KG836")
         return found
-
-    def _of_read(self, read: Read, path: str) -> Kind:
-        try:
-            capability = self._known.read(read.capability)
-            return of_parameter(self._known.parameter(capability, read.parameter))
-        except RobotError as error:
-            self._report(path, error)
-            return ANY
 
     def _of_place(self, place: Position, path: str) -> Kind:
         for name, part in place.parts().items():
@@ -191,9 +192,3 @@ class Kinds:
 
 def _zero(expression: Expression) -> bool:
     return isinstance(expression, Written) and expression.value == 0 and not isinstance(expression.value, bool)
-
-
-def _of_written(value: Written) -> Kind:
-    if isinstance(value.value, bool):
-        return BOOLEAN
-    return TEXT if isinstance(value.value, str) else Kind("number", unit_of(value.unit).dimension)

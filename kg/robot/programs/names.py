@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from kg.errors import RobotError
 from kg.robot.driving.ways import find
@@ -35,25 +35,22 @@ class Known:
         """Return an executable capability; RobotError KG832 if it is missing, KG834 if it can only be read."""
         return self._one(name, "write")
 
-    def _one(self, name: str, modality: str) -> Capability:
+    def _one(self, name: str, modality: Literal["read", "write"]) -> Capability:
         if (name, modality) not in self._found:
-            self._found[name, modality] = self._looked_up(name, modality)
+            try:
+                self._found[name, modality] = find(self._capabilities, name, modality)
+            except RobotError as error:
+                if error.code != "KG821":
+                    raise _other_way(find(self._capabilities, name)) from error
+                fitting = [one for one in self._capabilities.capabilities if one.modality == modality]
+                reached = [one for one in fitting if one.ways] or fitting
+                words = [word for one in reached for word in (one.name, one.label, *one.alternatives)]
+                raise RobotError("KG832", error.message, hint=did_you_mean(name, words)) from error
         return self._found[name, modality]
 
-    def _looked_up(self, name: str, modality: str) -> Capability:
-        try:
-            found = find(self._capabilities, name, "read" if modality == "read" else "write")
-        except RobotError as error:
-            if error.code != "KG821":
-                raise _other_way(name, modality, self._capabilities) from error
-            raise RobotError("KG832", error.message, hint=self._meant(name, modality)) from error
-        return found
-
-    def _meant(self, name: str, modality: str) -> str | None:
-        """Return the suggestion for a misspelt name, preferring available capabilities."""
-        fitting = [one for one in self._capabilities.capabilities if one.modality == modality]
-        reached = [one for one in fitting if one.ways] or fitting
-        return did_you_mean(name, [word for one in reached for word in (one.name, one.label, *one.alternatives)])
+    def argument(self, capability: Capability, name: str) -> str:
+        """Return the name of an argument's parameter, or that of the place; RobotError KG832 if it is missing."""
+        return name if takes_place(capability, name) else self.parameter(capability, name).name
 
     @staticmethod
     def parameter(capability: Capability, name: str) -> Parameter:
@@ -74,13 +71,13 @@ def takes_place(capability: Capability, name: str) -> bool:
     return name == AT and AT not in names and {"x", "y"} <= names
 
 
-def _other_way(name: str, modality: str, capabilities: Capabilities) -> RobotError:
-    label = find(capabilities, name).label
-    if modality == "write":
-        hint = f"Use its reading in a condition or a value: `... of {find(capabilities, name).name}`."
-        return RobotError("KG834", f"`{label}` is something to sense, not to do", hint=hint)
-    hint = f"Write `{label}` as a statement of its own."
-    return RobotError("KG834", f"`{label}` is an action, not a reading", hint=hint)
+def _other_way(found: Capability) -> RobotError:
+    """Return the error for a capability that can only be read, or only be executed, and is used the other way."""
+    if found.modality == "read":
+        hint = f"Use its reading in a condition or a value: `... of {found.name}`."
+        return RobotError("KG834", f"`{found.label}` is something to sense, not to do", hint=hint)
+    hint = f"Write `{found.label}` as a statement of its own."
+    return RobotError("KG834", f"`{found.label}` is an action, not a reading", hint=hint)
 
 
 def named(program: Program, capabilities: Capabilities) -> Program:
@@ -97,23 +94,17 @@ def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Cap
     known = Known(capabilities)
 
     def change(part: dict[str, Any]) -> dict[str, Any]:
+        if "capability" not in part:
+            return part
         with suppress(RobotError):
-            if "capability" in part:
-                _rename(part, known, called)
+            if part.get("expression") == "read":
+                capability = known.read(part["capability"])
+                part["parameter"] = known.parameter(capability, part["parameter"]).name
+            else:
+                capability = known.write(part["capability"])
+                arguments = part.get("arguments", {})
+                part["arguments"] = {known.argument(capability, name): value for name, value in arguments.items()}
+            part["capability"] = called(capability)
         return part
 
     return rewritten(program, change)
-
-
-def _rename(part: dict[str, Any], known: Known, called: Callable[[Capability], str]) -> None:
-    if part.get("expression") == "read":
-        capability = known.read(part["capability"])
-        part["parameter"] = known.parameter(capability, part["parameter"]).name
-    else:
-        capability = known.write(part["capability"])
-        arguments = part.get("arguments", {})
-        part["arguments"] = {
-            name if takes_place(capability, name) else known.parameter(capability, name).name: value
-            for name, value in arguments.items()
-        }
-    part["capability"] = called(capability)

@@ -23,12 +23,11 @@ LEVELS: Final = (("or",), ("and",), ("not",), ("<", "<=", "=", "!=", ">=", ">", 
 """Operators from lowest to highest precedence; comparisons cannot be chained."""
 _NOT: Final = 2
 _COMPARISON: Final = 3
-_PARTS: Final = ("x", "y", "z", "heading")  # components of a place, in their written order
 
 
 def expression(cursor: Cursor, path: str) -> tree.Expression:
     """Parse an expression; its parts get places below `path`."""
-    places, cursor.places = cursor.places, {}
+    places, cursor.places = cursor.places, {}  # apart from those before, since operators move the places of their parts
     try:
         return _level(cursor, path, 0, 0)
     finally:
@@ -54,7 +53,9 @@ def _binary(cursor: Cursor, path: str, depth: int, level: int) -> tree.Expressio
     left = _level(cursor, path, depth, level + 1)
     begin = cursor.places[path]
     while cursor.sign(*LEVELS[level]) or cursor.word(*LEVELS[level]):
-        _below(cursor, path, f"{path}/left")
+        # What was parsed so far becomes the left side, and so do the places of its parts.
+        for old in [old for old in cursor.places if old == path or old.startswith(f"{path}/")]:
+            cursor.places[f"{path}/left{old[len(path) :]}"] = cursor.places.pop(old)
         cursor.places[path] = begin
         operator: Any = cursor.take().value.lower()
         left = tree.Binary(operator=operator, left=left, right=_level(cursor, f"{path}/right", depth + 1, level + 1))
@@ -68,12 +69,6 @@ def _binary(cursor: Cursor, path: str, depth: int, level: int) -> tree.Expressio
 def _too_deep(cursor: Cursor) -> RobotError:
     message = f"expressions are nested more than {tree.EXPRESSIONS_DEEP} deep"
     return cursor.refused(cursor.token, message, "Use variables.")
-
-
-def _below(cursor: Cursor, old: str, new: str) -> None:
-    """Move the places of a part below another part."""
-    for path in [path for path in cursor.places if path == old or path.startswith(f"{old}/")]:
-        cursor.places[new + path[len(old) :]] = cursor.places.pop(path)
 
 
 def _signed(cursor: Cursor, path: str, depth: int) -> tree.Expression:
@@ -129,7 +124,7 @@ def _place(cursor: Cursor, path: str, depth: int) -> tree.Position:
             cursor.skip()
         name = cursor.token
         part = name.value.lower()
-        if part in said or not cursor.word(*_PARTS):
+        if part in said or not cursor.word(*tree.Position.__struct_fields__):
             raise cursor.refused(name, f"{name} is not allowed here", "A place has an x, a y, and maybe z and heading.")
         cursor.take()
         if not cursor.sign(":"):
@@ -222,18 +217,18 @@ def _head(cursor: Cursor) -> tree.Program:
     if not cursor.kind("text", "name"):
         raise cursor.expected("the name of the program in quotes")
     name = cursor.take().value
-    seconds = _program_time(cursor) if cursor.phrase("within") else None
+    seconds = None
+    if cursor.phrase("within"):
+        token = cursor.token
+        match expression(cursor, "/seconds"):
+            case tree.Written(value=float(value), unit=unit):
+                with suppress(ValueError):
+                    seconds = convert(value, unit or "s", "s")
+        if seconds is None:
+            message = "the time for a program is a number with a unit of time"
+            raise cursor.refused(token, message, "Write `within 5 min`.")
     _line_end(cursor)
     return tree.Program(name=name, comment=comment, seconds=seconds)
-
-
-def _program_time(cursor: Cursor) -> float:
-    token = cursor.token
-    written = expression(cursor, "/seconds")
-    if isinstance(written, tree.Written) and not isinstance(written.value, bool | str):
-        with suppress(ValueError):
-            return convert(written.value, written.unit or "s", "s")
-    raise cursor.refused(token, "the time for a program is a number with a unit of time", "Write `within 5 min`.")
 
 
 def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Statement, ...], str]:

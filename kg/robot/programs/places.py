@@ -48,26 +48,19 @@ def places_of(text: str | bytes) -> dict[str, Position]:
         found = msgspec.toml.decode(text, type=dict[str, Any])
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise ValueError(str(error)) from None
-    return {name: _place(name, one) for name, one in found.items()}
-
-
-def _place(name: str, said: Any) -> Position:
-    try:
-        return _position(msgspec.convert(said, _Told))
-    except ValueError as error:
-        raise ValueError(f"`{name}`: {error}") from None
-
-
-def _position(told: _Told) -> Position:
-    def in_(unit: str, value: float | None) -> Written | None:
-        return None if value is None else Written(value=value, unit=unit)
-
-    return Position(
-        x=Written(value=told.x, unit="m"),
-        y=Written(value=told.y, unit="m"),
-        z=in_("m", told.z),
-        heading=in_("deg", told.heading),
-    )
+    places: dict[str, Position] = {}
+    for name, said in found.items():
+        try:
+            told = msgspec.convert(said, _Told)
+            places[name] = Position(
+                x=Written(value=told.x, unit="m"),
+                y=Written(value=told.y, unit="m"),
+                z=None if told.z is None else Written(value=told.z, unit="m"),
+                heading=None if told.heading is None else Written(value=told.heading, unit="deg"),
+            )
+        except ValueError as error:
+            raise ValueError(f"`{name}`: {error}") from None
+    return places
 
 
 def read_places(path: str) -> dict[str, Position]:

@@ -81,7 +81,7 @@ class Runner:
 
         If the task that runs this is cancelled, the robot is stopped first.
         """
-        self._task = asyncio.ensure_future(self._all())
+        self._task = asyncio.ensure_future(self._until_lost())
         if self._cancelled:
             self._task.cancel()
         try:
@@ -101,7 +101,12 @@ class Runner:
     async def _end(self, task: asyncio.Task[None]) -> tuple[str, Problem | None]:
         """End running work, stop the robot, and return the result after emitting it."""
         await ended(task)
-        left_moving = await self._still()
+        left_moving = None
+        try:
+            await self._driver.stop()
+        except RobotError as error:
+            self.events.tell("error", code=error.code, message=error.message, hint=error.hint)
+            left_moving = Problem.of(error, "", None)
         how, problem = self._how(task)
         problem = problem or left_moving
         if problem is not None and how != "cancelled":
@@ -127,25 +132,16 @@ class Runner:
             case _:
                 raise error
 
-    async def _still(self) -> Problem | None:
-        """Stop the robot; return the problem if that fails."""
-        try:
-            await self._driver.stop()
-        except RobotError as error:
-            self.events.tell("error", code=error.code, message=error.message, hint=error.hint)
-            return Problem.of(error, "", None)
-        return None
+    async def _until_lost(self) -> None:
+        """Run the program until it ends; raise the reason if the robot is lost, or interrupted, before that."""
 
-    async def _all(self) -> None:
-        await first(self._within_time(), first(self._lost(), self._interrupted()))
+        async def lost() -> None:
+            raise RobotError("KG803", f"the robot is lost: {await self._driver.connection.wait_lost()}")
 
-    async def _lost(self) -> None:
-        """Raise RobotError KG803 with the reason when the connection is lost."""
-        raise RobotError("KG803", f"the robot is lost: {await self._driver.connection.wait_lost()}")
+        async def interrupted() -> None:
+            raise await self._driver.wait_interrupted()
 
-    async def _interrupted(self) -> None:
-        """Raise the error of an interruption, which ends all parts of the program."""
-        raise await self._driver.wait_interrupted()
+        await first(self._within_time(), first(lost(), interrupted()))
 
     async def _within_time(self) -> None:
         work = self._statements.program(self._program.body)

@@ -134,11 +134,20 @@ class Evaluation:
                     raise RobotError("KG836", f"the variable `{expression.name}` has no value")
                 return self._variables[expression.name]
             case tree.Read():
-                return await self._read(expression, path, statement)
+                capability = self.known.read(expression.capability)
+                parameter = self.known.parameter(capability, expression.parameter)
+                value = (await self._driver.latest(capability.name, seconds=_FIRST)).get(parameter.name)
+                self._events.value(path, statement, capability, parameter, value)
+                return values.of_parameter(parameter, value)
             case tree.Unary():
                 return values.unary(expression.operator, await self.of(expression.of, path, statement))
             case tree.Binary():
-                return await self._binary(expression, path, statement)
+                left = await self.of(expression.left, path, statement)
+                if expression.operator not in {"and", "or"}:
+                    return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
+                if values.truth(left) == (expression.operator == "or"):
+                    return left  # the other side is not evaluated
+                return values.Quantity(await self.truth(expression.right, path, statement))
             case tree.Position():
                 said = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
                 return values.place(said)
@@ -150,22 +159,6 @@ class Evaluation:
     async def seconds(self, expression: tree.Expression | None, path: str, statement: tree.Statement) -> float | None:
         """Return a duration in seconds, None for none; RobotError as `of`, KG835 for a negative one."""
         return None if expression is None else values.seconds(await self.of(expression, path, statement))
-
-    async def _binary(self, expression: tree.Binary, path: str, statement: tree.Statement) -> values.Quantity:
-        left = await self.of(expression.left, path, statement)
-        if expression.operator in {"and", "or"}:
-            if values.truth(left) == (expression.operator == "or"):
-                return left
-            return values.Quantity(await self.truth(expression.right, path, statement))
-        return values.binary(expression.operator, left, await self.of(expression.right, path, statement))
-
-    async def _read(self, read: tree.Read, path: str, statement: tree.Statement) -> values.Quantity:
-        capability = self.known.read(read.capability)
-        parameter = self.known.parameter(capability, read.parameter)
-        told = await self._driver.latest(capability.name, seconds=_FIRST)
-        value = told.get(parameter.name)
-        self._events.value(path, statement, capability, parameter, value)
-        return values.of_parameter(parameter, value)
 
     @asynccontextmanager
     async def watching(self, condition: tree.Expression) -> AsyncIterator[asyncio.Event]:
@@ -234,20 +227,17 @@ class Statements:
     async def sequence(self, body: Iterable[tree.Statement], path: str) -> None:
         """Run a sequence of statements; Failed at the first failure, Stopped by `stop`."""
         for number, statement in enumerate(body):
-            await self._statement(statement, f"{path}/{number}")
-
-    async def _statement(self, statement: tree.Statement, path: str) -> None:
-        try:
-            await self._pace.step()
-            self.count += 1
-            self._events.tell("enter", path, statement)
-            await self._carry_out(statement, path)
-        except RobotError as error:
-            problem = Problem.of(error, path, statement.id)
-            self._events.tell("error", path, statement, code=error.code, message=error.message, hint=error.hint)
-            raise Failed(problem) from error
-        finally:
-            self._events.tell("leave", path, statement)
+            here = f"{path}/{number}"
+            try:
+                await self._pace.step()
+                self.count += 1
+                self._events.tell("enter", here, statement)
+                await self._carry_out(statement, here)
+            except RobotError as error:
+                self._events.tell("error", here, statement, code=error.code, message=error.message, hint=error.hint)
+                raise Failed(Problem.of(error, here, statement.id)) from error
+            finally:
+                self._events.tell("leave", here, statement)
 
     async def _carry_out(self, statement: tree.Statement, path: str) -> None:
         match statement:
@@ -281,7 +271,7 @@ class Statements:
 
     def _give(self, statement: tree.Statement, name: str, value: values.Quantity, path: str) -> None:
         self._evaluation.give(name, value)
-        self._events.variable(path, statement, name, value, values.shown(value))
+        self._events.tell("set", path, statement, variable=name, value=value.value, shown=values.shown(value))
 
     async def _do(self, statement: tree.Do, path: str) -> None:
         known = self._evaluation.known
@@ -349,7 +339,7 @@ class Statements:
                 if moves and left <= _REST:
                     return None
 
-    async def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
+    async def _loop(self, statement: tree.Loop, path: str) -> None:
         try:
             match statement:
                 case tree.While():
@@ -359,33 +349,26 @@ class Statements:
                     while True:
                         await self._turn(statement, path)
                 case tree.Repeat():
-                    for _ in range(await self._times(statement, path)):
+                    times = await self._evaluation.of(statement.times, path, statement)
+                    if not times.number or times.dimension or not 0 <= times.value < float("inf"):
+                        raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
+                    for _ in range(round(times.value)):
                         await self._turn(statement, path)
                 case tree.For():
-                    await self._for(statement, path)
+                    async for value in self._values(statement, path):
+                        self._give(statement, statement.variable, value, path)
+                        await self._turn(statement, path)
         except _Left:
             return
 
-    async def _turn(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> None:
+    async def _turn(self, statement: tree.Loop, path: str) -> None:
         await self._pace.step()
         await self.sequence(statement.body, f"{path}/body")
-
-    async def _times(self, statement: tree.Repeat, path: str) -> int:
-        times = await self._evaluation.of(statement.times, path, statement)
-        if not times.number or times.dimension or not 0 <= times.value < float("inf"):
-            raise RobotError("KG833", f"a block cannot be repeated {values.shown(times)} times")
-        how_often: float = times.value
-        return round(how_often)
-
-    async def _for(self, statement: tree.For, path: str) -> None:
-        async for value in self._values(statement, path):
-            self._give(statement, statement.variable, value, path)
-            await self._turn(statement, path)
 
     async def _values(self, statement: tree.For, path: str) -> Any:
         async def number(expression: tree.Expression) -> values.Quantity:
             value = await self._evaluation.of(expression, path, statement)
-            return values.binary("-", value, values.Quantity(0.0))
+            return values.binary("-", value, values.Quantity(0.0))  # refuses what is not a number
 
         if statement.of is not None:
             elements = (await self._evaluation.of(statement.of, path, statement)).value
@@ -419,7 +402,7 @@ class Statements:
         async with self._evaluation.watching(condition) as news:
             while True:
                 await self._pace.going()
-                news.clear()
+                news.clear()  # before the evaluation, so that a change during it is not missed
                 if await self._evaluation.truth(condition, path, statement) == holds:
                     return
                 await news.wait()

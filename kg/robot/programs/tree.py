@@ -206,9 +206,8 @@ class Stop(_Statement, frozen=True, tag_field="block", tag="stop"):
     """Ends the program and stops the robot."""
 
 
-Statement: TypeAlias = (
-    Do | If | While | Forever | Repeat | For | Break | Set | Wait | WaitUntil | Parallel | OnEvent | Log | Stop
-)
+Loop: TypeAlias = While | Forever | Repeat | For
+Statement: TypeAlias = Do | If | Loop | Break | Set | Wait | WaitUntil | Parallel | OnEvent | Log | Stop
 
 
 class Program(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, forbid_unknown_fields=True):

@@ -91,7 +91,7 @@ class _Printer:
                 yield from self._within(otherwise)
                 yield "end"
 
-    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, head: str) -> Iterator[str]:
+    def _loop(self, statement: tree.Loop, head: str) -> Iterator[str]:
         yield head + self._id(statement)
         yield from self._within(statement.body)
         yield "end"
@@ -170,24 +170,19 @@ def _name(name: str) -> str:
 
 
 def _number(value: float) -> str:
-    text = repr(float(value))
-    return text.removesuffix(".0")
-
-
-def _value(value: tree.Written) -> str:
-    if isinstance(value.value, bool):
-        return "true" if value.value else "false"
-    if isinstance(value.value, str):
-        return quoted(value.value)
-    number = _number(value.value)
-    return f"{number} {value.unit}" if value.unit else number
+    return repr(float(value)).removesuffix(".0")
 
 
 def _expression(expression: tree.Expression, least: int) -> str:
     """Return an expression as text, in parentheses if its precedence is lower than `least`."""
     match expression:
-        case tree.Written():
-            return _value(expression)
+        case tree.Written(value=bool() as value):
+            return "true" if value else "false"
+        case tree.Written(value=str() as value):
+            return quoted(value)
+        case tree.Written(value=value, unit=unit):
+            number = _number(float(value))
+            return f"{number} {unit}" if unit else number
         case tree.Variable():
             return _name(expression.name)
         case tree.Read():

@@ -9,15 +9,11 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
 
 from kg.errors import RobotError
 from kg.robot.messages import Types
 from kg.robot.ros2 import Address, Ros2Connection
 from kg.robot.ros2.names import absolute
-
-if TYPE_CHECKING:
-    from kg.robot.rclpy.middleware import RclpyMiddleware
 
 __all__ = ["connect"]
 
@@ -32,17 +28,14 @@ async def connect(address: str, name: str, types: Types | None = None) -> Ros2Co
     domain = "" if address.removeprefix("rclpy://")[:1].isdigit() else os.environ.get("ROS_DOMAIN_ID", "")
     read = Address.read(address.replace("rclpy://", f"rclpy://{domain}", 1))
     own = absolute(name)
-    return await Ros2Connection.open(_joined(read, own, types or Types(2)), read, own)
-
-
-def _joined(address: Address, name: str, types: Types) -> RclpyMiddleware:
     try:
         from kg.robot.rclpy.middleware import RclpyMiddleware  # noqa: PLC0415 - it needs an installation of ROS 2
     except ImportError as error:
         hint = "Run kg with the Python of ROS 2 after `source /opt/ros/DISTRIBUTION/setup.bash`, or use dds:// or zenoh://."
         raise RobotError("KG801", f"rclpy of ROS 2 cannot be imported: {error}", hint=hint) from None
     try:
-        return RclpyMiddleware(address.domain, name, types)
+        wire = RclpyMiddleware(read.domain, own, types or Types(2))
     except RuntimeError as error:  # rclpy's exception for all failures of the layers below
-        told = f"the domain {address.domain} cannot be joined: {error}"
+        told = f"the domain {read.domain} cannot be joined: {error}"
         raise RobotError("KG817", told, hint="Check the network and $RMW_IMPLEMENTATION.") from None
+    return await Ros2Connection.open(wire, read, own)

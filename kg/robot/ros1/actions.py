@@ -91,7 +91,7 @@ class Ros1Goal(GoalProgress):
         self.status = Status(status) if status in set(Status) else Status.LOST
         self.accepted.set()
 
-    def end(self, outcome: Value | RobotError) -> None:
+    def end(self, outcome: Value | BaseException) -> None:
         """Set the result, or the reason for its absence; the first one counts."""
         super().end(outcome)
         self.accepted.set()
@@ -183,6 +183,7 @@ class ActionClient:
         self._goals.clear()
 
     def _is_ready(self) -> bool:
+        # The server is the node that publishes states, feedback and results: others may publish one of these, too.
         heard = set.intersection(*(set(one.connected.values()) for one in self._reading.values()))
         return bool(heard) and all(one.peers for one in self._writing.values())
 

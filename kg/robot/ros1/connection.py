@@ -9,6 +9,7 @@ from urllib.parse import urlsplit
 from uuid import uuid4
 
 from kg.errors import RobotError
+from kg.facts import Role
 from kg.robot.clock import Clock, SimulatedClock, WallClock, stamp, within
 from kg.robot.messages import Types
 from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
@@ -16,7 +17,7 @@ from kg.robot.ros1.graph import Analyzer, system_state, topic_types
 from kg.robot.ros1.names import absolute, netloc
 from kg.robot.ros1.node import Node
 from kg.robot.ros1.services import call_service, probe
-from kg.robot.ros1.topics import Ros1Publication, Ros1Subscription, greet, learn, open_topic
+from kg.robot.ros1.topics import Ros1Publication, Ros1Subscription, open_topic
 from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import ended
 
@@ -190,7 +191,7 @@ class Ros1Connection:
         silent = RobotError("KG803", f"`{action}` did not accept the goal within {seconds:g} s")
         return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
 
-    async def canceller(self, action: str, kind: str) -> Ros1Canceller:  # noqa: ARG002 - all actions cancel alike
+    async def canceller(self, action: str) -> Ros1Canceller:
         """Return an object that cancels goals of an action."""
         return Ros1Canceller(await self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID"))
 
@@ -249,19 +250,13 @@ class Ros1Connection:
     async def _learn(self, topic: str, kind: str) -> None:
         """Learn a type from a publisher of the topic; RobotError KG804 without one."""
         state = await system_state(self.node.master, self.name)
-        for (role, name), nodes in state.ends.items():
-            for one in nodes if (role.value, name) == ("publishes", topic) else ():
-                try:
-                    uri = await self.node.ask("lookupNode", one)
-                    reader, writer = await open_topic(self.name, uri, topic)
-                    try:
-                        learn(self.types, kind, await greet(self.name, topic, kind, reader, writer))
-                    finally:
-                        writer.close()
-                except (RobotError, OSError, TimeoutError) as error:
-                    self.node.note(getattr(error, "code", "KG803"), one, f"`{topic}`: {error}")
-                else:
+        for one in state.ends.get((Role.PUBLISHES, topic), ()):
+            try:
+                uri = await self.node.ask("lookupNode", one)
+                async with open_topic(self.node, uri, topic, kind):
                     return
+            except (RobotError, OSError, TimeoutError) as error:
+                self.node.note(getattr(error, "code", "KG803"), one, f"`{topic}`: {error}")
         raise RobotError("KG804", f"the message type `{kind}` of `{topic}` is unknown, and no node defines it")
 
     async def _in_time(self, work: Coroutine[Any, Any, Result], seconds: float, late: RobotError) -> Result:

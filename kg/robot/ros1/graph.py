@@ -28,8 +28,8 @@ _SERVER: Final = {(Role.PUBLISHES, "result"), (Role.PUBLISHES, "status"), (Role.
 _CLIENT: Final = (Role.PUBLISHES, "goal")
 
 
-def fold(ends: Iterable[LiveEnd]) -> list[LiveEnd]:
-    """Return ends with actions instead of their topics.
+def fold(ends: Iterable[LiveEnd]) -> tuple[LiveEnd, ...]:
+    """Return ends, sorted, with actions instead of their topics.
 
     A node is a server if it subscribes to goals and publishes states and results; it is a client if it publishes goals.
     A node that only subscribes to the state, feedback or result stays a subscriber.
@@ -40,23 +40,23 @@ def fold(ends: Iterable[LiveEnd]) -> list[LiveEnd]:
         for one in ends
         if one.name.endswith("/goal") and one.type is not None and one.type.endswith(_GOAL)
     }
-    parts: dict[tuple[str, str], set[tuple[Role, str]]] = {}
+    folded: list[LiveEnd] = []
+    parts: dict[tuple[str, str], list[LiveEnd]] = {}
     for one in ends:
         action, _, part = one.name.rpartition("/")
         if action in kinds and part in _TOPICS and one.role.channel == "topic":
-            parts.setdefault((action, one.node), set()).add((one.role, part))
-    found = {
-        (action, node): Role.ACTION_SERVERS if having >= _SERVER else Role.ACTION_CLIENTS
-        for (action, node), having in parts.items()
-        if having >= _SERVER or _CLIENT in having
-    }
-    left = [one for one in ends if not _is_of(one, found)]
-    return left + [LiveEnd(node, role, action, kinds[action]) for (action, node), role in found.items()]
-
-
-def _is_of(end: LiveEnd, found: dict[tuple[str, str], Role]) -> bool:
-    action, _, part = end.name.rpartition("/")
-    return part in _TOPICS and end.role.channel == "topic" and (action, end.node) in found
+            parts.setdefault((action, one.node), []).append(one)
+        else:
+            folded.append(one)
+    for (action, node), topics in parts.items():
+        having = {(one.role, one.name.rpartition("/")[2]) for one in topics}
+        if having >= _SERVER:
+            folded.append(LiveEnd(node, Role.ACTION_SERVERS, action, kinds[action]))
+        elif _CLIENT in having:
+            folded.append(LiveEnd(node, Role.ACTION_CLIENTS, action, kinds[action]))
+        else:
+            folded += topics
+    return tuple(sorted(folded, key=lambda one: (one.name, one.role, one.node, one.type or "")))
 
 
 _ROLES = (Role.PUBLISHES, Role.SUBSCRIBES, Role.SERVICES)
@@ -259,14 +259,14 @@ class Analyzer:
             if role is Role.SERVICES and node in names
         ]
         await self._ask_services(services)
+        of_services = {key: kind for key, kind in self._types.items() if isinstance(kind, str)}
         ends = fold(
-            LiveEnd(node, role, name, self._type(node, name) if role is Role.SERVICES else kinds.get(name))
+            LiveEnd(node, role, name, of_services.get((node, name)) if role is Role.SERVICES else kinds.get(name))
             for (role, name), nodes in state.ends.items()
             for node in nodes
             if node in names
         )
-        ordered = tuple(sorted(ends, key=lambda end: (end.name, end.role, end.node)))
-        return _Picture(state, names, services, ordered, odd)
+        return _Picture(state, names, services, ends, odd)
 
     def _graph(self, picture: _Picture) -> ComputationGraph:
         known = {name: self._nodes[name] for name in picture.names if name in self._nodes}
@@ -278,10 +278,6 @@ class Analyzer:
             LiveNode(name, one.uri, one.problem.message if one.problem else None) for name, one in known.items()
         )
         return ComputationGraph(1, tuple(live), picture.ends, tuple(sorted(problems)))
-
-    def _type(self, node: str, service: str) -> str | None:
-        found = self._types.get((node, service))
-        return found if isinstance(found, str) else None
 
     async def _ask_nodes(self, names: set[str], fresh: float, at_once: int = _AT_ONCE) -> None:
         """Probe the nodes that have not been probed recently."""
@@ -324,14 +320,11 @@ class Analyzer:
             own, _, last = service.rpartition("/")
             if own == node and last in _OF_EVERY_NODE:
                 self._types[node, service] = _OF_EVERY_NODE[last]
-        new = [key for key in services if not isinstance(self._types.get(key), str) and self._lives(key[0])]
+        live = {name for name, known in self._nodes.items() if known.problem is None}
+        new = [key for key in services if not isinstance(self._types.get(key), str) and key[0] in live]
         one_of = dict(new)
         uris = await multicall(self._node.master, "lookupService", self._node.name, sorted(set(one_of.values())))
         await _bounded(lambda key: self._ask_service(key, uris.get(one_of[key[0]])), new)
-
-    def _lives(self, node: str) -> bool:
-        known = self._nodes.get(node)
-        return known is not None and known.problem is None
 
     async def _ask_service(self, key: tuple[str, str], uri: Any) -> None:
         node, service = key

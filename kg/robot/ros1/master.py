@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any, Final, Self
 
@@ -132,6 +133,31 @@ class Master:
         self._server = XmlRpcServer(self._handle)
         self._telling = Tasks()
         self._untold: dict[str, dict[tuple[str, Any], tuple[Any, ...]]] = {}
+        ends = (self._publishers, self._subscribers, self._services)
+        self._calls: dict[str, tuple[str, Callable[..., Any]]] = {
+            "getPid": ("", lambda _: os.getpid()),
+            "getUri": ("", lambda _: self.uri),
+            "getSystemState": ("", lambda _: [one.rows() for one in ends]),
+            "getTopicTypes": ("", lambda _: [list(pair) for pair in self._kinds.items()]),
+            "getPublishedTopics": ("s", self._on_published),
+            "lookupNode": ("n", lambda _, name: self._nodes[name]),
+            "lookupService": ("n", lambda _, name: list(self._services.by_name[name].values())[-1]),
+            "registerPublisher": ("ntu", self._on_publish),
+            "unregisterPublisher": ("nu", self._on_unpublish),
+            "registerSubscriber": ("ntu", self._on_subscribe),
+            "unregisterSubscriber": ("nu", self._on_unsubscribe),
+            "registerService": ("nuu", self._on_serve),
+            "unregisterService": ("nu", self._on_unserve),
+            "getParam": ("s", lambda _, name: self.parameters.get(name)),
+            "setParam": ("sv", self._on_set),
+            "deleteParam": ("s", self._on_delete),
+            "hasParam": ("s", lambda _, name: self.parameters.has(name)),
+            "searchParam": ("s", self.parameters.search),
+            "getParamNames": ("", lambda _: self.parameters.names()),
+            "subscribeParam": ("us", self._on_watch),
+            "unsubscribeParam": ("us", lambda caller, uri, name: self._watching.remove(name, caller, uri)),
+        }
+        """The methods of the API: the kinds of arguments after the caller's name (`_CHECKS`), and the response."""
 
     @property
     def address(self) -> str:
@@ -158,53 +184,35 @@ class Master:
         await self._server.aclose()
 
     async def _handle(self, method: str, arguments: list[Any]) -> Any:
-        if method == "system.multicall":
-            return [
-                self._one_of_many(one) for one in (arguments[0] if arguments and isinstance(arguments[0], list) else [])
-            ]
-        return self._answer(method, arguments)
-
-    def _one_of_many(self, wanted: Any) -> Any:
-        match wanted:
-            case {"methodName": str(method), "params": list(arguments)} if method in _CALLS:
-                return [self._answer(method, arguments)]
-            case _:
-                return {"faultCode": 1, "faultString": "it is not a call"}
+        if method != "system.multicall":
+            return self._answer(method, arguments)
+        answers: list[Any] = []
+        for wanted in arguments[0] if arguments and isinstance(arguments[0], list) else []:
+            match wanted:
+                case {"methodName": str(each), "params": list(given)} if each in self._calls:
+                    answers.append([self._answer(each, given)])
+                case _:
+                    answers.append({"faultCode": 1, "faultString": "it is not a call"})
+        return answers
 
     def _answer(self, method: str, arguments: list[Any]) -> list[Any]:
         """Respond to a call with code, message and value; KeyError for an unknown method."""
-        name, shape = _CALLS[method]
-        if len(arguments) != len(shape) + 1 or not _is_caller(arguments[0], registers="u" in shape):
+        shape, answer = self._calls[method]
+        # Only callers that register need the name of a node: those of tools are invalid, such as `/rosparam-1234`.
+        is_caller = _CHECKS["n" if "u" in shape else "s"]
+        if len(arguments) != len(shape) + 1 or not is_caller(arguments[0]):
             return [-1, f"{method} needs a caller and {len(shape)} arguments", 0]
         checked = [_CHECKS[sign](value) for sign, value in zip(shape, arguments[1:], strict=True)]
         if not all(checked):
             return [-1, f"{method}: `{shown(arguments[1 + checked.index(False)])}` does not fit", 0]
         try:
-            return [1, "", getattr(self, f"_on_{name}")(_slashed(arguments[0]), *arguments[1:])]
+            return [1, "", answer(_slashed(arguments[0]), *arguments[1:])]
         except KeyError:
-            return [-1, f"{method}: unknown {shown(arguments[1])}", "" if name in _TEXTS else 0]
-
-    def _on_pid(self, _: str) -> int:
-        return os.getpid()
-
-    def _on_uri(self, _: str) -> str:
-        return self.uri
-
-    def _on_state(self, _: str) -> list[Any]:
-        return [self._publishers.rows(), self._subscribers.rows(), self._services.rows()]
-
-    def _on_types(self, _: str) -> list[Any]:
-        return [[topic, kind] for topic, kind in self._kinds.items()]
+            return [-1, f"{method}: unknown {shown(arguments[1])}", "" if method in _TEXTS else 0]
 
     def _on_published(self, _: str, space: str) -> list[Any]:
         inside = space.rstrip("/") + "/"
         return [[topic, self._kinds.get(topic, "*")] for topic in self._publishers.by_name if topic.startswith(inside)]
-
-    def _on_node(self, _: str, name: str) -> str:
-        return self._nodes[name]
-
-    def _on_service(self, _: str, name: str) -> str:
-        return list(self._services.by_name[name].values())[-1]
 
     def _on_publish(self, caller: str, topic: str, kind: str, uri: str) -> list[str]:
         self._welcome(caller, uri)
@@ -244,9 +252,6 @@ class Master:
         self._forget([caller])
         return count
 
-    def _on_get(self, _: str, name: str) -> Any:
-        return self.parameters.get(name)
-
     def _on_set(self, caller: str, name: str, value: Any) -> int:
         self.parameters.set(name, value)
         for watched, nodes in self._watching.by_name.items():
@@ -258,21 +263,9 @@ class Master:
         self.parameters.delete(name)
         return 0
 
-    def _on_has(self, _: str, name: str) -> bool:
-        return self.parameters.has(name)
-
-    def _on_search(self, caller: str, name: str) -> str:
-        return self.parameters.search(caller, name)
-
-    def _on_names(self, _: str) -> list[str]:
-        return self.parameters.names()
-
     def _on_watch(self, caller: str, uri: str, name: str) -> Any:
         self._watching.add(name, caller, uri)
         return self.parameters.get(name) if self.parameters.has(name) else {}
-
-    def _on_unwatch(self, caller: str, uri: str, name: str) -> int:
-        return self._watching.remove(name, caller, uri)
 
     def _welcome(self, caller: str, uri: str) -> None:
         """Register a node; another one of the same name at another address is shut down and removed."""
@@ -311,25 +304,15 @@ class Master:
         try:
             while untold:
                 method, about = next(iter(untold))
-                await _quietly(uri, method, untold.pop((method, about)))
+                arguments = untold.pop((method, about))
+                with suppress(RobotError):  # a dead node needs no notification
+                    await call(uri, method, "/master", *arguments)
         finally:
             del self._untold[uri]
 
 
-async def _quietly(uri: str, method: str, arguments: tuple[Any, ...]) -> None:
-    try:
-        await call(uri, method, "/master", *arguments)
-    except RobotError:
-        return  # a dead node needs no notification
-
-
 def _slashed(name: object) -> object:
     return name if not isinstance(name, str) or name.startswith("/") else f"/{name}"
-
-
-def _is_caller(value: object, *, registers: bool) -> bool:
-    """Return whether a caller's name is accepted: names of tools are invalid for nodes, such as `/rosparam-1234`."""
-    return is_name(_slashed(value)) if registers else isinstance(value, str)
 
 
 def _is_uri(value: object) -> bool:
@@ -341,34 +324,12 @@ def _is_uri(value: object) -> bool:
     return True
 
 
-_TEXTS: Final = frozenset({"node", "service", "search"})  # calls that answer "" where there is nothing, others 0
+_TEXTS: Final = frozenset({"lookupNode", "lookupService", "searchParam"})
+"""Calls that answer "" where there is nothing; others answer 0."""
 _CHECKS: Final[dict[str, Callable[[object], bool]]] = {
     "n": lambda value: is_name(_slashed(value)),
     "t": lambda value: value == "*" or is_type(value),
     "u": _is_uri,
     "s": lambda value: isinstance(value, str),
     "v": lambda _: True,
-}
-_CALLS: Final[dict[str, tuple[str, str]]] = {
-    "getPid": ("pid", ""),
-    "getUri": ("uri", ""),
-    "getSystemState": ("state", ""),
-    "getTopicTypes": ("types", ""),
-    "getPublishedTopics": ("published", "s"),
-    "lookupNode": ("node", "n"),
-    "lookupService": ("service", "n"),
-    "registerPublisher": ("publish", "ntu"),
-    "unregisterPublisher": ("unpublish", "nu"),
-    "registerSubscriber": ("subscribe", "ntu"),
-    "unregisterSubscriber": ("unsubscribe", "nu"),
-    "registerService": ("serve", "nuu"),
-    "unregisterService": ("unserve", "nu"),
-    "getParam": ("get", "s"),
-    "setParam": ("set", "sv"),
-    "deleteParam": ("delete", "s"),
-    "hasParam": ("has", "s"),
-    "searchParam": ("search", "s"),
-    "getParamNames": ("names", ""),
-    "subscribeParam": ("watch", "us"),
-    "unsubscribeParam": ("unwatch", "us"),
 }

@@ -9,9 +9,9 @@ from typing import Final
 from urllib.parse import urlsplit
 
 from kg.errors import RobotError
+from kg.robot.messages import definitions
 
 _NAME: Final = re.compile(r"/(?:[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z0-9_]+)*)?")
-_TYPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
 _HOST: Final = re.compile(r"[A-Za-z0-9_-]{1,63}(?:\.[A-Za-z0-9_-]{1,63})*\.?|[0-9A-Fa-f]*:[0-9A-Fa-f:.%]*")
 _MOST_CHARACTERS: Final = 255
 _LOOPBACK: Final = ("localhost", "127.", "::1")
@@ -24,7 +24,7 @@ def is_name(value: object) -> bool:
 
 def is_type(value: object) -> bool:
     """Return whether a value from a peer is a type, `package/Type`."""
-    return isinstance(value, str) and len(value) <= _MOST_CHARACTERS and _TYPE.fullmatch(value) is not None
+    return isinstance(value, str) and len(value) <= _MOST_CHARACTERS and definitions.is_type(value)
 
 
 def absolute(name: str) -> str:

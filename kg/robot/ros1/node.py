@@ -56,6 +56,19 @@ class Node:
         self._updates: Counter[str] = Counter()
         self._port = 0
         self._host = ""
+        self._calls: dict[str, tuple[int, Callable[..., list[Any]]]] = {
+            "getPid": (0, lambda: [1, "", os.getpid()]),
+            "getMasterUri": (0, lambda: [1, "", self.master]),
+            "shutdown": (1, self._on_shutdown),
+            "paramUpdate": (2, lambda *_: [1, "", 0]),
+            "getPublications": (0, lambda: [1, "", [[one.topic, one.kind] for one in self.offers.values()]]),
+            "getSubscriptions": (0, lambda: [1, "", [[one, each[0].kind] for one, each in self.subscriptions.items()]]),
+            "getBusStats": (0, lambda: [1, "", [[], [], []]]),
+            "getBusInfo": (0, self._on_bus_info),
+            "publisherUpdate": (2, self._on_publishers),
+            "requestTopic": (2, self._on_request),
+        }
+        """The methods of the Slave API: the number of arguments after the caller's name, and the response."""
 
     async def start(self) -> None:
         """Listen for peers; RobotError KG814 if our address is not one of this machine."""
@@ -234,6 +247,7 @@ class Node:
         if len(publishers) > _MOST_PUBLISHERS:
             words = f"`{shown(topic)}` has {len(publishers)} publishers; the first {_MOST_PUBLISHERS} are read"
             self.note("KG810", self.master, words)
+        # The master may list our own publication for a moment after it was withdrawn.
         wanted = [one for one in publishers[:_MOST_PUBLISHERS] if one != self.uri or topic in self.offers]
         for subscription in self.subscriptions.get(topic, []):
             subscription.update(wanted)
@@ -264,32 +278,12 @@ class Node:
 
     async def _handle(self, method: str, arguments: list[Any]) -> Any:
         """Respond to the Slave API; KeyError for an unknown method."""
-        answer = getattr(self, f"_on_{_METHODS[method]}")
-        if not arguments or len(arguments) > 3:  # noqa: PLR2004 - the API's longest call
-            return _NOT_SUPPORTED
-        return answer(*arguments[1:]) if len(arguments) == 1 + _ARGUMENTS.get(method, 0) else _NOT_SUPPORTED
+        count, answer = self._calls[method]
+        return answer(*arguments[1:]) if len(arguments) == 1 + count else _NOT_SUPPORTED
 
-    def _on_pid(self) -> list[Any]:
-        return [1, "", os.getpid()]
-
-    def _on_master(self) -> list[Any]:
-        return [1, "", self.master]
-
-    def _on_shutdown(self, *why: object) -> list[Any]:
-        self.lose(f"the master ended this node: {shown(why[0]) if why else ''}")
+    def _on_shutdown(self, why: object) -> list[Any]:
+        self.lose(f"the master ended this node: {shown(why)}")
         return [1, "", 0]
-
-    def _on_ignored(self, *_: object) -> list[Any]:
-        return [1, "", 0]
-
-    def _on_publications(self) -> list[Any]:
-        return [1, "", [[offer.topic, offer.kind] for offer in self.offers.values()]]
-
-    def _on_subscriptions(self) -> list[Any]:
-        return [1, "", [[topic, ones[0].kind] for topic, ones in self.subscriptions.items()]]
-
-    def _on_bus_stats(self) -> list[Any]:
-        return [1, "", [[], [], []]]
 
     def _on_bus_info(self) -> list[Any]:
         outward = [(caller, "o", offer.topic) for offer in self.offers.values() for caller in offer.links.values()]
@@ -315,18 +309,3 @@ class Node:
         if not isinstance(protocols, list) or ["TCPROS"] not in protocols:
             return [0, "only TCPROS is spoken here", 0]
         return [1, "", ["TCPROS", self._host, self._port]]
-
-
-_METHODS: Final = {
-    "getPid": "pid",
-    "getMasterUri": "master",
-    "shutdown": "shutdown",
-    "paramUpdate": "ignored",
-    "getPublications": "publications",
-    "getSubscriptions": "subscriptions",
-    "getBusStats": "bus_stats",
-    "getBusInfo": "bus_info",
-    "publisherUpdate": "publishers",
-    "requestTopic": "request",
-}
-_ARGUMENTS: Final = {"shutdown": 1, "paramUpdate": 2, "publisherUpdate": 2, "requestTopic": 2}

@@ -12,6 +12,7 @@ import struct
 import sys
 import termios
 from collections import deque
+from contextlib import asynccontextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,7 +24,7 @@ from kg.robot.ros1.xmlrpc import ask
 from kg.robot.tasks import spawn
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import AsyncIterator, Iterable, Mapping
 
     from kg.robot.connection import Value
     from kg.robot.messages import Types
@@ -37,7 +38,6 @@ class _Link:
     """The connection to a subscriber of our topic."""
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self.dropped = 0
         self._reader = reader
         self._writer = writer
         self._waiting: deque[bytes] = deque(maxlen=_QUEUE)
@@ -48,7 +48,6 @@ class _Link:
         if not self._waiting and not self._writer.transport.get_write_buffer_size():
             self._writer.write(content)
             return
-        self.dropped += len(self._waiting) == _QUEUE
         self._waiting.append(content)
         self._news.set()
 
@@ -57,7 +56,7 @@ class _Link:
         """Whether the machine of the subscriber has confirmed all messages; only Linux reports that."""
         if self._waiting or self._writer.transport.get_write_buffer_size() or sys.platform != "linux":
             return False
-        try:
+        try:  # how many bytes the kernel holds until the other machine acknowledges them
             left = fcntl.ioctl(self._writer.get_extra_info("socket").fileno(), termios.TIOCOUTQ, bytes(_INT.size))
         except OSError:  # it was closed
             return False
@@ -104,11 +103,6 @@ class Offer:
         self.registered: asyncio.Future[Any]
         self._node = node
         self._last: bytes | None = None
-
-    @property
-    def dropped(self) -> int:
-        """Number of messages dropped for slow subscribers that are still connected."""
-        return sum(link.dropped for link in self.links)
 
     def put(self, value: Value) -> None:
         """Send a message to all subscribers; RobotError KG805 for an invalid value."""
@@ -164,11 +158,6 @@ class Ros1Publication:
     def confirmed(self) -> bool:
         """Whether the machines of all subscribers have confirmed all messages (TCP)."""
         return all(link.confirmed for link in self._offer.links)
-
-    @property
-    def dropped(self) -> int:
-        """Number of messages dropped for slow subscribers."""
-        return self._offer.dropped
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost.
@@ -245,65 +234,51 @@ class Ros1Subscription(Messages):
 
     async def _receive(self, uri: str) -> None:
         """Read from a publisher until it disconnects."""
-        reader, writer = await open_topic(self._node.name, uri, self.topic)
-        try:
-            header = await greet(self._node.name, self.topic, self.kind, reader, writer)
-            learn(self._node.types, self.kind, header)
-            self.connected[uri] = sender = shown(header.get("callerid", uri))
+        async with open_topic(self._node, uri, self.topic, self.kind) as (reader, publisher):
+            self.connected[uri] = publisher
             while (content := await read_message(reader)) is not None:
-                self._inbox.put(Raw(content, self._node.clock.now(), sender))
-        finally:
-            writer.close()
+                self._inbox.put(Raw(content, self._node.clock.now(), publisher))
 
 
-async def open_topic(name: str, uri: str, topic: str) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
-    """Connect to a publisher of a topic; RobotError as `ask`, and KG810 if it does not support TCPROS."""
-    protocol = await ask(uri, "requestTopic", name, topic, [["TCPROS"]])
+@asynccontextmanager
+async def open_topic(node: Node, uri: str, topic: str, kind: str) -> AsyncIterator[tuple[asyncio.StreamReader, str]]:
+    """Connect to a publisher of a topic, and learn the type from it if it is unknown; yield the reader and its name.
+
+    Raises:
+        RobotError: those of `ask`; KG806 type or checksum differ, or the publisher refuses, KG810 it does not support
+            TCPROS, or an invalid header or definition, KG804 no definition of an unknown type.
+    """
+    protocol = await ask(uri, "requestTopic", node.name, topic, [["TCPROS"]])
     if not isinstance(protocol, list) or [type(one) for one in protocol] != [str, str, int]:
         raise RobotError("KG810", f"{uri} offers `{topic}` by {shown(protocol)}, not by TCPROS")
     _, host, port = protocol
     async with asyncio.timeout(_SLOWEST):
         try:
-            return await asyncio.open_connection(host, port)
+            reader, writer = await asyncio.open_connection(host, port)
         except (ValueError, OverflowError):  # an invalid host or port
             raise RobotError("KG810", f"{uri} offers `{topic}` at {shown(host)}:{port}") from None
+    try:
+        ours = {"callerid": node.name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1"}
+        writer.write(pack(ours | {"message_definition": ""}))
+        header = await read_header(reader)
+        if "error" in header:
+            raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
+        _learn(node.types, kind, header)
+        yield reader, shown(header.get("callerid", uri))
+    finally:
+        writer.close()
 
 
-async def greet(
-    name: str, topic: str, kind: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
-) -> dict[str, str]:
-    """Exchange headers with a publisher and return its own; `learn` compares the checksums."""
-    ours = {"callerid": name, "topic": topic, "type": kind, "md5sum": "*", "tcp_nodelay": "1", "message_definition": ""}
-    writer.write(pack(ours))
-    header = await read_header(reader)
-    if "error" in header:
-        raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
-    return header
-
-
-def told_type(header: Mapping[str, str]) -> str:
-    """Return the type in a publisher's header; RobotError KG810 without one."""
-    kind = header.get("type", "")
-    if not is_type(kind) or not header.get("md5sum"):
-        raise RobotError(
-            "KG810", f"a header has the type `{shown(kind)}` and the sum `{header.get('md5sum', '')[:40]}`"
-        )
-    return kind
-
-
-def learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
-    """Compare a publisher's header with a type, or learn an unknown type from it.
-
-    Raises:
-        RobotError: KG806 type or checksum differ, KG810 an invalid header or definition, KG804 no definition of an
-            unknown type.
-    """
-    told, known = told_type(header), types.knows(kind)
+def _learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
+    """Compare a publisher's header with a type, or learn an unknown type from it."""
+    told, md5 = header.get("type", ""), header.get("md5sum", "")
+    if not is_type(told) or not md5:
+        raise RobotError("KG810", f"a header has the type `{shown(told)}` and the sum `{md5[:40]}`")
     if told != kind:
         raise RobotError("KG806", f"it is {told}, not {kind}")
-    if known and types.md5(kind) == header["md5sum"]:
+    if types.knows(kind) and types.md5(kind) == md5:
         return
     if "message_definition" in header:
         types.define(kind, header["message_definition"])
-    if types.md5(kind) != header["md5sum"]:
-        raise RobotError("KG806", f"{kind} has the sum {types.md5(kind)} here and {header['md5sum'][:40]} there")
+    if types.md5(kind) != md5:
+        raise RobotError("KG806", f"{kind} has the sum {types.md5(kind)} here and {md5[:40]} there")

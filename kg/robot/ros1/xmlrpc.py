@@ -20,25 +20,12 @@ from kg.robot.tasks import Tasks
 _ODD: Final = (expat.ExpatError, client.Error, ValueError, TypeError, LookupError, AttributeError, OverflowError)
 
 
-def xml_request(method: str, arguments: tuple[Any, ...]) -> bytes:
-    """Return the bytes of a call; RobotError KG805 for arguments that XML-RPC cannot encode."""
+def _xml(values: tuple[Any, ...] | client.Fault, method: str | None = None) -> bytes:
+    """Return the bytes of a call, or of a response; RobotError KG805 for a value that XML-RPC cannot encode."""
     try:
-        return client.dumps(arguments, method, encoding="utf-8").encode()
+        return client.dumps(values, method, methodresponse=method is None).encode()
     except (TypeError, OverflowError, UnicodeEncodeError) as error:
         raise RobotError("KG805", f"XML-RPC cannot carry a value: {error}") from None
-
-
-def xml_answer(value: Any) -> bytes:
-    """Return the bytes of a response; RobotError KG805 for a value that XML-RPC cannot encode."""
-    try:
-        return client.dumps((value,), methodresponse=True).encode()
-    except (TypeError, OverflowError, UnicodeEncodeError) as error:
-        raise RobotError("KG805", f"XML-RPC cannot carry a value: {error}") from None
-
-
-def xml_fault(message: str) -> bytes:
-    """Return the bytes of a fault response."""
-    return client.dumps(client.Fault(1, message)).encode()
 
 
 def xml_read(content: bytes) -> tuple[str | None, list[Any]]:
@@ -115,7 +102,7 @@ async def exchange(uri: str, method: str, *arguments: Any, seconds: float = 3.0)
             invalid address.
     """
     host, port = peer(uri)
-    body = xml_request(method, arguments)
+    body = _xml(arguments, method)
     try:
         async with asyncio.timeout(seconds):
             return await _exchange(host, port, body)
@@ -237,8 +224,8 @@ class XmlRpcServer:
     async def _result(self, body: bytes) -> bytes:
         try:
             method, arguments = xml_read(body)
-            return xml_answer(await self._handle(method or "", arguments))
+            return _xml((await self._handle(method or "", arguments),))
         except RobotError as error:
-            return xml_fault(error.message)
+            return _xml(client.Fault(1, error.message))
         except KeyError:
-            return xml_fault(f"method {method!r} is not known")
+            return _xml(client.Fault(1, f"method {method!r} is not known"))

@@ -16,19 +16,18 @@ from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.clock import Clock, stamp, within
 from kg.robot.connection import Accepted, GraphProblem, Value, goal_lost
-from kg.robot.inbox import Inbox
+from kg.robot.inbox import GoalProgress
 from kg.robot.ros2.ends import Client, Ros2Publication, Service
 from kg.robot.ros2.middleware import LATCHED, OFFERED
-from kg.robot.tasks import outcome, spawn
+from kg.robot.tasks import first, outcome, spawn
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable
+    from collections.abc import Awaitable, Callable
 
     from kg.robot.ros2.connection import Ros2Connection
 
 _ACCEPTED, _EXECUTING, _CANCELLING, _SUCCEEDED, _CANCELLED, _ABORTED = range(1, 7)
 _STATUS: Final = {0: "is not known to the server", _CANCELLED: "was cancelled", _ABORTED: "was aborted"}
-_MOST_FEEDBACK: Final = 1000  # maximum number of queued feedback messages
 _GIVING_UP: Final = 1.0  # wall-clock seconds for the cancellation of an abandoned goal
 _CONFIRMING: Final = 5.0  # seconds for a server to acknowledge a cancellation
 
@@ -44,12 +43,14 @@ async def send_goal(  # noqa: PLR0913 - what a goal consists of
         await within(owner.clock, seconds, made.send(goal))
     except TimeoutError:
         await made.give_up()
-        raise _late(owner, action, seconds) from None
+        if owner.ends(Role.ACTION_SERVERS, action):
+            raise RobotError("KG803", f"`{action}` took no goal within {seconds:g} s") from None
+        raise RobotError("KG807", f"no action server for `{action}`") from None
     except asyncio.CancelledError:
         await made.give_up()
         raise
-    except RobotError:
-        made.end()
+    except RobotError as error:
+        made.end(error)
         raise
     return made
 
@@ -77,26 +78,20 @@ class Ros2Canceller:
             raise RobotError("KG803", f"`{self._action}` did not confirm that the goal is cancelled") from None
 
 
-def _late(owner: Ros2Connection, action: str, seconds: float) -> RobotError:
-    if owner.ends(Role.ACTION_SERVERS, action):
-        return RobotError("KG803", f"`{action}` took no goal within {seconds:g} s")
-    return RobotError("KG807", f"no action server for `{action}`")
-
-
-class Ros2Goal:
+class Ros2Goal(GoalProgress):
     """A goal sent to an action server."""
 
     def __init__(self, owner: Ros2Connection, action: str, kind: str, identity: str) -> None:
+        super().__init__()
         self._owner = owner
         self._action = action
         self._kind = kind
         self._id = bytes.fromhex(identity)
-        self._told: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
         self._listening = owner.wire.reader(
             f"{action}/_action/feedback", f"{kind}_FeedbackMessage", OFFERED, self._take
         )
         self._offered = False
-        self._outcome: asyncio.Future[Value] | None = None
+        self._following: asyncio.Task[None] | None = None
 
     async def send(self, goal: Value) -> None:
         """Send the goal once there is a server; RobotError KG809 if it is rejected."""
@@ -105,6 +100,7 @@ class Ros2Goal:
         (server, *_) = self._owner.ends(Role.ACTION_SERVERS, self._action)
         if server.type is not None and server.type != self._kind:
             raise RobotError("KG806", f"`{self._action}` is of the type {server.type}, not {self._kind}")
+        # All ends are connected before the goal is sent: the server may begin, and even end, at once.
         results = await self._client("get_result", f"{self._kind}_GetResult")
         await self._listening.ready()
         sender = await self._client("send_goal", f"{self._kind}_SendGoal")
@@ -112,21 +108,20 @@ class Ros2Goal:
         response = await sender.call({"goal_id": {"uuid": self._id}, "goal": goal})
         if not response["accepted"]:
             raise RobotError("KG809", f"`{self._action}` rejected the goal")
-        self._outcome = asyncio.ensure_future(self._result(results))
-        self._outcome.add_done_callback(self._ended)
+        self._following = spawn(self._follow(results), f"waiting for the result of {self._action}")
 
     async def _client(self, part: str, kind: str) -> Client:
         return await self._owner.client(f"{self._action}/_action/{part}", kind)
 
+    async def _follow(self, results: Client) -> None:
+        self.end(await outcome(self._result(results)))
+
     async def _result(self, results: Client) -> Value:
-        asking = asyncio.ensure_future(results.call({"goal_id": {"uuid": self._id}}))
-        leaving = asyncio.ensure_future(self._owner.watch.until(lambda _: not self._served()))
-        await asyncio.wait({asking, leaving}, return_when=asyncio.FIRST_COMPLETED)
-        leaving.cancel()
-        if not asking.done():
-            asking.cancel()
+        asking = results.call({"goal_id": {"uuid": self._id}})
+        answered = await first(asking, self._owner.watch.until(lambda _: not self._served()))
+        if answered is None:
             raise goal_lost(self._action, "the server")
-        response = asking.result()
+        (response,) = answered
         if response["status"] != _SUCCEEDED:
             status = _STATUS.get(response["status"], f"ended with the status {response['status']}")
             raise RobotError("KG809", f"the goal of `{self._action}` {status}")
@@ -147,37 +142,20 @@ class Ros2Goal:
             self._owner.watch.report(GraphProblem("KG816", node or self._action, told))
             return
         if bytes(value["goal_id"]["uuid"]) == self._id:
-            self._told.put(value["feedback"])
-
-    def _ended(self, outcome: asyncio.Future[Value]) -> None:
-        if not outcome.cancelled():
-            outcome.exception()  # the result need not be awaited
-        self.end()
+            self.take_feedback(value["feedback"])
 
     async def give_up(self) -> None:
         """Cancel a goal without an acknowledgement: the server may have received it."""
-        self.end()
+        self.end(RobotError("KG803", f"`{self._action}` has taken no goal"))
         if self._offered:
             with suppress(RobotError, TimeoutError):
                 async with asyncio.timeout(_GIVING_UP):
                     await self.cancel()
 
-    def end(self) -> None:
-        """Unsubscribe from feedback."""
-        self._told.end()
+    def end(self, outcome: Value | BaseException) -> None:
+        """Set the result, or the reason for its absence, and unsubscribe from feedback."""
+        super().end(outcome)
         self._listening.close()
-        self._owner.forget(self)
-
-    async def feedback(self) -> AsyncIterator[Value]:
-        """Yield feedback until the goal has ended."""
-        async for value in self._told:
-            yield value
-
-    async def result(self) -> Value:
-        """Return the result; RobotError KG809 with the status if the goal was aborted or cancelled."""
-        if self._outcome is None:
-            raise RobotError("KG803", f"`{self._action}` has taken no goal")
-        return await asyncio.shield(self._outcome)
 
     async def cancel(self) -> None:
         """Request cancellation of the goal; `result` returns when it has ended."""
@@ -268,10 +246,10 @@ class ActionServer:
         return {"accepted": True, "stamp": work.stamp}
 
     async def _work(self) -> None:
-        while open_ones := [one for one in self._goals.values() if not one.ended]:
-            await self._carry(open_ones[0])
+        while work := next((one for one in self._goals.values() if not one.ended), None):
+            await self._execute(work)
 
-    async def _carry(self, work: _Work) -> None:
+    async def _execute(self, work: _Work) -> None:
         result: Value | BaseException = {}
         if not work.cancelled:
             await self._become(work, _EXECUTING)

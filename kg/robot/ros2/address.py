@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Final
-from urllib.parse import parse_qsl, urlsplit
+from urllib.parse import urlsplit
 
 from kg.errors import RobotError
+from kg.robot.connecting import number, options
 
 SETTLE: Final = 5.0
 """Seconds until a discovered graph counts as complete. The lease of a participant is 10 s, and running participants
@@ -54,37 +55,30 @@ class Address:
             parts = urlsplit(text)
         except ValueError as error:
             raise RobotError("KG801", f"`{text}` is not an address: {error}") from None
-        options = dict(parse_qsl(parts.query, keep_blank_values=True))
-        unknown = set(options) - set(_OPTIONS)
-        if unknown:
-            known = ", ".join(f"{name}= ({what})" for name, what in _OPTIONS.items())
-            raise RobotError("KG801", f"`{text}` has an option `{min(unknown)}`", hint=f"Valid: {known}.")
-        if options.get("distribution", "humble") != "humble":
-            told = f"`{text}` names the distribution `{options['distribution']}`"
+        given = options(text, parts.query, _OPTIONS)
+        if given.get("distribution", "humble") != "humble":
+            told = f"`{text}` names the distribution `{given['distribution']}`"
             raise RobotError("KG801", told, hint="Only humble has to be named; leave it out.")
-        if options.get("types", "peers") != "peers":
-            raise RobotError("KG801", f"`{text}` asks `{options['types']}` for types", hint="Write types=peers.")
-        if options.get("clock", "wall") not in {"wall", "simulated"}:
+        if given.get("types", "peers") != "peers":
+            raise RobotError("KG801", f"`{text}` asks `{given['types']}` for types", hint="Write types=peers.")
+        if given.get("clock", "wall") not in {"wall", "simulated"}:
             raise RobotError(
-                "KG801", f"`{text}` asks for a clock `{options['clock']}`", hint="Write clock=wall or clock=simulated."
+                "KG801", f"`{text}` asks for a clock `{given['clock']}`", hint="Write clock=wall or clock=simulated."
             )
         place = parts.netloc + parts.path.rstrip("/")
-        domain = _number(text, options.get("domain") or (place if parts.scheme in {"dds", "rclpy"} else "0") or "0")
+        told = given.get("domain") or (place if parts.scheme in {"dds", "rclpy"} else "0") or "0"
+        domain = number(text, told, _NUMBERS)
         if domain > _MAXIMUM or domain != int(domain):
             raise RobotError(
                 "KG801", f"`{text}`: ROS domain {domain:g} does not exist", hint=f"They are 0 to {_MAXIMUM}."
             )
-        settle = _number(text, options.get("settle") or str(SETTLE))
-        quiet = None if options.get("settle") else QUIET
-        simulated, humble, ask_types = (
-            options.get("clock") == "simulated",
-            "distribution" in options,
-            "types" in options,
+        return cls(
+            text,
+            place,
+            int(domain),
+            simulated=given.get("clock") == "simulated",
+            settle=number(text, given.get("settle") or str(SETTLE), _NUMBERS),
+            quiet=None if given.get("settle") else QUIET,
+            humble="distribution" in given,
+            ask_types="types" in given,
         )
-        return cls(text, place, int(domain), simulated, settle, quiet, humble, ask_types)
-
-
-def _number(address: str, text: str) -> float:
-    if not text.replace(".", "", 1).isdecimal() or not text.isascii():
-        raise RobotError("KG801", f"`{address}`: `{text}` is not a number", hint=_NUMBERS)
-    return float(text)

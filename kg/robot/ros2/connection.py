@@ -53,12 +53,12 @@ class Ros2Connection:
         self.clock: Clock = SimulatedClock() if address.simulated else WallClock()
         self._open: set[_Open] = set()
         self._clients: dict[tuple[str, str], Client] = {}
-        self._suiting = spawn(self._suit(), "following what publishers offer")
+        self._adapting = spawn(self._adapt(), "following what publishers offer")
         self._ticking: asyncio.Task[None] | None = None
         self._states = States(self, watch.changed)
         self._interfaces = NodeInterfaces(self)
         self._open.add(self._interfaces)
-        self._staying = spawn(self._stay(), "serving parameters")
+        self._offering = spawn(self._offer_interfaces(), "serving parameters")
         watch.on_problem = lambda one: self.log("warning", f"[{one.code}] {one.subject}: {one.message}")
 
     @classmethod
@@ -82,7 +82,7 @@ class Ros2Connection:
             self._ticking = spawn(self.clock.follow(ticks), "following /clock")
             await self.clock.begun(self._settle)
 
-    async def _stay(self) -> None:
+    async def _offer_interfaces(self) -> None:
         """Offer the interfaces of every node, unless ours leaves at once, as that of a short command."""
         await self.watch.settled()
         await asyncio.sleep(_STAYS)
@@ -93,14 +93,14 @@ class Ros2Connection:
         if not self.watch.closed:
             self._interfaces.log(level, message)
 
-    async def _suit(self) -> None:
-        async def suited(one: Ros2Subscription) -> None:
+    async def _adapt(self) -> None:
+        async def adapted(one: Ros2Subscription) -> None:
             if one in self._open:
-                one.suit()
+                one.adapt()
 
         async for _ in self.watch.changes():
             for one in [one for one in self._open if isinstance(one, Ros2Subscription)]:
-                error = await outcome(suited(one))
+                error = await outcome(adapted(one))
                 if isinstance(error, Exception):
                     self.watch.report(GraphProblem("KG803", one.topic, f"it cannot be read any more: {error}"))
 
@@ -142,7 +142,7 @@ class Ros2Connection:
             raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, found))}, not {kind}")
         await self.known(kind, kind, topic)
         subscription = Ros2Subscription(self, topic, kind, queue)
-        subscription.suit()
+        subscription.adapt()
         self._open.add(subscription)
         return subscription
 
@@ -225,7 +225,7 @@ class Ros2Connection:
         self._present()
         return await send_goal(self, action, kind, goal, seconds=seconds, identity=identity or uuid4().hex)
 
-    async def canceller(self, action: str, kind: str) -> Ros2Canceller:  # noqa: ARG002 - all actions cancel alike
+    async def canceller(self, action: str) -> Ros2Canceller:
         """Return an object that cancels goals of an action."""
         self._present()
         return await canceller(self, action)
@@ -266,7 +266,7 @@ class Ros2Connection:
             return
         self.watch.close()
         self._states.close()
-        for task in (self._suiting, self._staying, self._ticking):
+        for task in (self._adapting, self._offering, self._ticking):
             if task is not None:
                 task.cancel()
         for one in list(self._open):

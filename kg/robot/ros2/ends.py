@@ -104,7 +104,7 @@ class Ros2Subscription(Messages):
         self._qos: Qos | None = None
         self._handle: Handle | None = None
 
-    def suit(self) -> None:
+    def adapt(self) -> None:
         """Request a QoS that all known publishers offer; the reader is reopened if it changes."""
         offers = [one.qos for one in self._owner.ends(Role.PUBLISHES, self.topic) if one.qos]
         reliable = all(one.reliability != "best_effort" for one in offers)
@@ -141,8 +141,7 @@ class Ros2Subscription(Messages):
     def end(self) -> None:
         """End the iteration, as when the connection is closed."""
         self._inbox.end()
-        if self._handle is not None:
-            self._handle.close()
+        self._shut()
 
 
 class Ros2Publication:

@@ -56,13 +56,11 @@ def _nodes(nodes: Iterable[LiveNode]) -> list[LiveNode]:
     for node in nodes:
         named[node.name].append(node)
     return [
-        each[0] if len(each) == 1 else replace(min(each, key=_where), problem=f"{len(each)} nodes have this name")
+        each[0]
+        if len(each) == 1
+        else replace(min(each, key=lambda one: one.address or ""), problem=f"{len(each)} nodes have this name")
         for _, each in sorted(named.items())
     ]
-
-
-def _where(node: LiveNode) -> str:
-    return node.address or ""
 
 
 def _misfits(ends: list[LiveEnd]) -> list[GraphProblem]:
@@ -159,8 +157,7 @@ class Watch:
         if self._cached is None or self._cached.complete != self.complete:
             seen = self.amend(computation_graph(self._look(), complete=self.complete))
             self._seen = self._seen or bool(seen.nodes)
-            problems = sorted({*seen.problems, *self._problems})
-            self._cached = type(seen)(seen.ros, seen.nodes, seen.ends, tuple(problems), seen.complete)
+            self._cached = replace(seen, problems=tuple(sorted({*seen.problems, *self._problems})))
         return self._cached
 
     def report(self, problem: GraphProblem) -> None:
@@ -178,14 +175,15 @@ class Watch:
 
     def _tell(self) -> None:
         self._gathering = None
-        self._count()
+        self._note_loss()
         if self._quiet is not None and self._seen and not self.complete:
+            # Each change begins a new quiet period, which ends at the latest with the time of `settle`.
             self._settled = min(self._latest, self._loop.time() + self._quiet)
             self._settling.cancel()
             self._settling = self._loop.call_at(self._settled, self.changed)
         self._changes.tell()
 
-    def _count(self) -> None:
+    def _note_loss(self) -> None:
         """Detect that all nodes have left."""
         if self.now().nodes:
             if self._leaving is not None:

@@ -36,19 +36,23 @@ class Neighbourhood:
 class Handle(Protocol):
     """An open end."""
 
-    @property
-    def peers(self) -> int:
-        """Number of connected ends of others."""
-
-    async def ready(self) -> None:
-        """Return when an end of another node is connected, so no message is lost from then on."""
-
     def close(self) -> None:
         """Close it; may be repeated."""
 
 
-class Writer(Handle, Protocol):
+class End(Handle, Protocol):
+    """A subscriber or publisher of a topic."""
+
+    async def ready(self) -> None:
+        """Return when an end of another node is connected, so no message is lost from then on."""
+
+
+class Writer(End, Protocol):
     """A publisher of a topic."""
+
+    @property
+    def peers(self) -> int:
+        """Number of connected subscribers."""
 
     @property
     def confirmed(self) -> bool:
@@ -76,7 +80,7 @@ class Middleware(Protocol):
     def neighbourhood(self) -> Neighbourhood:
         """Return the other nodes and ends."""
 
-    def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> Handle:
+    def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> End:
         """Open a reader of a topic."""
 
     def writer(self, topic: str, kind: str, qos: Qos) -> Writer:

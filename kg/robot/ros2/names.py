@@ -46,10 +46,16 @@ def family(kind: str, *, service: bool = False) -> str:
     return "srv" if service or _SERVICE.search(kind) else "msg"
 
 
+def full_type(kind: str, *, service: bool = False) -> str:
+    """Return the full name of `package/Type`: `package/msg/Type`, also with `srv` or `action`."""
+    package, _, name = kind.partition("/")
+    return f"{package}/{family(kind, service=service)}/{name}"
+
+
 def dds_type(kind: str, *, service: bool = False) -> str:
     """Return the DDS name of `package/Type`: `package::msg::dds_::Type_`."""
-    package, _, name = kind.partition("/")
-    return f"{package}::{family(kind, service=service)}::dds_::{name}_"
+    package, folder, name = full_type(kind, service=service).split("/")
+    return f"{package}::{folder}::dds_::{name}_"
 
 
 def ros_type(mangled: str) -> str | None:

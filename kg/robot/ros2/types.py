@@ -17,11 +17,9 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.messages.types import learn_all, short
 from kg.robot.messages.values import MEMBER_OF_NOTHING
-from kg.robot.ros2.names import family
+from kg.robot.ros2.names import family, full_type
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from kg.robot.connection import ComputationGraph, Value
     from kg.robot.messages import Field, Types
     from kg.robot.ros2.connection import Ros2Connection
@@ -39,19 +37,14 @@ def type_hash(types: Types, kind: str, *, service: bool = False) -> str:
     else:
         _describe(types, kind, found)
     store.fielddefs = found
-    return store.hash_rihs01(_full(kind, service=service))
-
-
-def _full(kind: str, *, service: bool = False) -> str:
-    package, _, name = kind.partition("/")
-    return f"{package}/{family(kind, service=service)}/{name}"
+    return store.hash_rihs01(full_type(kind, service=service))
 
 
 def _describe(types: Types, kind: str, found: dict[str, Any]) -> None:
-    if _full(kind) in found:
+    if full_type(kind) in found:
         return
     fields = types.fields(kind)
-    found[_full(kind)] = ([], [(one.name, _description(one)) for one in fields] or [_DUMMY])
+    found[full_type(kind)] = ([], [(one.name, _description(one)) for one in fields] or [_DUMMY])
     for one in fields:
         if one.is_message:
             _describe(types, one.type, found)
@@ -60,7 +53,7 @@ def _describe(types: Types, kind: str, found: dict[str, Any]) -> None:
 def _description(field: Field) -> Any:
     sort = Nodetype.NAME if field.is_message else Nodetype.BASE
     base = "uint8" if field.type == "char" else field.type  # rosidl converts it to `uint8`
-    element = (sort, _full(field.type) if field.is_message else (base, field.bound))
+    element = (sort, full_type(field.type) if field.is_message else (base, field.bound))
     if field.length is None:
         return element
     return (Nodetype.ARRAY, (element, field.length)) if field.length else (Nodetype.SEQUENCE, (element, field.most))
@@ -70,12 +63,12 @@ def _describe_service(types: Types, kind: str, found: dict[str, Any]) -> None:
     parts = [(name, f"{kind}_{name.capitalize()}") for name in ("request", "response")]
     for one in (*(part for _, part in parts), _EVENT):
         _describe(types, one, found)
-    event: list[Any] = [("info", (Nodetype.NAME, _full(_EVENT)))]
-    event += [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, _full(part)), 1))) for name, part in parts]
-    found[_full(f"{kind}_Event")] = ([], event)
-    whole: list[Any] = [(f"{name}_message", (Nodetype.NAME, _full(part))) for name, part in parts]
-    whole.append(("event_message", (Nodetype.NAME, _full(f"{kind}_Event"))))
-    found[_full(kind, service=True)] = ([], whole)
+    event: list[Any] = [("info", (Nodetype.NAME, full_type(_EVENT)))]
+    event += [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, full_type(part)), 1))) for name, part in parts]
+    found[full_type(f"{kind}_Event")] = ([], event)
+    whole: list[Any] = [(f"{name}_message", (Nodetype.NAME, full_type(part))) for name, part in parts]
+    whole.append(("event_message", (Nodetype.NAME, full_type(f"{kind}_Event"))))
+    found[full_type(kind, service=True)] = ([], whole)
 
 
 _SERVICE: Final = "type_description_interfaces/GetTypeDescription"
@@ -115,10 +108,9 @@ async def describe(connection: Ros2Connection, kind: str, name: str) -> str | No
         return sorted({(node, digest) for node, digest in connection.wire.hashes(name) if node in able})
 
     await connection.watch.until(lambda graph: bool(describing(graph)) or graph.complete)
-    package, _, own = kind.partition("/")
     why = ""
     for node, digest in describing(connection.watch.now()):
-        request = {"type_name": f"{package}/{family(kind)}/{own}", "type_hash": digest}
+        request = {"type_name": full_type(kind), "type_hash": digest}
         try:
             answer = await connection.call(f"{node}/get_type_description", _SERVICE, request, seconds=_PATIENCE)
             if answer["successful"]:
@@ -136,19 +128,14 @@ def texts(description: Value) -> dict[str, str]:
     The descriptions of a whole service or action, and of events, are left out. RobotError KG804 for a field of an
     unsupported type.
     """
-    every = [description["type_description"], *description["referenced_type_descriptions"]]
-    return {short(one["type_name"]): "".join(_lines(one)) for one in every if _is_message(one["type_name"])}
-
-
-def _is_message(name: str) -> bool:
-    _, folder, own = name.split("/") if name.count("/") == len(("package", "folder")) else ("", "", "")
-    return folder == family(name) and not own.endswith(_WHOLE)
-
-
-def _lines(one: Value) -> Iterator[str]:
-    for field in one["fields"]:
-        if field["name"] != MEMBER_OF_NOTHING:
-            yield f"{_written(field['type'])} {field['name']}\n"
+    found: dict[str, str] = {}
+    for one in (description["type_description"], *description["referenced_type_descriptions"]):
+        _, folder, own = one["type_name"].split("/") if one["type_name"].count("/") == 2 else ("", "", "")  # noqa: PLR2004 - package/folder/Type
+        if folder == family(one["type_name"]) and not own.endswith(_WHOLE):
+            fields = (field for field in one["fields"] if field["name"] != MEMBER_OF_NOTHING)
+            lines = (f"{_written(field['type'])} {field['name']}\n" for field in fields)
+            found[short(one["type_name"])] = "".join(lines)
+    return found
 
 
 def _written(told: dict[str, Any]) -> str:

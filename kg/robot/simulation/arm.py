@@ -83,16 +83,13 @@ class Arm:
             return
         length = math.hypot(*turned)
         x, y, z, w = (one / length for one in turned) if length else _DOWN
-        self._way = []
-        self._target, self._aim = (self._within_reach(at), (x, y, z, w)), self._hand()
-
-    def _within_reach(self, at: Vector) -> Vector:
         shoulder = (self.base.x, self.base.y, _SHOULDER)
         above = (at[0], at[1], max(_LOWEST_HAND, at[2]))
         far = math.dist(above, shoulder)
         share = min(1.0, _REACH / far) if far else 0.0
-        x, y, z = (middle + share * (to - middle) for to, middle in zip(above, shoulder, strict=True))
-        return x, y, z
+        east, north, up = (middle + share * (to - middle) for to, middle in zip(above, shoulder, strict=True))
+        self._way = []
+        self._target, self._aim = ((east, north, up), (x, y, z, w)), self._hand()
 
     def follow(self, way: Sequence[Waypoint]) -> None:
         """Move the joints along a trajectory, whose times are later than now, within the joints' limits."""
@@ -145,6 +142,7 @@ class Arm:
         share = min(1.0, _SPEED * seconds / far) if far else 1.0
         x, y, z = (one + share * (two - one) for one, two in zip(aim, at, strict=True))
         bullet = self._scene.bullet
+        # The angle between two orientations; a quaternion and its negative are the same one.
         angle = 2 * math.acos(min(1.0, abs(sum(one * two for one, two in zip(now, turned, strict=True)))))
         turn = min(1.0, _TURNING * seconds / angle) if angle else 1.0
         self._aim = (x, y, z), tuple(bullet.getQuaternionSlerp(now, turned, turn))

@@ -19,7 +19,7 @@ from kg.robot.simulation.stage import Node, point, posed
 from kg.robot.simulation.wheeled import RADIUS, SPEED, Wheeled
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
 
     from kg.robot.connection import Accepted, Publication, Value
     from kg.robot.simulation.plan import Plan
@@ -117,20 +117,17 @@ class Planner:
         end = self._grid.cell(*goal) if math.isfinite(sum(goal)) else (-1, -1)
         if not self._free(end):
             return None
-        begin = self._nearest_free(self._grid.cell(*start))
-        cells = self._search(begin, end) if begin else None
-        return None if cells is None else [*self._straightened(cells)[1:-1], goal]
+        row, column = self._grid.cell(*start)
+        around = range(-4, 5)
+        near = sorted((math.hypot(down, right), down, right) for down in around for right in around)
+        cells = ((row + down, column + right) for _, down, right in near)
+        begin = next((cell for cell in cells if self._free(cell)), None)
+        found = self._search(begin, end) if begin else None
+        return None if found is None else [*self._straightened(found)[1:-1], goal]
 
     def _free(self, cell: Cell) -> bool:
         row, column = cell
         return 0 <= row < self._grid.rows and 0 <= column < self._grid.columns and not self._blocked[row, column]
-
-    def _nearest_free(self, cell: Cell) -> Cell | None:
-        around = range(-4, 5)
-        near = sorted((math.hypot(down, right), down, right) for down in around for right in around)
-        return next(
-            ((cell[0] + one, cell[1] + two) for _, one, two in near if self._free((cell[0] + one, cell[1] + two))), None
-        )
 
     def _search(self, start: Cell, goal: Cell) -> list[Cell] | None:
         cost = {start: 0.0}
@@ -139,19 +136,19 @@ class Planner:
         while waiting:
             _, cell = heapq.heappop(waiting)
             if cell == goal:
-                return _traced(before, goal)
-            for there, length in self._beside(cell):
-                now = cost[cell] + length
+                path = [goal]
+                while path[-1] in before:
+                    path.append(before[path[-1]])
+                return path[::-1]
+            for down, right in _STEPS:
+                there = cell[0] + down, cell[1] + right
+                if not self._free(there):
+                    continue
+                now = cost[cell] + math.hypot(down, right) * (_DETOUR if self._close[there] else 1.0)
                 if now < cost.get(there, math.inf):
                     cost[there], before[there] = now, cell
                     heapq.heappush(waiting, (now + math.dist(there, goal), there))
         return None
-
-    def _beside(self, cell: Cell) -> Iterator[tuple[Cell, float]]:
-        for down, right in _STEPS:
-            there = cell[0] + down, cell[1] + right
-            if self._free(there):
-                yield there, math.hypot(down, right) * (_DETOUR if self._close[there] else 1.0)
 
     def _straightened(self, cells: list[Cell]) -> list[tuple[float, float]]:
         """Return the corners of a path, without the points between."""
@@ -163,7 +160,7 @@ class Planner:
 
     def _clear(self, start: Cell, end: Cell) -> bool:
         """Return whether a straight line crosses only cells away from walls."""
-        steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)
+        steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)  # half cells, so that none is skipped
         return not any(
             self._close[
                 round(start[0] + (end[0] - start[0]) * index / steps),
@@ -171,13 +168,6 @@ class Planner:
             ]
             for index in range(steps + 1)
         )
-
-
-def _traced(before: dict[Cell, Cell], goal: Cell) -> list[Cell]:
-    cells = [goal]
-    while cells[-1] in before:
-        cells.append(before[cells[-1]])
-    return cells[::-1]
 
 
 REACHED: Final = 0.1
@@ -311,15 +301,12 @@ class Navigator:
             elif clock.now() - since > _PATIENCE:
                 accepted.abort(f"the robot is not getting closer, {left:.1f} m before its goal")
                 break
-            await accepted.feedback(self._progress(pose, left))
+            stamped = {"header": self._node.stage.header("map"), "pose": posed(pose)}
+            ros1 = self._node.connection.ros == 1
+            told = {"base_position": stamped} if ros1 else {"current_pose": stamped, "distance_remaining": left}
+            await accepted.feedback(told)
             await clock.sleep(_PERIOD)
         await self._drive(Command())
 
     async def _drive(self, command: Command) -> None:
         await self._velocity.publish({"linear": point(command.forward, 0), "angular": point(0, 0, command.turn)})
-
-    def _progress(self, pose: Pose, left: float) -> Value:
-        stamped = {"header": self._node.stage.header("map"), "pose": posed(pose)}
-        if self._node.connection.ros == 1:
-            return {"base_position": stamped}
-        return {"current_pose": stamped, "distance_remaining": left}

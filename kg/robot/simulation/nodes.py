@@ -13,7 +13,7 @@ import numpy as np
 
 from kg.robot.simulation.navigating import Grid, Navigator
 from kg.robot.simulation.robots import Command, Pose, quaternion_of
-from kg.robot.simulation.scene import TAG_SIZE, Camera, Sighting, Vector, find_tags
+from kg.robot.simulation.scene import TAG_SIZE, Camera, Vector, find_tags
 from kg.robot.simulation.stage import Node, Stage, point, posed
 from kg.robot.simulation.wheeled import LASER_RANGE, RADIUS, RAYS, Wheeled
 
@@ -80,21 +80,16 @@ async def tag_finder(node: Node, topic: str, turned: Turned, shift: Vector) -> N
             pixels = np.frombuffer(value["data"], dtype=np.uint8).reshape(value["height"], value["width"], 3)
             tags = find_tags(pixels, geometry["matrix"], TAG_SIZE)
             header = value["header"] | {"frame_id": "base_link"}
-            markers = [_marker(node.connection.ros, header, one, _placed(turned(one.position), shift)) for one in tags]
+            markers = []
+            for one in tags:
+                at = point(*(part + off for part, off in zip(turned(one.position), shift, strict=True)))
+                pose = {"position": at, "orientation": dict(zip("xyzw", one.orientation, strict=True))}
+                inner = {"header": header, "pose": pose} if node.connection.ros == 1 else {"pose": pose}
+                markers.append({"header": header, "id": one.id, "pose": inner, "confidence": 1})
             await found.publish({"header": header, "markers": markers})
 
     await node.hear(f"{topic}/camera_info", "sensor_msgs/CameraInfo", learn, queue=1)
     await node.hear(f"{topic}/image_raw", "sensor_msgs/Image", see, queue=1)
-
-
-def _placed(at: Vector, shift: Vector) -> Value:
-    return point(*(part + off for part, off in zip(at, shift, strict=True)))
-
-
-def _marker(ros: int, header: Value, one: Sighting, at: Value) -> Value:
-    pose = {"position": at, "orientation": dict(zip("xyzw", one.orientation, strict=True))}
-    inner = {"header": header, "pose": pose} if ros == 1 else {"pose": pose}
-    return {"header": header, "id": one.id, "pose": inner, "confidence": 1}
 
 
 _RESOLUTION: Final = 0.05

@@ -148,31 +148,6 @@ async def hosted_in_memory(
             yield simulation, bus.address
 
 
-def at_address(  # noqa: PLR0913 - what can be chosen of a simulation
-    world: str,
-    address: str,
-    *,
-    ros: int = 1,
-    speed: float | None = 1.0,
-    seed: int = 0,
-    told: bool = False,
-    start: Place | None = None,
-) -> Simulation:
-    """Return a world as nodes of the system at an address, still to be opened and run.
-
-    With `told`, messages have the time of the world instead of the wall clock, and `/clock` is published.
-
-    Raises:
-        RobotError: KG840 pybullet or OpenCV is not installed; opening it raises those of `connect`.
-    """
-    types = Types(ros)
-
-    async def join(name: str) -> Connection:
-        return await connect(address, name=name, types=types)
-
-    return Simulation(world, join, ros=ros, speed=speed, seed=seed, told=told, start=start)
-
-
 @asynccontextmanager
 async def running(simulation: Simulation) -> AsyncIterator[None]:
     """Advance an open simulation during the body; its failure ends the body and is raised instead."""
@@ -234,8 +209,12 @@ async def simulate(choice: Choice, begun: Callable[[str], None]) -> None:
         RobotError: those of `opened`, and KG803 when the system ends before the simulation.
     """
     async with opened(choice) as (simulation, address):
+
+        async def lost() -> None:
+            raise RobotError("KG803", f"the simulation has lost its system: {await simulation.stage.wait_lost()}")
+
         begun(address)
-        await _run(simulation, choice.seconds)
+        await first(simulation.run(choice.seconds), lost())
 
 
 @asynccontextmanager
@@ -253,9 +232,14 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
             await stack.enter_async_context(_told(address))
         if choice.told and ros > 1:
             address = f"{address}?clock=simulated"
-        simulation = at_address(
+        types = Types(ros)
+
+        async def join(name: str) -> Connection:
+            return await connect(address, name=name, types=types)
+
+        simulation = Simulation(
             choice.world,
-            address,
+            join,
             ros=ros,
             speed=choice.speed,
             seed=choice.seed,
@@ -264,13 +248,6 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
         )
         await stack.enter_async_context(simulation)
         yield simulation, address
-
-
-async def _run(simulation: Simulation, seconds: float | None) -> None:
-    async def lost() -> None:
-        raise RobotError("KG803", f"the simulation has lost its system: {await simulation.stage.wait_lost()}")
-
-    await first(simulation.run(seconds), lost())
 
 
 @asynccontextmanager

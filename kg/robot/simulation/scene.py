@@ -125,14 +125,10 @@ def _sighting(tag: int, corners: np.ndarray[Any, Any], matrix: np.ndarray[Any, A
     square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)], dtype=np.float64)
     _, turn, shift = cv.solvePnP(square, corners.astype(np.float64), matrix, None, flags=cv.SOLVEPNP_IPPE_SQUARE)
     x, y, z = (float(one) for one in shift.flatten())
-    return Sighting(tag, (x, y, z), _quaternion(turn.flatten()))
-
-
-def _quaternion(vector: np.ndarray[Any, Any]) -> tuple[float, float, float, float]:
-    angle = float(np.linalg.norm(vector))
-    axis = vector / angle if angle else vector
-    x, y, z = (float(one) * float(np.sin(angle / 2)) for one in axis)
-    return x, y, z, float(np.cos(angle / 2))
+    angle = float(np.linalg.norm(turn))  # a rotation vector: its direction is the axis
+    share = math.sin(angle / 2) / angle if angle else 0.0
+    i, j, k = (float(one) * share for one in turn.flatten())
+    return Sighting(tag, (x, y, z), (i, j, k, math.cos(angle / 2)))
 
 
 @cache
@@ -207,7 +203,8 @@ class Scene:
                 half = (abs(to_x - x) / 2 + _THICK / 2, abs(to_y - y) / 2 + _THICK / 2, plan.height / 2)
                 self.box(half, ((x + to_x) / 2, (y + to_y) / 2, plan.height / 2), _WALL)
         for thing in plan.things:
-            at, color = (thing.x, thing.y, thing.height / 2), _color(thing.color)
+            at = (thing.x, thing.y, thing.height / 2)
+            color = (*(int(thing.color[begin : begin + 2], 16) / 255 for begin in (1, 3, 5)), 1.0)  # from `#rrggbb`
             if thing.shape == "box":
                 half = (thing.width / 2, thing.depth / 2, thing.height / 2)
                 self._things[thing.name] = self.box(half, at, color, thing.mass)
@@ -277,7 +274,3 @@ class Scene:
     def close(self) -> None:
         """End the physics server."""
         self.bullet.disconnect()
-
-
-def _color(text: str) -> tuple[float, ...]:
-    return (*(int(text[at : at + 2], 16) / 255 for at in (1, 3, 5)), 1.0)

@@ -48,7 +48,11 @@ class TopView:
 
     def svg(self) -> str:
         """Return the current picture, an SVG document of some kilobytes."""
-        return f"{self._still}{self._moved()}{self._trail()}{self._robot()}{self._state()}</svg>"
+        places = ((one, self._world.thing_at(one.name)) for one in self._plan.things if one.mass)
+        moved = "".join(self._thing(one, x, y) for one, (x, y, _) in places)
+        points = " ".join(f"{self._x(x)},{self._y(y)}" for x, y in self._world.trail.points[-_SHOWN:])
+        trail = f'<polyline class="trail" points="{points}"/>'
+        return f"{self._still}{moved}{trail}{self._robot()}{self._state()}</svg>"
 
     def _x(self, x: float) -> str:
         return f"{x * self._scale + _MARGIN:.0f}"
@@ -79,11 +83,6 @@ class TopView:
             yield f'<rect class="tag" x="{x - 12:.0f}" y="{y - 11:.0f}" width="24" height="22" rx="2"/>'
             yield f'<text class="number" x="{x:.0f}" y="{y + 6:.0f}">{tag.id}</text>'
 
-    def _moved(self) -> str:
-        """Draw the movable objects at their current places."""
-        places = [(one, self._world.thing_at(one.name)) for one in self._plan.things if one.mass]
-        return "".join(self._thing(one, x, y) for one, (x, y, _) in places)
-
     def _thing(self, thing: Thing, x: float, y: float) -> str:
         look = f'class="thing" fill="{thing.color}"><title>{escape(thing.name)}</title>'
         if thing.shape == "cylinder":
@@ -93,10 +92,6 @@ class TopView:
         return (
             f'<rect {at} width="{thing.width * self._scale:.0f}" height="{thing.depth * self._scale:.0f}" {look}</rect>'
         )
-
-    def _trail(self) -> str:
-        points = " ".join(f"{self._x(x)},{self._y(y)}" for x, y in self._world.trail.points[-_SHOWN:])
-        return f'<polyline class="trail" points="{points}"/>'
 
     def _robot(self) -> str:
         pose, length = self._world.robot.pose, RADIUS * 1.4

@@ -56,16 +56,13 @@ class World:
         self.robot.step(self.step, self.time)
         pose = self.robot.pose
         self.trail.add(pose)
-        self._note(self.plan.room_at(pose.x, pose.y))
-        self._note_motion(pose)
-        self.clock.tell(self.time)
-
-    def _note(self, room: str | None) -> None:
-        before, since = self._entered
+        room, (before, since) = self.plan.room_at(pose.x, pose.y), self._entered
         if room != before:
             self._entered = (room, self.time)
         elif room and self.time - since >= _LASTING and self.visited[-1:] != [room]:
             self.visited.append(room)
+        self._note_motion(pose)
+        self.clock.tell(self.time)
 
     def _note_motion(self, pose: Pose) -> None:
         self.turned += abs(math.remainder(pose.heading - self._heading, math.tau))

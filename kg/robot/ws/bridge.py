@@ -17,7 +17,7 @@ from kg.robot.messages import Types
 from kg.robot.ros1.graph import fold
 from kg.robot.ros2.graph import computation_graph
 from kg.robot.ros2.middleware import Neighbourhood
-from kg.robot.ros2.names import family
+from kg.robot.ros2.names import full_type
 
 Send: TypeAlias = "Callable[[str | bytes], Awaitable[None]]"
 """Sends a text or bytes to the server."""
@@ -53,8 +53,7 @@ class Bridge:
 
     def _full(self, kind: str) -> str:
         """Return the full name of a type in the version of ROS: `package/msg/Type` in ROS 2."""
-        package, _, name = kind.partition("/")
-        return kind if self.types.ros == 1 else f"{package}/{family(kind)}/{name}"
+        return kind if self.types.ros == 1 else full_type(kind)
 
     async def _tell(self, op: str, **fields: Any) -> None:
         await self._send(json.dumps({"op": op, **fields}))
@@ -106,8 +105,7 @@ class Bridge:
         told = Neighbourhood(tuple(nodes), tuple(ends), tuple(self._problems))
         if self.types.ros == 2:  # noqa: PLR2004 - the version
             return computation_graph(told, complete=True)
-        ordered = sorted(fold(told.ends), key=lambda one: (one.name, one.role, one.node, one.type or ""))
-        return ComputationGraph(1, told.nodes, tuple(ordered), tuple(sorted(told.problems)))
+        return ComputationGraph(1, told.nodes, fold(told.ends), tuple(sorted(told.problems)))
 
     def hears(self, topic: str) -> int:
         """Return the number of subscribers of a topic, as far as the bridge reports it."""

@@ -34,7 +34,7 @@ class BridgeConnection:
         self.address = address
         self.name = name
         self._socket = socket
-        self._bridge = bridge
+        self.bridge = bridge
         self.clock: Clock = WallClock()  # bridges report none
         self._inboxes: dict[str, list[Inbox[Received]]] = {}
         self._offered: dict[str, _Publication] = {}
@@ -53,39 +53,36 @@ class BridgeConnection:
         async def lost() -> None:
             raise RobotError("KG802", f"{self.address} {await self.wait_lost()}")
 
-        await first(self._bridge.begin(), lost())
+        await first(self.bridge.begin(), lost())
 
     @property
     def ros(self) -> int:
         """The version of the bridged ROS."""
-        return self._bridge.types.ros
+        return self.bridge.types.ros
 
     @property
     def types(self) -> Types:
         """The known message types."""
-        return self._bridge.types
+        return self.bridge.types
 
     async def _receive(self) -> None:
         why = "has closed the connection"
         try:
             async for message in self._socket:
-                self._bridge.take(message)
+                self.bridge.take(message)
         except ConnectionClosed as error:
             why = f"was lost: {error}"
         except RobotError as error:
             why = f"breaks the protocol: {error.message}"
         finally:
-            self._lose(why)
-
-    def _lose(self, why: str) -> None:
-        if not self._lost.done():
             self._lost.set_result(why)
-        self._bridge.lose(RobotError("KG803", f"the bridge at {self.address} {why}"))
-        for inbox in [one for each in self._inboxes.values() for one in each]:
-            inbox.end()
-        self._changes.tell()
+            self.bridge.lose(RobotError("KG803", f"the bridge at {self.address} {why}"))
+            for inbox in [one for each in self._inboxes.values() for one in each]:
+                inbox.end()
+            self._changes.tell()
 
-    def _present(self) -> None:
+    def present(self) -> None:
+        """Raise RobotError KG803 if the connection is lost or closed."""
         if self._closed or self._lost.done():
             why = self._lost.result() if self._lost.done() and not self._closed else "is not connected any more"
             raise RobotError("KG803", f"the bridge at {self.address} {why}")
@@ -99,7 +96,7 @@ class BridgeConnection:
         return self._now()
 
     def _now(self) -> ComputationGraph:
-        return self._states.of(of_robot(self._bridge.graph()))
+        return self._states.of(of_robot(self.bridge.graph()))
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
         """Yield the current graph, and again after each change; ends with the connection."""
@@ -110,13 +107,13 @@ class BridgeConnection:
 
         A bridge sends each topic once: of two subscriptions, only the first gets a message latched before.
         """
-        self._present()
-        known = await self._bridge.know(topic, kind)
+        self.present()
+        known = await self.bridge.know(topic, kind)
         inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(topic, inbox))
         others = self._inboxes.setdefault(topic, [])
         others.append(inbox)
         if len(others) == 1:
-            self._listening[topic] = spawn(_unless_lost(self._bridge.listen(topic, known)), f"listening to `{topic}`")
+            self._listening[topic] = spawn(_unless_lost(self.bridge.listen(topic, known)), f"listening to `{topic}`")
             await asyncio.sleep(0)  # its first message is already in transit
         return inbox
 
@@ -127,7 +124,7 @@ class BridgeConnection:
             if not inboxes:
                 del self._inboxes[topic]
                 self._listening.pop(topic).cancel()
-                self._tasks.spawn(_unless_lost(self._bridge.leave(topic)), f"leaving `{topic}`")
+                self._tasks.spawn(_unless_lost(self.bridge.leave(topic)), f"leaving `{topic}`")
 
     def _deliver(self, topic: str, value: Value) -> None:
         for inbox in self._inboxes.get(topic, ()):
@@ -135,41 +132,32 @@ class BridgeConnection:
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> _Publication:
         """Advertise a topic; RobotError KG804 for an unknown type, KG852 if the bridge accepts no messages."""
-        self._present()
+        self.present()
         self.types.fields(kind)
         publication = self._offered.get(topic)
         if publication is None:
-            await self._bridge.offer(topic, kind, latch=latch)
+            await self.bridge.offer(topic, kind, latch=latch)
             publication = self._offered[topic] = _Publication(self, topic, kind)
         elif publication.kind != kind:
             raise RobotError("KG806", f"`{topic}` is of the type {publication.kind}, not {kind}")
         publication.users += 1
         return publication
 
-    async def publish(self, publication: _Publication, value: Value) -> None:
-        """Publish a message; RobotError KG803, KG805."""
-        self._present()
-        try:
-            await self._bridge.send(publication.topic, publication.kind, value)
-        except ConnectionClosed:
-            raise RobotError("KG803", f"the bridge at {self.address} is lost") from None
-
-    async def withdraw(self, publication: _Publication) -> None:
+    async def withdraw(self, topic: str) -> None:
         """Stop publishing a topic."""
-        if self._offered.get(publication.topic) is publication:
-            del self._offered[publication.topic]
-            with suppress(ConnectionClosed):
-                await self._bridge.withdraw(publication.topic)
+        del self._offered[topic]
+        with suppress(ConnectionClosed):
+            await self.bridge.withdraw(topic)
 
     def hears(self, topic: str) -> int:
         """Return the number of subscribers of a topic."""
-        return 0 if self._lost.done() else self._bridge.hears(topic)
+        return 0 if self._lost.done() else self.bridge.hears(topic)
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response; RobotError KG803, KG806 to KG808 as every connection."""
-        self._present()
+        self.present()
         try:
-            return await asyncio.wait_for(self._bridge.call(service, kind, request), seconds)
+            return await asyncio.wait_for(self.bridge.call(service, kind, request), seconds)
         except TimeoutError:
             raise RobotError("KG803", f"`{service}` did not answer within {seconds:g} s") from None
         except ConnectionClosed:
@@ -230,10 +218,14 @@ class _Publication:
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG803, KG805."""
-        await self._connection.publish(self, value)
+        self._connection.present()
+        try:
+            await self._connection.bridge.send(self.topic, self.kind, value)
+        except ConnectionClosed:
+            raise RobotError("KG803", f"the bridge at {self._connection.address} is lost") from None
 
     async def aclose(self) -> None:
         """Stop publishing the topic."""
         self.users -= 1
         if self.users == 0:
-            await self._connection.withdraw(self)
+            await self._connection.withdraw(self.topic)

@@ -11,6 +11,7 @@ import asyncio
 import json
 import math
 from base64 import b64decode, b64encode
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
@@ -44,14 +45,11 @@ def _read(types: Types, kind: str, told: Any) -> Any:
 
 
 def _read_field(types: Types, field: Field, told: Any) -> Any:
-    if field.length is None:
-        return _read_one(types, field, told)
-    if field.type in _BYTES and isinstance(told, str):
-        return b64decode(told, validate=True)
-    return [_read_one(types, field, one) for one in told] if isinstance(told, list) else told
-
-
-def _read_one(types: Types, field: Field, told: Any) -> Any:
+    if field.length is not None:
+        if field.type in _BYTES and isinstance(told, str):
+            return b64decode(told, validate=True)
+        element = replace(field, length=None)
+        return [_read_field(types, element, one) for one in told] if isinstance(told, list) else told
     if field.is_message:
         return _read(types, field.type, told)
     return math.nan if told is None and field.type.startswith("float") else told
@@ -59,11 +57,10 @@ def _read_one(types: Types, field: Field, told: Any) -> Any:
 
 def to_json(types: Types, kind: str, value: Value) -> dict[str, Any]:
     """Return the complete object of a message; RobotError KG805 and KG804 as `Types.complete`."""
-    written: dict[str, Any] = _write(types, kind, types.complete(kind, value))
-    return written
+    return _write(types, kind, types.complete(kind, value))
 
 
-def _write(types: Types, kind: str, value: Value) -> Any:
+def _write(types: Types, kind: str, value: Value) -> dict[str, Any]:
     if kind in _TIMES:
         return dict(zip(_SECONDS[types.ros], (value["sec"], value["nanosec"]), strict=True))
     return {one.name: _write_field(types, one, value[one.name]) for one in types.fields(kind)}
@@ -73,11 +70,8 @@ def _write_field(types: Types, field: Field, value: Any) -> Any:
     if isinstance(value, bytes):
         return b64encode(value).decode()
     if field.length is not None:
-        return [_write_one(types, field, one) for one in value]
-    return _write_one(types, field, value)
-
-
-def _write_one(types: Types, field: Field, value: Any) -> Any:
+        element = replace(field, length=None)
+        return [_write_field(types, element, one) for one in value]
     if field.is_message:
         return _write(types, field.type, value)
     return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -12,6 +12,7 @@ import hashlib
 import struct
 import time
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any, Final, NamedTuple
 
 import zenoh
@@ -65,18 +66,19 @@ def passing(loop: asyncio.AbstractEventLoop, call: Callable[[Any], None]) -> Cal
 
 
 class End:
-    """Base of all ends: a token that announces it, and the number of ends at the other side.
+    """An end, such as a reader: a token that announces it, and the number of ends at the other side.
 
     Args:
-        token: the declared token; it is undeclared when the end is closed.
+        token: the declared token.
         others: counts the known ends at the other side.
+        declared: a subscriber, publisher or queryable; it is undeclared after the token when the end is closed.
     """
 
-    def __init__(self, token: Any, others: Callable[[], int]) -> None:
+    def __init__(self, token: Any, others: Callable[[], int], declared: Any = None) -> None:
         self._token = token
         self._others = others
         self._closed = False
-        self._declared: list[Any] = []
+        self._declared = declared
 
     @property
     def peers(self) -> int:
@@ -91,8 +93,8 @@ class End:
         if not self._closed:
             self._closed = True
             self._token.undeclare()
-            for one in self._declared:
-                one.undeclare()
+            if self._declared is not None:
+                self._declared.undeclare()
 
 
 class _Sender:
@@ -108,22 +110,13 @@ class _Sender:
         return Attachment(self._number, time.time_ns(), self.identity).write()
 
 
-class ZenohReader(End):
-    """A subscriber."""
-
-    def attach(self, subscriber: Any) -> None:
-        """Set its subscriber."""
-        self._declared.append(subscriber)
-
-
 class ZenohWriter(End):
-    """A publisher."""
+    """A publisher; `key` distinguishes it from those of other sessions."""
 
-    def attach(self, publisher: Any, key: str) -> None:
-        """Set its publisher."""
+    def __init__(self, token: Any, others: Callable[[], int], publisher: Any, key: str) -> None:
+        super().__init__(token, others, publisher)
         self._publisher = publisher
         self._sender = _Sender(key)
-        self._declared.append(publisher)
 
     @property
     def confirmed(self) -> bool:
@@ -139,10 +132,10 @@ class ZenohWriter(End):
 
 
 class ZenohCaller(End):
-    """A client of a service."""
+    """A client of a service, whose key `key` returns."""
 
-    def attach(self, session: Session, key: Callable[[], str]) -> None:
-        """Set the session, and the function that returns the key of the service."""
+    def __init__(self, token: Any, others: Callable[[], int], session: Session, key: Callable[[], str]) -> None:
+        super().__init__(token, others)
         self._session = session
         self._key = key
         self._sender = _Sender(str(id(self)))
@@ -154,12 +147,10 @@ class ZenohCaller(End):
         answered: asyncio.Future[bytes] = loop.create_future()
         self._waiting.add(answered)
         cancellation = zenoh.CancellationToken()
+        told = passing(loop, partial(_answer, answered))
         self._session.get(
             self._key(),
-            zenoh.handlers.Callback(
-                passing(loop, lambda reply: _answer(answered, reply)),
-                lambda: passing(loop, lambda _: _unanswered(answered))(None),
-            ),
+            zenoh.handlers.Callback(told, lambda: told(None)),
             target=QueryTarget.ALL_COMPLETE,
             consolidation=ConsolidationMode.NONE,
             timeout=_EVER,
@@ -184,19 +175,17 @@ class ZenohCaller(End):
         super().close()
 
 
-def _answer(answered: asyncio.Future[bytes], reply: Reply) -> None:
+def _answer(answered: asyncio.Future[bytes], reply: Reply | None) -> None:
+    """Complete a call with its first reply; None is the end of all replies."""
     if answered.done():
         return
-    if reply.ok is not None:
+    if reply is None:
+        answered.set_exception(RobotError("KG803", "the server left without an answer"))
+    elif reply.ok is not None:
         answered.set_result(reply.ok.payload.to_bytes())
     elif reply.err is not None:
         message = reply.err.payload.to_bytes().decode("utf-8", "replace")
         answered.set_exception(RobotError("KG808", f"the service failed: {message[:500]}"))
-
-
-def _unanswered(answered: asyncio.Future[bytes]) -> None:
-    if not answered.done():
-        answered.set_exception(RobotError("KG803", "the server left without an answer"))
 
 
 class ZenohServer(End):
@@ -216,8 +205,7 @@ class ZenohServer(End):
         self._running = Tasks()
         told = passing(asyncio.get_running_loop(), self._take)
         answering = session.declare_queryable(key, told, complete=True)
-        super().__init__(*tell())
-        self._declared.append(answering)
+        super().__init__(*tell(), answering)
 
     def _take(self, query: Query) -> None:
         self._running.spawn(self._respond(query), f"answering {self._key}")

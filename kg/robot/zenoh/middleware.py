@@ -15,7 +15,7 @@ from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
 from kg.robot.ros2.middleware import ANSWERS, Deliver, Neighbourhood
 from kg.robot.ros2.types import type_hash
-from kg.robot.zenoh.ends import ZenohCaller, ZenohReader, ZenohServer, ZenohWriter, passing
+from kg.robot.zenoh.ends import End, ZenohCaller, ZenohServer, ZenohWriter, passing
 from kg.robot.zenoh.tokens import NO_HASH, Token, data_key, pattern
 
 if TYPE_CHECKING:
@@ -123,13 +123,10 @@ class ZenohMiddleware:
         declared = self._session.liveliness().declare_token(token.key)
         return declared, lambda: len(self._found(role.opposite, name))
 
-    def _key(self, name: str, kind: str, *, service: bool = False) -> str:
-        return data_key(self._domain, name, kind, self._hash(kind, service=service), service=service)
-
-    def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> ZenohReader:
+    def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> End:
         """Open a reader of a topic; publishers with another hash are not received, and reported in the graph."""
         key = data_key(self._domain, topic, kind, "*")
-        known = {self._hash(kind), NO_HASH}
+        known = {self._hash(kind), NO_HASH}  # the key has a pattern for the hash, so that two forms are received
 
         def take(sample: Sample) -> None:
             if str(sample.key_expr).rpartition("/")[2] in known:
@@ -141,13 +138,11 @@ class ZenohMiddleware:
             subscriber: Any = zenoh.ext.declare_advanced_subscriber(self._session, key, told, history=kept)
         else:
             subscriber = self._session.declare_subscriber(key, told)
-        reader = ZenohReader(*self._token(Role.SUBSCRIBES, topic, kind, qos))
-        reader.attach(subscriber)
-        return reader
+        return End(*self._token(Role.SUBSCRIBES, topic, kind, qos), subscriber)
 
     def writer(self, topic: str, kind: str, qos: Qos) -> ZenohWriter:
         """Open a writer of a topic."""
-        key = self._key(topic, kind)
+        key = data_key(self._domain, topic, kind, self._hash(kind))
         control = CongestionControl.DROP if qos.reliability == "best_effort" else CongestionControl.BLOCK
         if qos.durability == "transient_local":
             publisher: Any = zenoh.ext.declare_advanced_publisher(
@@ -159,9 +154,7 @@ class ZenohMiddleware:
             )
         else:
             publisher = self._session.declare_publisher(key, congestion_control=control)
-        writer = ZenohWriter(*self._token(Role.PUBLISHES, topic, kind, qos))
-        writer.attach(publisher, f"{self._own} {key}")
-        return writer
+        return ZenohWriter(*self._token(Role.PUBLISHES, topic, kind, qos), publisher, f"{self._own} {key}")
 
     def caller(self, service: str, kind: str) -> ZenohCaller:
         """Open a client of a service, with the hash announced by its server."""
@@ -174,13 +167,11 @@ class ZenohMiddleware:
                 raise RobotError("KG806", f"the server of `{service}` has another definition of {kind} ({digest})")
             return data_key(self._domain, service, kind, digest, service=True)
 
-        caller = ZenohCaller(*self._token(Role.CLIENTS, service, kind, ANSWERS))
-        caller.attach(self._session, key)
-        return caller
+        return ZenohCaller(*self._token(Role.CLIENTS, service, kind, ANSWERS), self._session, key)
 
     def server(self, service: str, kind: str, answer: Callable[[bytes], Awaitable[bytes]]) -> ZenohServer:
         """Serve a service."""
-        key = self._key(service, kind, service=True)
+        key = data_key(self._domain, service, kind, self._hash(kind, service=True), service=True)
         return ZenohServer(self._session, key, answer, lambda: self._token(Role.SERVICES, service, kind, ANSWERS))
 
     def hashes(self, name: str) -> list[tuple[str, str]]:

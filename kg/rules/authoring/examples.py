@@ -149,10 +149,16 @@ class _Draft:
         """Take a block; those for readers are left alone."""
         kind, words = _kind(fence, place)
         if kind == "why":
-            self.why += _why_lines(fence, place)
+            numbered = enumerate(fence.text.splitlines(), fence.line + 1)
+            texts = ((number, " ".join(line.split())) for number, line in numbered)
+            self.why += (WhyLine(text, Place(place.path, number)) for number, text in texts if text)
         elif kind == "given":
             self.given += self._triples(fence, place)
-            self._name_others(words, place)
+            for word in words:
+                key, sign, names = word.partition("=")
+                if key != "with" or not sign or not all(names.split(",")):
+                    raise RuleError("KG221", f"`{word}` has no given data", place=place, hint=_HINT)
+                self.others.update(dict.fromkeys(names.split(","), place))
         elif kind:
             self._expect(kind, words, tuple(self._triples(fence, place)), place)
 
@@ -164,13 +170,6 @@ class _Draft:
             hint = "Write triples, or `turtle expect exactly` for an example in which nothing is inferred."
             raise RuleError("KG221", f"the block {kind} has no triples", place=place, hint=hint)
         self.expectations.append(Expectation("exactly" if exactly else kind.removeprefix("expect-"), triples, place))
-
-    def _name_others(self, words: list[str], place: Place) -> None:
-        for word in words:
-            key, sign, names = word.partition("=")
-            if key != "with" or not sign or not all(names.split(",")):
-                raise RuleError("KG221", f"`{word}` has no given data", place=place, hint=_HINT)
-            self.others.update(dict.fromkeys(names.split(","), place))
 
     def _triples(self, fence: Fence, place: Place) -> Iterator[Triple]:
         declared = "".join(f"@prefix {name}: <{iri}> . " for name, iri in self.prefixes.items() if name not in _KNOWN)
@@ -248,12 +247,6 @@ def _kind(fence: Fence, place: Place) -> tuple[str, list[str]]:
         hint = f"{near} {_HINT}" if near else _HINT
         raise RuleError("KG221", f"unknown block `{language} {kind}` in examples", place=place, hint=hint)
     return kind, rest
-
-
-def _why_lines(fence: Fence, place: Place) -> Iterator[WhyLine]:
-    for number, line in enumerate(fence.text.splitlines(), fence.line + 1):
-        if line.strip():
-            yield WhyLine(" ".join(line.split()), Place(place.path, number))
 
 
 def _turtle_error(error: SyntaxError, fence: Fence, place: Place, before: int) -> RuleError:

@@ -11,14 +11,14 @@ from kg.rules.engine.expressions import Expressions
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
-from kg.rules.engine.solve import Solver, View, Workshop
+from kg.rules.engine.solve import Solver, State
 from kg.rules.form import Element, Rule, is_auxiliary
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.rules.engine.facts import Facts
-    from kg.rules.engine.plan import RulePlan, Step
+    from kg.rules.engine.plan import Step
     from kg.rules.engine.tables import Table
     from kg.rules.engine.terms import Dictionary
 
@@ -46,8 +46,8 @@ class Firing:
 class _Watched(Solver):
     """A solver that records each element."""
 
-    def __init__(self, shop: Workshop, view: View) -> None:
-        super().__init__(shop, view)
+    def __init__(self, state: State, sources: Sequence[Facts]) -> None:
+        super().__init__(state, sources)
         self.passages: dict[int, Passage] = {}
 
     def _after(self, table: Table, step: Step, rest: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
@@ -61,32 +61,22 @@ class _Watched(Solver):
         return found
 
 
-class _Bench:
-    """State shared by applications of rules over one dictionary."""
-
-    def __init__(self, rules: Iterable[Rule], dictionary: Dictionary) -> None:
-        predicates = {atom.predicate for rule in rules for atom in rule.head}
-        hidden = frozenset(dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate))
-        self.shop = Workshop(dictionary, Expressions(dictionary), Blocks(dictionary), Clock(Limits()), hidden)
-
-    def plan(self, rule: Rule) -> RulePlan:
-        """Return the plan of a rule."""
-        return plan(rule, self.shop.dictionary)
-
-
-def _view(rule_plan: RulePlan, asserted: Facts, known: Facts) -> View:
-    return View([asserted if source.asserted else known for source in rule_plan.sources])
+def _state_of(rules: Iterable[Rule], dictionary: Dictionary) -> State:
+    """Return the state shared by applications of rules over one dictionary."""
+    predicates = {atom.predicate for rule in rules for atom in rule.head}
+    hidden = frozenset(dictionary.intern_term(predicate) for predicate in predicates if is_auxiliary(predicate))
+    return State(dictionary, Expressions(dictionary), Blocks(dictionary), Clock(Limits()), hidden)
 
 
 def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts) -> Iterator[Firing]:
     """Yield the firing of each rule applied to `known`, which includes `asserted`."""
     every = list(rules)
-    bench = _Bench(every, dictionary)
+    state = _state_of(every, dictionary)
     for rule in every:
         begin = time.perf_counter()
-        bench.shop.clock.rule = str(rule)
-        rule_plan = bench.plan(rule)
-        solver = _Watched(bench.shop, _view(rule_plan, asserted, known))
+        state.clock.rule = str(rule)
+        rule_plan = plan(rule, dictionary)
+        solver = _Watched(state, rule_plan.inputs(asserted, known))
         collectors = [Collector(rule_plan, dictionary) for _ in rule_plan.heads]
         for table in solver.solutions(rule_plan.body, rule_plan.outputs):
             for collector, head in zip(collectors, rule_plan.heads, strict=True):
@@ -97,7 +87,6 @@ def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: 
 
 def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, known: Facts) -> bool:
     """Return whether a part of the body of a rule has a solution."""
-    bench = _Bench([rule], dictionary)
-    rule_plan = bench.plan(replace(rule, head=(), body=body))
-    solver = Solver(bench.shop, _view(rule_plan, asserted, known))
+    rule_plan = plan(replace(rule, head=(), body=body), dictionary)
+    solver = Solver(_state_of([rule], dictionary), rule_plan.inputs(asserted, known))
     return any(table.rows for table in solver.solutions(rule_plan.body, frozenset()))

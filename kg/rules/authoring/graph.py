@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode, Triple
 
 from kg.render.flow_picture import Box, Flow, draw_flow
 from kg.rules.authoring.spelling import common_prefixes, spell_term
-from kg.rules.dependencies import Read, depends, reads, writes
+from kg.rules.dependencies import Read, depends, reads
 from kg.rules.form import Atom, Rule, Variable, is_auxiliary
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
@@ -89,32 +89,17 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     """
     prefixes = common_prefixes(files)
     rules = specialise((rule for file in files for rule in file.rules), schema)
-    derives: dict[tuple[int, str], None] = {}
-    readers: dict[tuple[str, int], bool] = {}
-    for number, needs in enumerate(edges(rules)):
-        for writer in needs:
-            for head, read in _joined(rules[writer], rules[number]):
-                term = (
-                    f"steps of {rules[writer].name}"
-                    if is_auxiliary(head.predicate)
-                    else _passed(head, read.atom, prefixes)
-                )
-                derives[writer, term] = None
-                readers[term, number] = readers.get((term, number), False) or read.negated
-    return RuleGraph(
-        _nodes(files, rules),
-        tuple(sorted({term for _, term in derives})),
-        {(rules[writer].name, term): None for writer, term in derives},
-        _merged(readers, rules),
-    )
-
-
-def _merged(readers: Mapping[tuple[str, int], bool], rules: Sequence[Rule]) -> dict[tuple[str, str], bool]:
-    found: dict[tuple[str, str], bool] = {}
-    for (term, number), negated in readers.items():
-        name = rules[number].name
-        found[term, name] = found.get((term, name), False) or negated
-    return found
+    derives: dict[tuple[str, str], None] = {}
+    readers: dict[tuple[str, str], bool] = {}
+    for reader, needs in zip(rules, edges(rules), strict=True):
+        for number in needs:
+            writer = rules[number]
+            for head, read in _joined(writer, reader):
+                auxiliary = is_auxiliary(head.predicate)
+                term = f"steps of {writer.name}" if auxiliary else _passed(head, read.atom, prefixes)
+                derives[writer.name, term] = None
+                readers[term, reader.name] = readers.get((term, reader.name), False) or read.negated
+    return RuleGraph(_nodes(files, rules), tuple(sorted({term for _, term in derives})), derives, readers)
 
 
 def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule]) -> tuple[RuleNode, ...]:
@@ -135,7 +120,7 @@ def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule]) -> tuple[RuleNode, 
 
 def _joined(writer: Rule, reader: Rule) -> Iterator[tuple[Atom, Read]]:
     """Yield the heads of a rule that another rule reads, with their readers."""
-    for head in writes(writer):
+    for head in writer.head:
         for read in reads(reader):
             if depends(read.atom, head):
                 yield head, read
@@ -160,16 +145,15 @@ def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
 
 def graph_picture(graph: RuleGraph, title: str) -> str:
     """Return the graph as SVG."""
-    boxes = [Box(node.name, node.name.rpartition("/")[2], node.family, _about(node), node.when) for node in graph.rules]
+    boxes = []
+    for node in graph.rules:
+        recursive = ", feeds itself" if node.recursive else ""
+        about = f"{node.name}: {node.title} ({node.when}{recursive})"
+        boxes.append(Box(node.name, node.name.rpartition("/")[2], node.family, about, node.when))
     boxes += [Box(f"={term}", term) for term in graph.terms]
     flows = [Flow(key, f"={term}") for key, term in graph.derives]
     flows += [Flow(f"={term}", key, absent=absent) for (term, key), absent in graph.reads.items()]
     return draw_flow(title, boxes, flows)
-
-
-def _about(node: RuleNode) -> str:
-    recursive = ", feeds itself" if node.recursive else ""
-    return f"{node.name}: {node.title} ({node.when}{recursive})"
 
 
 def mermaid(graph: RuleGraph) -> str:

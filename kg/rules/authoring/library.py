@@ -9,7 +9,7 @@ from kg import resources
 from kg.errors import Place, RuleError
 from kg.rules.files import RuleFile, family_of
 from kg.rules.folders import families_in_force, user_folders
-from kg.rules.reading import Pack, packs, read, rival, rule_files
+from kg.rules.reading import Pack, changed_at, packs, read, rival, rule_files
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
@@ -94,10 +94,7 @@ class Library:
     def read(self, name: str) -> RuleFile:
         """Return the file of a rule; raises what `kg.rules.reading.read` raises."""
         entry = self.entries[name]
-        try:
-            changed = entry.path.stat().st_mtime_ns
-        except OSError:
-            changed = -1
+        changed = changed_at(entry.path)
         known = self._read.get(name)
         if known is None or known[0] != changed:
             known = self._read[name] = changed, read(entry.path, name, pack=entry.pack)

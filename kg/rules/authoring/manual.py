@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from kg.errors import RuleError
 from kg.rules.authoring.examples import Example, read_examples
 from kg.rules.authoring.graph import RuleGraph, rule_graph, spell_atom
-from kg.rules.dependencies import reads, writes
+from kg.rules.dependencies import reads
 from kg.rules.files import HEADINGS, NOTATIONS, Documentation, RuleFile
 from kg.rules.form import Atom, atoms_of, is_auxiliary
 from kg.rules.header import parse_header
@@ -70,7 +70,7 @@ def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), known:
         file,
         tuple(term for term in _spelt((atom for atom, _ in atoms), prefixes) if term not in absent),
         absent,
-        _spelt((atom for rule in file.rules for atom in writes(rule)), prefixes),
+        _spelt((atom for rule in file.rules for atom in rule.head), prefixes),
         tuple(strata),
         max((node.strata[-1] for node in graph.rules), default=0),
         tuple(graph.fed_by(file.name)),

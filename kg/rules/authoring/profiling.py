@@ -6,12 +6,12 @@ import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kg.rules.authoring.firing import Passage, fire
+from kg.rules.authoring.firing import fire
 from kg.rules.authoring.spelling import spell_element
 from kg.rules.form import place_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from kg.errors import Place
     from kg.rules.authoring.workbench import Try, Workbench
@@ -72,41 +72,35 @@ def profile(
     for report in tried.outcome.reports:
         groups.setdefault(report.rule.name, []).append(report)
     known = {file.name: file for file in files}
-    rules = [_rule(name, reports, _elements(known[name], tried, bench, detailed)) for name, reports in groups.items()]
+    rules = [
+        RuleProfile(
+            name,
+            max(report.stratum for report in reports),
+            len(reports),
+            max(report.rounds for report in reports),
+            sum(report.derived for report in reports),
+            sum(report.seconds for report in reports),
+            tuple(_elements(known[name], tried, bench)) if name in detailed else (),
+        )
+        for name, reports in groups.items()
+    ]
     rules.sort(key=lambda rule: (-rule.seconds, rule.name))
     evaluating = time.perf_counter() - begin - reading
     return Profile(tuple(rules), reading, evaluating, len(tried.read), len(tried.outcome.inferred))
 
 
-def _rule(name: str, reports: Sequence[RuleReport], elements: tuple[ElementProfile, ...]) -> RuleProfile:
-    return RuleProfile(
-        name,
-        max(report.stratum for report in reports),
-        len(reports),
-        max(report.rounds for report in reports),
-        sum(report.derived for report in reports),
-        sum(report.seconds for report in reports),
-        elements,
-    )
-
-
-def _elements(file: RuleFile, tried: Try, bench: Workbench, detailed: Sequence[str]) -> tuple[ElementProfile, ...]:
-    """Return the elements of a file's rules as they are written, not as they are cut to a schema."""
-    if file.name not in detailed:
-        return ()
-    prefixes = file.known_prefixes
-    found: list[ElementProfile] = []
+def _elements(file: RuleFile, tried: Try, bench: Workbench) -> Iterator[ElementProfile]:
+    """Yield the elements of a file's rules as they are written, not as they are cut to a schema."""
     for firing in fire(file.rules, bench.dictionary, tried.asserted, tried.known):
-        for number, element in enumerate(firing.rule.body):
-            text, place = spell_element(element, prefixes), place_of(element) or firing.rule.place
-            found.append(_element(text, place, firing.rule.part, firing.passages.get(number)))
-    return tuple(found)
-
-
-def _element(text: str, place: Place, part: int, passage: Passage | None) -> ElementProfile:
-    if passage is None:
-        return ElementProfile(text, place, part, None, 0, 0, 0.0)
-    return ElementProfile(text, place, part, passage.order + 1, passage.rows_in, passage.rows_out, passage.seconds)
+        rule = firing.rule
+        for number, element in enumerate(rule.body):
+            text, place = spell_element(element, file.known_prefixes), place_of(element) or rule.place
+            found = firing.passages.get(number)
+            if found is None:
+                yield ElementProfile(text, place, rule.part, None, 0, 0, 0.0)
+            else:
+                rows = found.rows_in, found.rows_out
+                yield ElementProfile(text, place, rule.part, found.order + 1, *rows, found.seconds)
 
 
 def profile_objects(found: Profile) -> Iterator[dict[str, Any]]:
@@ -119,24 +113,23 @@ def profile_objects(found: Profile) -> Iterator[dict[str, Any]]:
             "rounds": rule.rounds,
             "derived": rule.derived,
             "seconds": round(rule.seconds, 6),
-            "elements": [_object(element) for element in rule.elements],
+            "elements": [
+                {
+                    "text": element.text,
+                    "file": element.place.path,
+                    "line": element.place.line,
+                    "part": element.part,
+                    "order": element.order,
+                    "rows_in": element.rows_in,
+                    "rows_out": element.rows_out,
+                    "seconds": round(element.seconds, 6),
+                }
+                for element in rule.elements
+            ],
         }
     yield {
         "profile": True,
         "asserted": found.asserted,
         "inferred": found.inferred,
         "seconds": {"reading": round(found.reading, 6), "evaluating": round(found.evaluating, 6)},
-    }
-
-
-def _object(element: ElementProfile) -> Mapping[str, Any]:
-    return {
-        "text": element.text,
-        "file": element.place.path,
-        "line": element.place.line,
-        "part": element.part,
-        "order": element.order,
-        "rows_in": element.rows_in,
-        "rows_out": element.rows_out,
-        "seconds": round(element.seconds, 6),
     }

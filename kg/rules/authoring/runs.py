@@ -83,18 +83,17 @@ def remote_strata(report: RemoteReport) -> list[StratumReport]:
     found: dict[int, StratumReport] = {}
     for part in report.strata:
         before = found.get(part.number)
-        found[part.number] = part if before is None else _joined(before, part)
+        if before is None:
+            found[part.number] = part
+            continue
+        found[part.number] = replace(
+            before,
+            rules=tuple(dict.fromkeys((*before.rules, *part.rules))),
+            rounds=max(before.rounds, part.rounds),
+            derived=before.derived + part.derived,
+            seconds=before.seconds + part.seconds,
+        )
     return [found[number] for number in sorted(found)]
-
-
-def _joined(one: StratumReport, other: StratumReport) -> StratumReport:
-    return replace(
-        one,
-        rules=tuple(dict.fromkeys((*one.rules, *other.rules))),
-        rounds=max(one.rounds, other.rounds),
-        derived=one.derived + other.derived,
-        seconds=one.seconds + other.seconds,
-    )
 
 
 def remote_objects(report: RemoteReport) -> Iterator[dict[str, Any]]:

@@ -59,12 +59,10 @@ def spell_element(element: Element, prefixes: Mapping[str, str] = PREFIXES) -> s
 
 def spell_head(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return a triple with variables on one line."""
-    return " ".join(_pattern(position, prefixes) for position in atom.positions)
 
+    def spelt(pattern: Pattern) -> str:
+        if isinstance(pattern, Variable):
+            return f"_:{pattern.name[1:]}" if pattern.name.startswith(".") else str(pattern)
+        return written(pattern) if isinstance(pattern, TripleTerm) else spell_term(pattern, prefixes)
 
-def _pattern(pattern: Pattern, prefixes: Mapping[str, str]) -> str:
-    if isinstance(pattern, Variable):
-        return f"_:{pattern.name[1:]}" if pattern.name.startswith(".") else str(pattern)
-    if isinstance(pattern, TripleTerm):
-        return written(pattern)
-    return spell_term(pattern, prefixes)
+    return " ".join(map(spelt, atom.positions))

@@ -23,9 +23,9 @@ def start(name: str, folder: Path, notation: str = "rq") -> tuple[Path, Path]:
     """
     ending = _ending(notation)
     if not _NAME.fullmatch(name):
-        hint = (
-            f"Did you mean `{near}`?" if _NAME.fullmatch(near := _corrected(name)) else "For example wiring/listens-to."
-        )
+        near = re.sub(r"[^a-z0-9/]+", "-", re.sub(r"\.(rq|ttl|srl|md)$", "", name).lower()).strip("-/")
+        near = near if "/" in near else f"mine/{near}"
+        hint = f"Did you mean `{near}`?" if _NAME.fullmatch(near) else "For example wiring/listens-to."
         message = (
             f"`{name}` is not a valid name of a rule; use a family and a name, of a-z, 0-9, - and _, joined by slashes"
         )
@@ -52,12 +52,6 @@ def _ending(notation: str) -> str:
         hint = did_you_mean(notation, names) or f"The notations are {', '.join(names)}."
         raise UsageError("KG003", f"unknown notation of rules `{notation}`", hint=hint)
     return ending
-
-
-def _corrected(name: str) -> str:
-    """Return a name of the right form for one that is nearly so."""
-    mended = re.sub(r"[^a-z0-9/]+", "-", re.sub(r"\.(rq|ttl|srl|md)$", "", name).lower()).strip("-/")
-    return mended if "/" in mended else f"mine/{mended}"
 
 
 def _filled(template: str, name: str) -> str:

@@ -20,7 +20,7 @@ from kg.rules.authoring.naming import find_rule
 from kg.rules.authoring.spelling import spell_term, spell_triple
 from kg.rules.engine.evaluate import Program
 from kg.rules.engine.limits import Limits
-from kg.rules.explain.proof import Premise, Proof
+from kg.rules.explain.proof import Proof
 from kg.rules.explain.view import View
 from kg.rules.explain.why import why, why_all
 
@@ -65,7 +65,9 @@ def compare(example: Example, inferred: Sequence[Triple], world: MemorySnapshot)
         facts += found
         exact.update(found if each.kind == "exactly" else ())
         if each.triples and not found:
-            missing += _lacking(each.triples, inferred, world)
+            # The triples that do not hold by themselves, or all with a blank node where each does.
+            alone = [triple for triple in each.triples if not _images([triple], inferred, world)]
+            missing += alone or [triple for triple in each.triples if any(_labels([triple]))]
     if any(each.kind == "exactly" for each in example.expectations):
         exact.update(facts)
         unexpected += [triple for triple in inferred if triple not in exact]
@@ -82,23 +84,14 @@ def _images(triples: Sequence[Triple], inferred: Sequence[Triple], world: Memory
         known = set(inferred)
         return list(triples) if known.issuperset(triples) else []
     patterns = " . ".join(_pattern(triple, names) for triple in triples)
-    ways = islice(_matches(world, patterns, list(names.values())), _WAYS)
+    columns = " ".join(f"?{name}" for name in names.values())
+    text = f"SELECT DISTINCT {columns} WHERE {{ GRAPH {VOCABULARY.inferred} {{ {patterns} }} }}"
+    ways = (
+        {name: cast("Term", row[name]) for name in names.values()}
+        for row in islice(cast("QuerySolutions", world.query(text)), _WAYS)
+    )
     readings = [list(dict.fromkeys(_image(triple, names, way) for triple in triples)) for way in ways]
     return max(readings, key=len, default=[])
-
-
-def _matches(world: MemorySnapshot, patterns: str, names: Sequence[str]) -> Iterator[dict[str, Term]]:
-    """Yield the matches of triple patterns in the inferred triples."""
-    columns = " ".join(f"?{name}" for name in names) or "(1 AS ?one)"
-    text = f"SELECT DISTINCT {columns} WHERE {{ GRAPH {VOCABULARY.inferred} {{ {patterns} }} }}"
-    for row in cast("QuerySolutions", world.query(text)):
-        yield {name: cast("Term", row[name]) for name in names}
-
-
-def _lacking(triples: Sequence[Triple], inferred: Sequence[Triple], world: MemorySnapshot) -> list[Triple]:
-    """Return those triples of a block that do not hold by themselves, or all with a blank node where each does."""
-    alone = [triple for triple in triples if not _images([triple], inferred, world)]
-    return alone or [triple for triple in triples if any(_labels([triple]))]
 
 
 def _labels(triples: Iterable[Triple]) -> Iterator[str]:
@@ -183,18 +176,15 @@ def run_example(
         files = [file, *(_other(library, name, place) for name, place in example.others)]
         key = tuple(each.name for each in files)
         known = {} if programs is None else programs
-        program = known.get(key) or known.setdefault(key, _program(files))
+        if key not in known:
+            program = Program(dict.fromkeys(rule for each in files for rule in each.rules))
+            program.refuse_minting()
+            known[key] = program
         data = tuple(triple for each in files for triple in each.data)
-        return _judged(file, example, program, data, begin)
+        return _judged(file, example, known[key], data, begin)
     except KgError as error:
         seconds = time.perf_counter() - begin
         return Result(file.name, example.title, example.place, error=error, seconds=seconds)
-
-
-def _program(files: Sequence[RuleFile]) -> Program:
-    program = Program(dict.fromkeys(rule for file in files for rule in file.rules))
-    program.refuse_minting()
-    return program
 
 
 def _other(library: Library, name: str, place: Place) -> RuleFile:
@@ -248,18 +238,12 @@ def _absent(lines: Iterable[WhyLine], proofs: Sequence[str]) -> tuple[WhyLine, .
 def _lines(proof: Proof, prefixes: Mapping[str, str]) -> Iterator[str]:
     """Yield the lines of a proof, parents first, two blanks a step."""
     for depth, premise in proof.walk():
-        yield "  " * depth + _line(premise, prefixes)
-
-
-def _line(premise: Premise, prefixes: Mapping[str, str]) -> str:
-    if not isinstance(premise, Proof):
-        return premise.text
-    fact = spell_triple(premise.fact, prefixes)
-    if premise.derivation is None:
-        return fact
-    bound = sorted(premise.derivation.bindings.items())
-    values = ", ".join(f"?{name} = {spell_term(term, prefixes)}" for name, term in bound)
-    return f"{fact}  by rule {premise.derivation.rule.name}" + (f" with {values}" if values else "")
+        text = spell_triple(premise.fact, prefixes) if isinstance(premise, Proof) else premise.text
+        if isinstance(premise, Proof) and premise.derivation is not None:
+            bound = sorted(premise.derivation.bindings.items())
+            values = ", ".join(f"?{name} = {spell_term(term, prefixes)}" for name, term in bound)
+            text += f"  by rule {premise.derivation.rule.name}" + (f" with {values}" if values else "")
+        yield "  " * depth + text
 
 
 def failure(result: Result) -> RuleError | None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+from kg.rules.reading import changed_at
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -10,12 +13,12 @@ if TYPE_CHECKING:
     from kg.rules.authoring.library import Entry, Library
 
 
+@dataclass(frozen=True, slots=True)
 class Saved:
     """The rules that were saved or came, and the names of those that went."""
 
-    def __init__(self, entries: list[Entry], gone: list[str]) -> None:
-        self.entries = entries
-        self.gone = gone
+    entries: list[Entry]
+    gone: list[str]
 
     def __bool__(self) -> bool:
         return bool(self.entries or self.gone)
@@ -32,21 +35,11 @@ class Watched:
 
     def saved(self) -> Saved:
         """Return the changes since the last call."""
-        if not self._folders or any(_time(folder) != time for folder, time in self._folders.items()):
+        if not self._folders or any(changed_at(folder) != time for folder, time in self._folders.items()):
             # A file came or went: only then the folders are searched.
-            self._folders = {folder: _time(folder) for folder in self._library.directories()}
+            self._folders = {folder: changed_at(folder) for folder in self._library.directories()}
             self._library.refresh()
-        before, self._times = self._times, self._now()
-        changed = [name for name, times in self._times.items() if before.get(name) != times]
-        return Saved([self._library.entries[name] for name in changed], sorted(before.keys() - self._times.keys()))
-
-    def _now(self) -> dict[str, tuple[int, int]]:
-        return {name: (_time(entry.path), _time(entry.examples)) for name, entry in self._library.entries.items()}
-
-
-def _time(path: Path) -> int:
-    """Return when a file or folder was changed last, 0 when it is not there."""
-    try:
-        return path.stat().st_mtime_ns
-    except OSError:
-        return 0
+        entries, before = self._library.entries, self._times
+        self._times = {name: (changed_at(one.path), changed_at(one.examples)) for name, one in entries.items()}
+        changed = [entries[name] for name, times in self._times.items() if before.get(name) != times]
+        return Saved(changed, sorted(before.keys() - self._times.keys()))

@@ -96,7 +96,7 @@ class Workbench:
         """Return the asserted triples that rules read or might infer, reading more of the store where needed."""
         needed = self._wanted | wanted(rules)
         if needed != self._wanted:
-            _, self._asserted = read_columns(self.snapshot, needed, self._graphs, self.dictionary)
+            self._asserted = read_columns(self.snapshot, needed, self._graphs, self.dictionary)
             self._wanted = needed
         return self._asserted
 
@@ -104,5 +104,5 @@ class Workbench:
     def inferred(self) -> Facts:
         """The inferred triples of the store."""
         if self._inferred is None:
-            _, self._inferred = read_columns(self.snapshot, EVERYTHING, [self.names.inferred], self.dictionary)
+            self._inferred = read_columns(self.snapshot, EVERYTHING, [self.names.inferred], self.dictionary)
         return self._inferred

@@ -18,11 +18,10 @@ from pyoxigraph import Literal, NamedNode
 from kg.errors import RuleError
 from kg.rules.blocks import tree as blocks
 from kg.rules.blocks.write import SECTIONS, inferred, namespace
-from kg.rules.decompose.expressions import bare
 from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.syntax import tree
-from kg.syntax.lexer import END, Kind, Token, as_operator, normalise, quoted, token_at, tokens_of, unescape
+from kg.syntax.lexer import END, Kind, Token, as_operator, bare, normalise, quoted, token_at, tokens_of, unescape
 from kg.syntax.names import PREFIXES, shorten
 from kg.syntax.parser import parse_rq
 from kg.syntax.printer import path_text, renamed
@@ -91,7 +90,8 @@ class _Parser:
             return self._operand()
         found = self.level(level + 1)
         while as_operator(self.token).text in _LEVELS[level]:
-            operator = self._operator()
+            self.token = as_operator(self.token)
+            operator = self._advance().text
             found = _joined(operator, found, self.level(level + 1))
         return found
 
@@ -99,10 +99,6 @@ class _Parser:
         token = self.token
         self.token = token_at(self.text, token.end)
         return token
-
-    def _operator(self) -> str:
-        self.token = as_operator(self.token)
-        return self._advance().text
 
     def _accept(self, sign: str) -> bool:
         found = self.token.text == sign
@@ -248,6 +244,10 @@ def _unmarked(text: str) -> str:
     return renamed(text, {name: name[1:] for name in marked if name[1:] not in names})
 
 
+def _is_plain(pattern: tree.TriplePattern) -> bool:
+    return all(isinstance(one, Variable | NamedNode | Literal) for one in (pattern.subject, pattern.object))
+
+
 class _Reader:
     """Reads a text with its prefixes."""
 
@@ -263,13 +263,13 @@ class _Reader:
 
     def conclusion(self, pattern: tree.TriplePattern) -> blocks.Conclusion:
         """Return the block of a triple of a head."""
-        if any(not isinstance(one, Variable | NamedNode | Literal) for one in (pattern.subject, pattern.object)):
+        if not _is_plain(pattern):
             hint = "It can be changed as text; its file is not touched."
             raise RuleError("KG209", "blocks cannot make new things without a name", hint=hint)
         return self._fact(pattern)
 
     def _condition(self, node: tree.Node) -> blocks.Condition:
-        if isinstance(node, tree.TriplePattern) and self._is_plain(node):
+        if isinstance(node, tree.TriplePattern) and _is_plain(node):
             return self._fact(node)
         if isinstance(node, tree.Filter):
             text = self._source(node.expression.span)
@@ -284,9 +284,6 @@ class _Reader:
             return blocks.Either(branches=tuple(self.conditions(group.nodes) for group in node.groups))
         text = self._source(node.span)
         return blocks.Other(text=f"{{ {text} }}" if isinstance(node, tree.SubSelect) and text[0] != "{" else text)
-
-    def _is_plain(self, node: tree.TriplePattern) -> bool:
-        return all(isinstance(one, Variable | NamedNode | Literal) for one in (node.subject, node.object))
 
     def _source(self, span: tree.Span) -> str:
         """Return a part of the text without the indentation of its place."""

@@ -23,6 +23,8 @@ SECTIONS: Final = dict(zip(("infers", "why", "mend", "limits", "references"), HE
 """The member of a rule to the heading of its documentation."""
 
 OPENING: Final = {tree.Absent: "FILTER NOT EXISTS", tree.Present: "FILTER EXISTS", tree.Perhaps: "OPTIONAL"}
+_OPERATORS: Final = {"and": "&&", "or": "||"}
+_MARKUP: Final = re.compile(r"## |(since|severity):")
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,9 +76,10 @@ def write(rule: tree.Rule) -> Written:
     body = _Writer()
     _body(rule, body)
     body.lines = _marked("\n".join(body.lines)).split("\n")
-    declared = _declarations(rule, "\n".join(body.lines))
-    for line in declared:
-        writer.line(line)
+    used = {token.text.partition(":")[0] for token in tokens_of("\n".join(body.lines)) if token.kind is Kind.NAME}
+    declared = sorted(used & known_prefixes(rule).keys() - {"_"})
+    for prefix in declared:
+        writer.line(f"PREFIX {prefix}: <{known_prefixes(rule)[prefix]}>")
     if declared:
         writer.line("")
     start = len(writer.lines)
@@ -95,20 +98,12 @@ def _header(rule: tree.Rule) -> Iterator[str]:
         if text.strip():
             yield f"## {heading}"
             yield ""
-            yield from _prose(text)
+            # A line that would be a heading or a key is moved to the right.
+            yield from (f" {line}" if _MARKUP.match(line) else line for line in text.strip().splitlines())
             yield ""
     if rule.severity:
         yield f"severity: {rule.severity}"
     yield f"since: {rule.since}"
-
-
-_MARKUP: Final = re.compile(r"## |(since|severity):")
-
-
-def _prose(text: str) -> Iterator[str]:
-    """Yield lines of documentation; one that would be a heading or a key is moved to the right."""
-    for line in text.strip().splitlines():
-        yield f" {line}" if _MARKUP.match(line) else line
 
 
 def inferred(rule: tree.Rule) -> str:
@@ -149,13 +144,6 @@ def known_prefixes(rule: tree.Rule) -> dict[str, str]:
     return {**PREFIXES, "my": namespace(rule), **rule.prefixes}
 
 
-def _declarations(rule: tree.Rule, body: str) -> list[str]:
-    used = {token.text.partition(":")[0] for token in tokens_of(body) if token.kind is Kind.NAME}
-    return [
-        f"PREFIX {prefix}: <{iri}>" for prefix, iri in sorted(known_prefixes(rule).items()) if prefix in used - {"_"}
-    ]
-
-
 def _plain(one: tree.Condition) -> str:
     """Return a condition that has no others in it."""
     if isinstance(one, tree.Fact):
@@ -186,7 +174,8 @@ def value(one: tree.Value) -> str:
     if isinstance(one, tree.Truth):
         return "true" if one.value else "false"
     if isinstance(one, tree.Text):
-        return _text(one)
+        suffix = f"@{one.language}" if one.language else f"^^{one.datatype}" if one.datatype else ""
+        return f"{Literal(one.value)}{suffix}"
     if isinstance(one, tree.Join):
         return f"CONCAT({', '.join(map(value, one.parts))})"
     if isinstance(one, tree.Of):
@@ -194,16 +183,6 @@ def value(one: tree.Value) -> str:
     if isinstance(one, tree.Reckon):
         return f"({value(one.left)} {one.operator} {value(one.right)})"
     return f"({one.text})"
-
-
-def _text(one: tree.Text) -> str:
-    plain = str(Literal(one.value))
-    if one.language:
-        return f"{plain}@{one.language}"
-    return f"{plain}^^{one.datatype}" if one.datatype else plain
-
-
-_OPERATORS: Final = {"and": "&&", "or": "||"}
 
 
 def test(one: tree.Test) -> str:

@@ -109,17 +109,26 @@ def _pages(folder: Path) -> Iterator[tuple[Path, str]]:
 def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
     """Return the findings on the rules read, or on those called `names`, sorted by place.
 
-    A cycle belongs to each of its rules, wherever its error stands. `context` is the input of the checks; its rules
-    are those that were read.
+    A cycle belongs to each of its rules, wherever its error stands, and is reported once. `context` is the input of the
+    checks; its rules are those that were read.
     """
     context = beside(found.rules, context)
     wanted = None if names is None else set(names)
     findings = [finding for finding in found.findings if wanted is None or finding.rule in wanted]
-    findings += _order(context, wanted)
+    findings += (
+        from_error(failure.error, failure.rule.name, failure.rule.place)
+        for failure in failures(context.cut)
+        if wanted is None or any(rule.name in wanted for rule in failure.cycle)
+    )
     for file in found.rules.files:
         if wanted is None or file.name in wanted:
             findings += check_file(file, context)
-    return sorted(findings, key=_place)
+
+    def place(finding: Finding) -> tuple[str, int, int, int]:
+        at = finding.place
+        return at.path, at.line or 0, at.column or 0, SEVERITIES.index(finding.severity)
+
+    return sorted(findings, key=place)
 
 
 def beside(rules: RuleSet, context: Context) -> Context:
@@ -131,15 +140,3 @@ def check_file(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield the findings of one file that could be read."""
     for each in CHECKS.values():
         yield from each(file, context)
-
-
-def _order(context: Context, wanted: Collection[str] | None) -> Iterator[Finding]:
-    """Yield why rules cannot be put in order: each cycle once, also where only one of its rules is wanted."""
-    for failure in failures(context.cut):
-        if wanted is None or any(rule.name in wanted for rule in failure.cycle):
-            yield from_error(failure.error, failure.rule.name, failure.rule.place)
-
-
-def _place(finding: Finding) -> tuple[str, int, int, int]:
-    place = finding.place
-    return place.path, place.line or 0, place.column or 0, SEVERITIES.index(finding.severity)

@@ -29,17 +29,16 @@ def as_object(finding: Finding) -> dict[str, object]:
 
 def sarif(findings: Sequence[Finding], root: Path) -> dict[str, object]:
     """Return findings as one run; files below `root` are named relative to it."""
-    return document([_spelled(finding, root) for finding in findings])
+    remarks = []
+    for finding in findings:
+        path, place = Path(finding.place.path).absolute(), finding.place
+        uri = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.as_uri()
+        text = f"{finding.message}. {finding.hint}" if finding.hint else finding.message
+        remarks.append(Remark(finding.code, finding.severity, text, Spot(uri, place.line, place.column)))
+    return document(remarks)
 
 
 def remark(finding: Finding) -> Remark:
     """Return a finding as a remark at its line, the file as it was named."""
     place = finding.place
     return Remark(finding.code, finding.severity, finding.message, Spot(place.path, place.line, place.column))
-
-
-def _spelled(finding: Finding, root: Path) -> Remark:
-    path, place = Path(finding.place.path).absolute(), finding.place
-    uri = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.as_uri()
-    text = f"{finding.message}. {finding.hint}" if finding.hint else finding.message
-    return Remark(finding.code, finding.severity, text, Spot(uri, place.line, place.column))

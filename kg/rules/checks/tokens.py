@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Final
 
 from kg.rules.checks.finding import at_offset, at_rule
 from kg.syntax.lexer import Kind, Token, iri_of, is_name, normalise, tokens
-from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -23,14 +22,13 @@ def names(file: RuleFile) -> Iterator[tuple[str, Token]]:
 
     So are the names inside the queries of SHACL rules, which are strings to Turtle.
     """
-    prefixes = file.prefixes or (declared(file.text) if file.notation == ".ttl" else {})
     declaring = 0
     for token in tokens(normalise(file.text)):
         if token.kind in {Kind.WORD, Kind.TAG} and token.text.upper() in _DECLARING:
             declaring = _DECLARING[token.text.upper()]
         elif declaring:
             declaring -= 1
-        elif is_name(token) and (iri := iri_of(token, prefixes)) is not None:
+        elif is_name(token) and (iri := iri_of(token, file.prefixes)) is not None:
             yield iri, token
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from kg.errors import Fix, Place
+from kg.errors import Fix
 from kg.rules.checks.finding import Context, Finding, at_offset, at_rule
 from kg.rules.checks.tokens import variables
 from kg.rules.form import Atom, Exists, Rule, Variable, atoms_of, binds, mentions
@@ -22,16 +22,13 @@ def cartesian_product(file: RuleFile, _context: Context) -> Iterator[Finding]:
     for rule in file.rules:
         parts = _parts(rule)
         if len(parts) > 1:
-            shown = " and ".join(", ".join(sorted(map(str, _named(part) or part))) for part in parts)
+            named = ({variable for variable in part if not variable.name.startswith(".")} or part for part in parts)
+            shown = " and ".join(", ".join(sorted(map(str, part))) for part in named)
             message = f"nothing joins {shown}: every match of one goes with every match of the other"
-            place = _second(rule, parts[1]) or at_rule(file)
+            second = (each.place for each in rule.body if isinstance(each, Atom) and binds(each) & parts[1])
             hint = "Join them by a variable, or by a filter that compares them."
-            yield Finding("KG212", "warning", file.name, message, place, hint)
+            yield Finding("KG212", "warning", file.name, message, next(second, None) or at_rule(file), hint)
             return
-
-
-def _named(part: set[Variable]) -> set[Variable]:
-    return {variable for variable in part if not variable.name.startswith(".")}
 
 
 def _parts(rule: Rule) -> list[set[Variable]]:
@@ -47,31 +44,24 @@ def _parts(rule: Rule) -> list[set[Variable]]:
     return groups
 
 
-def _second(rule: Rule, part: set[Variable]) -> Place | None:
-    return next((each.place for each in rule.body if isinstance(each, Atom) and binds(each) & part), None)
-
-
 def variable_used_once(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield each variable that occurs once in a file; a `_` before the name marks it as intended."""
     found = list(variables(file))
-    blank = _replaceable(file)
+    blank = {variable.name for variable in _replaceable(file)}
     uses = Counter(token.text[1:] for token in found)
     for token in found:
-        name = token.text[1:]
+        sign, name = token.text[0], token.text[1:]
         if uses[name] == 1 and not name.startswith("_"):
             others = [other for other in uses if other != name]
             meant = misspelt(name, others)
-            intended = [f"{token.text[0]}_{name}", *["[]"] * (Variable(name) in blank)]
-            fixes = (*(Fix(f"{token.text[0]}{each}") for each in meant), *map(Fix, intended))
+            intended = [f"{sign}_{name}", *["[]"] * (name in blank)]
+            fixes = (*(Fix(f"{sign}{each}") for each in meant), *map(Fix, intended))
             message = f"the variable ?{name} is used only here"
-            hint = asked(meant) or _hint(name, blank)
-            yield Finding("KG217", "warning", file.name, message, at_offset(file, token.start), hint, fixes=fixes)
-
-
-def _hint(name: str, blank: set[Variable]) -> str:
-    return (
-        f"Write `[]`, or ?_{name} if that is meant." if Variable(name) in blank else f"Write ?_{name} if it is meant."
-    )
+            advice = (
+                f"Write `[]`, or ?_{name} if that is meant." if name in blank else f"Write ?_{name} if it is meant."
+            )
+            place, hint = at_offset(file, token.start), asked(meant) or advice
+            yield Finding("KG217", "warning", file.name, message, place, hint, fixes=fixes)
 
 
 def _replaceable(file: RuleFile) -> set[Variable]:

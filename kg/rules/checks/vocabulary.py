@@ -82,7 +82,11 @@ def unknown_terms(file: RuleFile, context: Context) -> Iterator[Finding]:
     own = {iri for rule in file.rules for iri in _derived(rule)}
     known = context.terms | heads
     foreign = {namespace_of(iri) for iri in context.terms}
-    wanted = {iri: "property" if is_property else "class" for rule in file.rules for iri, is_property in _used(rule)}
+    read = {iri for rule in file.rules for atom, _ in atoms_of(rule.body) for iri, _ in _terms(atom)}
+    wanted: dict[str, str] = {}
+    for rule in file.rules:
+        for atom in (*rule.head, *(atom for atom, _ in atoms_of(rule.body))):
+            wanted |= {iri: "property" if is_property else "class" for iri, is_property in _terms(atom)}
     for iri, kind in wanted.items():
         namespace = namespace_of(iri)
         if namespace in STANDARD:
@@ -92,8 +96,8 @@ def unknown_terms(file: RuleFile, context: Context) -> Iterator[Finding]:
             continue
         if not context.terms or iri in known or iri.startswith(_BUILT_IN):
             continue
-        if iri in own and (_read_in(file, iri) or namespace not in foreign):
-            continue  # a term that the rule brings along
+        if iri in own and (iri in read or namespace not in foreign):
+            continue  # a term that the rule brings along: it both writes and reads it, or has a namespace of its own
         message = f"no ontology defines the {kind} {shorten(iri)}, and the store does not have it"
         yield _finding(file, iri, kind, message, known)
 
@@ -121,18 +125,8 @@ def _suggestions(iri: str, kind: str, known: Iterable[str]) -> list[str]:
     return [short[each] for each in similar(shorten(iri), short)]
 
 
-def _read_in(file: RuleFile, iri: str) -> bool:
-    """Return whether a file both writes and reads a term, which makes it a term of its own."""
-    return any(used == iri for rule in file.rules for atom, _ in atoms_of(rule.body) for used, _ in _terms(atom))
-
-
 def _derived(rule: Rule) -> Iterator[str]:
     return (iri for atom in rule.head for iri, _ in _terms(atom))
-
-
-def _used(rule: Rule) -> Iterator[tuple[str, bool]]:
-    for atom in (*rule.head, *(atom for atom, _ in atoms_of(rule.body))):
-        yield from _terms(atom)
 
 
 def _terms(atom: Atom) -> Iterator[tuple[str, bool]]:

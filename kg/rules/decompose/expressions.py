@@ -5,14 +5,13 @@ All functions work on tokens: strings and IRIs are never taken for names or sign
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
 from kg.rules.form import Expression
-from kg.syntax.lexer import Kind, Token, tokens_of
+from kg.syntax.lexer import Kind, Token, bare, partner, tokens_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Sequence
+    from collections.abc import Collection, Sequence
 
     from kg.errors import Place
 
@@ -31,8 +30,6 @@ _GIVE_KNOWN_TERMS: Final = _TESTS | {
 }
 """Words whose value is a truth value, an operand or a part of one."""
 
-_OPENING: Final = frozenset("([{")
-_CLOSING: Final = frozenset(")]}")
 _TERMS: Final = frozenset({Kind.IRI, Kind.STRING, Kind.VARIABLE, Kind.NUMBER, Kind.NAME})
 
 
@@ -115,22 +112,13 @@ def resolved(text: str, visible: Collection[str]) -> str | None:
         return None
     tokens = tokens_of(text)
     pieces, end = [], 0
-    for before, token in pairwise(_bounds(tokens, missing)):
-        pieces.append(text[before[1] : token[0]] + token[2])
-        end = token[1]
-    return "".join(pieces) + text[end:]
-
-
-def _bounds(tokens: Sequence[Token], missing: set[str]) -> Iterator[tuple[int, int, str]]:
-    """Yield replacements as start, end and text; first an empty one before all."""
-    yield 0, 0, ""
     for index, token in enumerate(tokens):
-        if token.kind is not Kind.VARIABLE or token.text[1:] not in missing:
-            continue
-        if index > 1 and _word(tokens[index - 2]) == "BOUND":
-            yield tokens[index - 2].start, tokens[index + 1].end, "false"
-        else:
-            yield token.start, token.end, UNBOUND
+        if token.kind is Kind.VARIABLE and token.text[1:] in missing:
+            bound = index > 1 and _word(tokens[index - 2]) == "BOUND"
+            first, last = (tokens[index - 2], tokens[index + 1]) if bound else (token, token)
+            pieces += [text[end : first.start], "false" if bound else UNBOUND]
+            end = last.end
+    return "".join(pieces) + text[end:]
 
 
 def conjuncts(text: str) -> list[str]:
@@ -142,7 +130,7 @@ def conjuncts(text: str) -> list[str]:
     tokens = tokens_of(text)
     depth, start, parts = 0, 0, []
     for token in tokens:
-        depth += (token.text in _OPENING or token.text == "<<(") - (token.text in _CLOSING or token.text == ")>>")
+        depth += (token.text in {"(", "[", "{", "<<("}) - (token.text in {")", "]", "}", ")>>"})
         if depth == 0 and token.text == "||":
             return [text]
         if depth == 0 and token.text == "&&":
@@ -151,24 +139,6 @@ def conjuncts(text: str) -> list[str]:
     if not parts:
         return [text]
     return [piece for part in (*parts, text[start:].strip()) for piece in conjuncts(part)]
-
-
-def bare(text: str) -> str:
-    """Return an expression without brackets around all of it."""
-    tokens = tokens_of(text)
-    while len(tokens) > 2 and tokens[0].text == "(" and _partner(tokens) == len(tokens) - 1:  # noqa: PLR2004 - both brackets and more
-        tokens = tokens[1:-1]
-    return text[tokens[0].start : tokens[-1].end] if tokens else text
-
-
-def _partner(tokens: Sequence[Token]) -> int:
-    """Return the index of the bracket that closes the first."""
-    depth = 0
-    for index, token in enumerate(tokens):
-        depth += (token.text in _OPENING) - (token.text in _CLOSING)
-        if depth == 0:
-            return index
-    return -1
 
 
 def new_node(text: str) -> str | None:
@@ -193,12 +163,12 @@ def existence(text: str) -> bool | None:
         if tokens[0].text == "!":
             negated = not negated
             tokens = tokens[1:]
-        elif _partner(tokens) == len(tokens) - 1:
+        elif partner(tokens) == len(tokens) - 1:
             tokens = tokens[1:-1]
         else:
             break
     if _word(tokens[0]) == "NOT":
         tokens = tokens[1:]
-    if _word(tokens[0]) != "EXISTS" or _partner(tokens[1:]) != len(tokens) - 2:
+    if _word(tokens[0]) != "EXISTS" or partner(tokens[1:]) != len(tokens) - 2:
         raise ValueError(text)
     return negated

@@ -21,10 +21,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.rules import sparql
 from kg.rules.decompose import expressions
 from kg.rules.decompose.blocks import block
 from kg.rules.decompose.parts import EMPTY, IndivisibleError, Part, Scope, attached, joined, placed
-from kg.rules.decompose.patterns import basic, known
+from kg.rules.decompose.patterns import basic
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.selects import selected
 from kg.rules.decompose.uses import certain, uses
@@ -32,7 +33,7 @@ from kg.rules.form import Assignment, Element, Exists, Filter, Term, Values, Var
 from kg.syntax import tree
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from kg.rules.decompose.work import Work
 
@@ -51,32 +52,28 @@ class Condition:
     @property
     def requires(self) -> tuple[str, ...]:
         """An unbound variable is an error in an expression that has nothing to forgive it; BOUND asks for one."""
-        if self.exists is None and expressions.simplified(self.text, expressions.variables(self.text)) == "true":
-            return expressions.variables(self.text)
-        strict = self.exists is None and expressions.is_strict(self.text)
-        return expressions.variables(self.text) if strict else ()
+        if self.exists is not None:
+            return ()
+        names = expressions.variables(self.text)
+        return names if expressions.is_strict(self.text) or expressions.simplified(self.text, names) == "true" else ()
 
 
-def conditions(filters: Iterable[tree.Filter | tree.Exists]) -> list[Condition]:
-    """Return the conditions of filters; IndivisibleError where an EXISTS is inside a larger expression."""
-    return [condition for node in filters for condition in _conditions(node)]
-
-
-def _conditions(node: tree.Filter | tree.Exists) -> Iterator[Condition]:
+def conditions(node: tree.Filter | tree.Exists) -> Iterator[Condition]:
+    """Yield the conditions of a filter; IndivisibleError where an EXISTS is inside a larger expression."""
     if isinstance(node, tree.Exists):
         yield Condition("", node.span, node)
-    else:
-        tests = iter(node.expression.exists)
-        for text in expressions.conjuncts(node.expression.text):
-            try:
-                turned = expressions.existence(text)
-            except ValueError:
-                raise IndivisibleError from None
-            if turned is None:
-                yield Condition(text, node.span)
-            else:
-                test = next(tests)
-                yield Condition("", test.span, replace(test, negated=test.negated ^ turned))
+        return
+    tests = iter(node.expression.exists)
+    for text in expressions.conjuncts(node.expression.text):
+        try:
+            turned = expressions.existence(text)
+        except ValueError:
+            raise IndivisibleError from None
+        if turned is None:
+            yield Condition(text, node.span)
+        else:
+            test = next(tests)
+            yield Condition("", test.span, replace(test, negated=test.negated ^ turned))
 
 
 class Groups:
@@ -88,10 +85,10 @@ class Groups:
     def group(self, group: tree.Group, scope: Scope) -> list[Part]:
         """Return the parts of a group evaluated by itself."""
         filters = [node for node in group.nodes if isinstance(node, tree.Filter | tree.Exists)]
-        tests = conditions(filters)
+        tests = [test for node in filters for test in conditions(node)]
         strict = [name for test in tests for name in test.requires]
         scope = replace(scope, required=scope.required.union(strict))
-        parts = [known(EMPTY, scope)]
+        parts = [replace(EMPTY, nodes=scope.near, subjects=scope.subjects)]
         together: list[tree.TriplePattern] = []
         for node in group.nodes:
             if isinstance(node, tree.TriplePattern):
@@ -101,7 +98,9 @@ class Groups:
                 together = []
                 parts = self._counted([new for part in parts for new in self._node(node, part, scope)], scope)
         parts = self._triples(together, parts, scope)
-        return self._counted([new for part in parts for new in self._filtered(part, tests, scope)], scope)
+        for test in tests:
+            parts = [new for part in parts for new in self._tested(part, test, scope)]
+        return self._counted(parts, scope)
 
     def _triples(self, patterns: list[tree.TriplePattern], parts: list[Part], scope: Scope) -> list[Part]:
         return [new for part in parts for new in basic(self._work, patterns, part, scope)]
@@ -129,7 +128,7 @@ class Groups:
         elif isinstance(node, tree.SubSelect):
             yield from self._select(node, part, scope)
         elif isinstance(node, tree.GraphBlock):
-            yield self._blocked(node, f"GRAPH {_graph(node)} {node.group.text}", part, scope)
+            yield self._blocked(node, f"GRAPH {sparql.term(node.name)} {node.group.text}", part, scope)
 
     def _optional(self, node: tree.Optional, part: Part, scope: Scope) -> Iterator[Part]:
         bound = part.bound
@@ -227,14 +226,8 @@ class Groups:
             raise IndivisibleError
         return part.then(block(text, (node,), self._work.place(node.span)))
 
-    def _filtered(self, part: Part, tests: list[Condition], scope: Scope) -> list[Part]:
-        """Return a part with the filters of its group, as one or more parts."""
-        parts = [part]
-        for test in tests:
-            parts = [new for old in parts for new in self._tested(old, test, scope)]
-        return parts
-
     def _tested(self, part: Part, test: Condition, scope: Scope) -> list[Part]:
+        """Return a part with a filter of its group, as any number of parts."""
         if test.exists is not None:
             return self._exists(part, test.exists, scope)
         around = scope.outer | scope.seen
@@ -255,7 +248,3 @@ class Groups:
         if any(not match.elements for match in matches):
             return [part]
         return [part.then(Exists(self._inner(match, inner.outer, node))) for match in matches]
-
-
-def _graph(node: tree.GraphBlock) -> str:
-    return f"?{node.name.name}" if isinstance(node.name, Variable) else str(node.name)

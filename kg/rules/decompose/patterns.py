@@ -16,7 +16,6 @@ The predicate is named after the steps, so that equal paths of all rules share i
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from hashlib import sha256
 from typing import TYPE_CHECKING, Final
 
@@ -140,22 +139,19 @@ def _is_resource(end: form.Pattern, part: Part) -> bool:
 def basic(work: Work, patterns: list[TriplePattern], part: Part, scope: Scope) -> list[Part]:
     """Return the parts of `part` joined with patterns."""
     parts = [part]
+    waiting = [pattern for pattern in patterns if _waits(pattern)]
     for pattern in patterns:
-        if not _waits(pattern):
+        if pattern not in waiting:
             parts = [new for old in parts for new in _matches(work, pattern, old, scope) or []]
-    return [done for old in parts for done in _waiting(work, [p for p in patterns if _waits(p)], old, scope)]
+    return [done for old in parts for done in _waiting(work, waiting, old, scope)]
 
 
 def _waiting(work: Work, patterns: list[TriplePattern], part: Part, scope: Scope) -> list[Part]:
     """Join patterns that need to know their ends, each as soon as they are known."""
     if not patterns:
         return [part]
-    chosen, found = patterns[0], None
-    for pattern in patterns:
-        found = _matches(work, pattern, part, scope)
-        if found is not None:
-            chosen = pattern
-            break
+    tried = ((pattern, _matches(work, pattern, part, scope)) for pattern in patterns)
+    chosen, found = next(((one, parts) for one, parts in tried if parts is not None), (patterns[0], None))
     rest = [pattern for pattern in patterns if pattern is not chosen]
     if found is None:
         found = [part.then(_block(work, chosen))]
@@ -198,14 +194,10 @@ def _ends_equal(pattern: TriplePattern, part: Part) -> list[Part] | None:
                 return [_equal(part, end, other)]
         elif not isinstance(pattern.predicate, Sequence):
             # A sequence of paths is a join: its middle is not a constant, so it has to be in the graph.
-            return _constant(part, end, other)
+            if isinstance(other, form.Variable):
+                return [part.then(form.Values((other,), ((end,),)))]
+            return [part] if end == other else []
     return None
-
-
-def _constant(part: Part, end: form.Pattern, other: form.Pattern) -> list[Part]:
-    if isinstance(other, form.Variable):
-        return [part.then(form.Values((other,), ((end,),)))]  # type: ignore[arg-type]  # no variable and no triple term
-    return [part] if end == other else []
 
 
 def _equal(part: Part, bound: form.Variable, other: form.Pattern) -> Part:
@@ -215,10 +207,8 @@ def _equal(part: Part, bound: form.Variable, other: form.Pattern) -> Part:
     if other == bound:
         return part.same_node(bound, bound)
     value = expressions.expression(sparql.spelling(bound))
-    known = other in part.bound
-    return part.then(form.Filter(same(other, value)) if known else form.Assignment(other, value)).same_node(
-        other, bound
-    )
+    equal = form.Filter(same(other, value)) if other in part.bound else form.Assignment(other, value)
+    return part.then(equal).same_node(other, bound)
 
 
 def _block(work: Work, pattern: TriplePattern) -> form.EngineBlock:
@@ -227,8 +217,3 @@ def _block(work: Work, pattern: TriplePattern) -> form.EngineBlock:
     ends = [variable for end in (pattern.subject, pattern.object) for variable in form.variables_of(end)]
     unique = tuple(dict.fromkeys(ends))
     return form.EngineBlock(pattern_text(pattern), unique, (), reads([pattern]), monotone=True, place=place)
-
-
-def known(part: Part, scope: Scope) -> Part:
-    """Return an empty part with the knowledge from before its group."""
-    return replace(part, nodes=part.nodes | scope.near, subjects=part.subjects | scope.subjects)

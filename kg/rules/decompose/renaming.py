@@ -31,14 +31,28 @@ def _renamed(element: form.Element, names: Mapping[form.Variable, form.Variable]
     if isinstance(element, form.Filter):
         return form.Filter(renamed_expression(element.expression, names))
     if isinstance(element, form.Assignment):
-        return form.Assignment(_of(element.variable, names), renamed_expression(element.expression, names))
+        variable = names.get(element.variable, element.variable)
+        return form.Assignment(variable, renamed_expression(element.expression, names))
     if isinstance(element, form.Exists):
         return form.Exists(renamed(element.body, names), element.negated)
     if isinstance(element, form.Values):
         return form.Values(_all(element.variables, names), element.rows)
     if isinstance(element, form.EngineBlock):
-        return _block(element, names)
-    return _aggregate(element, names)
+        return replace(
+            element,
+            text=printer.renamed(element.text, _spelt(names)),
+            variables=_all(element.variables, names),
+            optional=_all(element.optional, names),
+        )
+    columns = tuple(
+        replace(
+            column,
+            variable=names.get(column.variable, column.variable),
+            expression=column.expression and renamed_expression(column.expression, names),
+        )
+        for column in element.columns
+    )
+    return form.Aggregate(_all(element.keys, names), columns, renamed(element.body, names))
 
 
 def renamed_expression(expression: form.Expression, names: Mapping[form.Variable, form.Variable]) -> form.Expression:
@@ -50,36 +64,11 @@ def renamed_expression(expression: form.Expression, names: Mapping[form.Variable
     return replace(expression, text=text, variables=expressions.variables(text))
 
 
-def _block(element: form.EngineBlock, names: Mapping[form.Variable, form.Variable]) -> form.EngineBlock:
-    return replace(
-        element,
-        text=printer.renamed(element.text, _spelt(names)),
-        variables=_all(element.variables, names),
-        optional=_all(element.optional, names),
-    )
-
-
-def _aggregate(element: form.Aggregate, names: Mapping[form.Variable, form.Variable]) -> form.Aggregate:
-    columns = tuple(
-        replace(
-            column,
-            variable=_of(column.variable, names),
-            expression=column.expression and renamed_expression(column.expression, names),
-        )
-        for column in element.columns
-    )
-    return form.Aggregate(_all(element.keys, names), columns, renamed(element.body, names))
-
-
 def _spelt(names: Mapping[form.Variable, form.Variable]) -> dict[str, str]:
     return {sparql.spelling(old)[1:]: sparql.spelling(new)[1:] for old, new in names.items()}
-
-
-def _of(variable: form.Variable, names: Mapping[form.Variable, form.Variable]) -> form.Variable:
-    return names.get(variable, variable)
 
 
 def _all(
     variables: tuple[form.Variable, ...], names: Mapping[form.Variable, form.Variable]
 ) -> tuple[form.Variable, ...]:
-    return tuple(_of(variable, names) for variable in variables)
+    return tuple(names.get(variable, variable) for variable in variables)

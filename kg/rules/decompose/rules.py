@@ -33,7 +33,11 @@ def finished(head: tuple[form.Atom, ...], body: tuple[form.Element, ...], names:
 
     IndivisibleError where a block may leave a variable unbound that another element mentions.
     """
-    body = _printable(body, names)
+    # Variables of blank nodes that are used in expressions or blocks get names that SPARQL can write.
+    written = set(_expressions(body))
+    hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
+    chosen = sorted((one for one in hidden if sparql.spelling(one)[1:] in written), key=str)
+    body = renamed(body, {variable: names.like(variable) for variable in chosen})
     head, body = _without_copies(head, body)
     _check_blocks(body)
     bound = form.bound_in(body)
@@ -52,44 +56,30 @@ def _expressions(body: Sequence[form.Element]) -> Iterator[str]:
             yield from _expressions(element.body)
 
 
-def _printable(body: tuple[form.Element, ...], names: Names) -> tuple[form.Element, ...]:
-    """Give SPARQL names to variables of blank nodes that are used in expressions or blocks."""
-    written = set(_expressions(body))
-    hidden = {variable for variable in everywhere(body) if variable.name.startswith(".")}
-    chosen = sorted((v for v in hidden if sparql.spelling(v)[1:] in written), key=str)
-    return renamed(body, {variable: names.like(variable) for variable in chosen})
-
-
 def _without_copies(head: tuple[form.Atom, ...], body: tuple[form.Element, ...]) -> Statement:
     """Use a variable in the place of one that is assigned its value: a solution has the same term for both."""
     index = 0
     while index < len(body):
-        element = body[index]
-        source = _copied(element, body[index + 1 :])
-        if source is None or not isinstance(element, form.Assignment):
+        names = _copied(body[index], body[index + 1 :])
+        if not names:
             index += 1
             continue
-        names = {element.variable: source}
         head = tuple(atom.replaced(names) for atom in head)
         # Only where the variable is meant: text may have another of that name inside.
-        rest = (renamed([e], names)[0] if element.variable in form.mentions(e) else e for e in body[index + 1 :])
+        rest = (renamed([e], names)[0] if names.keys() & form.mentions(e) else e for e in body[index + 1 :])
         body = (*body[:index], *rest)
     return head, body
 
 
-def _copied(element: form.Element, rest: tuple[form.Element, ...]) -> form.Variable | None:
-    """Return the variable whose value an element assigns to another that may be replaced in the `rest`."""
-    if (
-        not isinstance(element, form.Assignment)
-        or element.expression.text != f"?{''.join(element.expression.variables)}"
-    ):
-        return None
-    simple = all(
-        isinstance(other, form.Atom | form.Filter | form.Assignment)
-        for other in rest
-        if element.variable in form.mentions(other)
-    )
-    return form.Variable(element.expression.variables[0]) if simple else None
+def _copied(element: form.Element, rest: tuple[form.Element, ...]) -> dict[form.Variable, form.Variable]:
+    """Return the variable that an element assigns and that whose value it gets; none if the `rest` needs both."""
+    if not isinstance(element, form.Assignment):
+        return {}
+    value = element.expression
+    users = [other for other in rest if element.variable in form.mentions(other)]
+    simple = all(isinstance(other, form.Atom | form.Filter | form.Assignment) for other in users)
+    copies = value.text == f"?{''.join(value.variables)}"
+    return {element.variable: form.Variable(value.variables[0])} if simple and copies else {}
 
 
 def _check_blocks(body: tuple[form.Element, ...]) -> None:
@@ -155,8 +145,7 @@ def _check_head(work: Work) -> None:
 def _statements(work: Work) -> list[Statement]:
     head = tuple(_atom(work, triple) for triple in work.rule.template)
     required = frozenset.intersection(*map(head_variables, work.rule.template)) if head else frozenset()
-    scope = Scope(required=required)
-    parts = Groups(work).group(work.rule.group, scope)
+    parts = Groups(work).group(work.rule.group, Scope(required=required))
     found = [finished(head, part.elements, work.names) for part in parts]
     return [statement for statement in found if statement is not None]
 

@@ -52,8 +52,12 @@ def _plain(work: Work, node: tree.SubSelect, scope: Scope, group: Decompose) -> 
     )
     parts = group(node.group, inner)
     for column in node.projections:
-        if column.expression:
-            parts = [_assigned(work, node, column, part, inner) for part in parts]
+        if value := column.expression:
+            if parts and (value.exists or column.variable in inner.outer):
+                raise IndivisibleError
+            parts = [
+                part.then(_assignment(work, node, column.variable, value, value.text, part, inner)) for part in parts
+            ]
     return [_hiding(work, part, visible) for part in parts]
 
 
@@ -61,14 +65,6 @@ def _columns(node: tree.SubSelect) -> frozenset[str]:
     if not node.projections:
         return possible(node.group.nodes)
     return frozenset(column.variable.name for column in node.projections)
-
-
-def _assigned(work: Work, node: tree.SubSelect, column: tree.Projection, part: Part, scope: Scope) -> Part:
-    """Return a part with a column that is an expression behind it."""
-    value = column.expression
-    if value is None or value.exists or column.variable in scope.outer:
-        raise IndivisibleError
-    return part.then(_assignment(work, node, column.variable, value, value.text, part, scope))
 
 
 def _assignment(  # noqa: PLR0913, PLR0917 - what is assigned, in which column of what, behind what
@@ -92,17 +88,13 @@ def _needed(work: Work, node: tree.SubSelect, variable: Variable, scope: Scope) 
 
 
 def _hiding(work: Work, part: Part, visible: Iterable[Variable]) -> Part:
-    """Return a part with new names for what is not visible."""
+    """Return a part with new names for what is not visible; variables that the rule does not write have their own."""
     hidden = sorted(part.bound - frozenset(visible), key=str)
-    names = {variable: work.names.like(variable) for variable in hidden if _is_written(work, variable)}
+    written = (one for one in hidden if not one.name.startswith(".") and one.name in work.mentioned)
+    names = {variable: work.names.like(variable) for variable in written}
     known = (part.nodes, part.subjects, part.given)
     nodes, subjects, given = (frozenset(names.get(variable, variable) for variable in found) for found in known)
     return Part.of(renamed(part.elements, names), nodes, subjects, given)
-
-
-def _is_written(work: Work, variable: Variable) -> bool:
-    """Return whether the rule has a variable of that name; others have a name of their own already."""
-    return not variable.name.startswith(".") and variable.name in work.mentioned
 
 
 @dataclass(slots=True)

@@ -28,9 +28,9 @@ from kg.rules import memory
 from kg.rules.columns import Tables, Wanted, lines, read_columns, stated, stored, wanted
 from kg.rules.demand.magic import Goal, demanded
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import EMPTY, Facts, Keys, absorb, distinct, lacking, union
+from kg.rules.engine.facts import EMPTY, Facts, Keys, absorb, gathered, lacking, union
 from kg.rules.engine.terms import Dictionary
-from kg.rules.form import Atom, Pattern, Rule, Term, TripleTerm, Values, Variable
+from kg.rules.form import Atom, Pattern, Rule, TripleTerm, Values, Variable
 from kg.rules.memory import Memory
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES
@@ -87,11 +87,15 @@ class _Reader:
         later: list[tuple[tree.Group, bool, Goal]] = []
         for node in nodes:
             if isinstance(node, tree.TriplePattern):
-                self._triple(node, own)
+                for atom, joined in self._path(node.subject, node.predicate, node.object):
+                    if joined:
+                        own.append(atom)
+                    else:
+                        self.goals.append((atom,))
             elif isinstance(node, tree.ValuesBlock):
-                rows = tuple(row for row in node.rows if None not in row)
-                if len(rows) == len(node.rows):
-                    own.append(Values(node.variables, _full(rows)))
+                rows = tuple(tuple(term for term in row if term is not None) for row in node.rows)
+                if all(len(row) == len(node.variables) for row in rows):
+                    own.append(Values(node.variables, rows))
             else:
                 before = tuple(own)
                 later += ((inner, joined, before) for inner, joined in self._inner(node))
@@ -120,13 +124,6 @@ class _Reader:
                 self.exists += 1
                 yield exists.group, False
 
-    def _triple(self, node: tree.TriplePattern, own: list[Atom | Values]) -> None:
-        for atom, joined in self._path(node.subject, node.predicate, node.object):
-            if joined:
-                own.append(atom)
-            else:
-                self.goals.append((atom,))
-
     def _path(self, subject: Pattern, path: tree.Path, value: Pattern) -> Iterator[tuple[Atom, bool]]:
         """Yield the triples that a path may pass, each with whether all solutions pass it."""
         if isinstance(path, tree.Inverse):
@@ -149,23 +146,16 @@ class _Reader:
         return Variable(f".path {next(self.made)}")
 
 
-def _full(rows: Sequence[tuple[Term | None, ...]]) -> tuple[tuple[Term, ...], ...]:
-    return tuple(tuple(term for term in row if term is not None) for row in rows)
-
-
 @dataclass(frozen=True, slots=True)
 class Derived:
     """The triples that a query may read and that the store lacks.
 
-    `whole`: the query may read any predicate, so all rules were evaluated. `rules` counts the rewritten rules,
-    `considered` the triples that they derived. Wall time in seconds.
+    `whole`: the query may read any predicate, so all rules were evaluated. Wall time in seconds.
     """
 
     dictionary: Dictionary
     facts: Facts
     whole: bool
-    rules: int
-    considered: int
     seconds: float
 
     def chunks(self) -> Iterator[bytes]:
@@ -193,10 +183,9 @@ def derive(text: str, rule_set: RuleSet, base: Base, limits: Limits) -> Derived:
         asserted.replace(dictionary.intern_term(copy), union(*parts))
     found = evaluate(program, dictionary, asserted, inferred=before, limits=limits)
     facts = stored(found.inferred, dictionary)
-    considered = len(facts)
     absorb(facts, data)
     matching = _matching(facts, goals, dictionary)
-    return Derived(dictionary, matching, open_ended(goals), len(program.rules), considered, time.perf_counter() - begin)
+    return Derived(dictionary, matching, open_ended(goals), time.perf_counter() - begin)
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,8 +227,8 @@ class Base:
         """Return the asserted triples of all graphs except the record of builds, and the stored inferences."""
         graphs = self.names.read_by_rules(self.source.graphs())
         dictionary = self.memory.dictionary
-        asserted = read_columns(self.source, what, graphs, dictionary)[1]
-        return asserted, read_columns(self.source, what, [self.names.inferred], dictionary)[1]
+        asserted = read_columns(self.source, what, graphs, dictionary)
+        return asserted, read_columns(self.source, what, [self.names.inferred], dictionary)
 
 
 def _without(what: Wanted, read: Wanted) -> Wanted:
@@ -258,10 +247,7 @@ def _matching(facts: Facts, goals: Iterable[Goal], dictionary: Dictionary) -> Fa
         among = [dictionary.intern_term(predicate)] if isinstance(predicate, NamedNode) else list(facts.predicates)
         for one in among:
             parts.setdefault(one, []).append(_ends(facts, one, atom, dictionary))
-    found = Facts()
-    for one, keys in parts.items():
-        found.replace(one, distinct(np.concatenate(keys)))
-    return found
+    return gathered(parts)
 
 
 def _ends(facts: Facts, predicate: int, atom: Atom, dictionary: Dictionary) -> Keys:

@@ -82,16 +82,6 @@ def exit_of(predicate: NamedNode) -> NamedNode:
     return NamedNode(f"{form.AUXILIARY}exit/{predicate.value}")
 
 
-def stored_of(predicate: NamedNode) -> NamedNode:
-    """Return the predicate of the stored triples of a predicate."""
-    return NamedNode(f"{form.AUXILIARY}stored/{predicate.value}")
-
-
-def via_of(predicate: NamedNode, adornment: str) -> NamedNode:
-    """Return the predicate that relates an end asked for to the nodes that its steps reach."""
-    return NamedNode(f"{form.AUXILIARY}via/{adornment}/{predicate.value}")
-
-
 def recursion_of(
     predicate: NamedNode, rules: Sequence[form.Rule], recurs: Callable[[Sequence[form.Element]], bool]
 ) -> Recursion | None:
@@ -170,8 +160,8 @@ class Rewritten:
 def demanded(rules: Iterable[form.Rule], goals: Iterable[Goal]) -> Rewritten:
     """Return rules that derive every triple that `rules` derive and that matches a pattern of `goals` within its goal.
 
-    They may derive other triples that `rules` derive, and triples of auxiliary predicates. None where no rule is
-    needed.
+    They may derive other triples that `rules` derive, and triples of auxiliary predicates. There are none where no rule
+    is needed.
     """
     return _Rewriting(tuple(rules), tuple(goals)).rewritten()
 
@@ -223,7 +213,8 @@ class _Rewriting:
 
     def _adorn(self, predicate: NamedNode, adornment: str) -> None:
         """Rewrite each rule that answers a demand."""
-        if recursion := self._exit_of(predicate):
+        recursions = (one for one in self._recursions.values() if one and exit_of(one.predicate) == predicate)
+        if recursion := next(recursions, None):
             self._adorn_exits(recursion, adornment)
         elif adornment in {"bf", "fb"} and (recursion := self._recursion(predicate)):
             self._adorn_recursion(recursion, adornment)
@@ -240,16 +231,18 @@ class _Rewriting:
     def _adorn_rule(self, rule: form.Rule, head: form.Atom, adornment: str) -> None:
         demand = _demand(head, adornment)
         self._add(replace(rule, head=(head,), body=(*rule.body, demand)))
-        self._pass_on(_conjuncts(rule.body), demand)
+        # What binds variables: atoms, those of positive EXISTS too, and rows.
+        rows = (element for element in rule.body if isinstance(element, form.Values))
+        self._pass_on([*(atom for _, atom in _atoms(rule.body)), *rows], demand)
 
     def _recursion(self, predicate: NamedNode) -> Recursion | None:
-        """Return the rules of a predicate, where all have the forms of `kg.rules.demand.magic`."""
+        """Return the rules of a predicate, where all have the forms of a recursion."""
         if predicate not in self._recursions:
             rules = self._deriving(predicate)
             own = {number for number, rule in enumerate(self._rules) if rule in rules}
 
             def recurs(body: Sequence[form.Element]) -> bool:
-                read = (read for read in reads(form.Rule(_QUERY, (), tuple(body), Place(_QUERY))))
+                read = reads(form.Rule(_QUERY, (), tuple(body), Place(_QUERY)))
                 feeding = (number for one in read for number in self._heads.matching(one))
                 return not own.isdisjoint(_closed(feeding, self._needs))
 
@@ -257,13 +250,9 @@ class _Rewriting:
             self._recursions[predicate] = None if anywhere else recursion_of(predicate, rules, recurs)
         return self._recursions[predicate]
 
-    def _exit_of(self, predicate: NamedNode) -> Recursion | None:
-        """Return the recursion that a predicate is the exit of."""
-        return next((one for one in self._recursions.values() if one and exit_of(one.predicate) == predicate), None)
-
     def _adorn_exits(self, recursion: Recursion, adornment: str) -> None:
         """Rewrite the exits of a recursion: stored triples, and rules that do not recur."""
-        exits, copy = exit_of(recursion.predicate), stored_of(recursion.predicate)
+        exits, copy = exit_of(recursion.predicate), NamedNode(f"{form.AUXILIARY}stored/{recursion.predicate.value}")
         self._copies[copy] = recursion.predicate
         head = form.Atom(_X, exits, _Z)
         self._add(form.Rule(_QUERY, (head,), (form.Atom(_X, copy, _Z), _demand(head, adornment)), Place(_QUERY)))
@@ -283,7 +272,8 @@ class _Rewriting:
         near, far = (recursion.right, recursion.left) if forward else (recursion.left, recursion.right)
         for step in far:
             self._adorn_rule(step.rule, step.head, adornment)
-        via = via_of(recursion.predicate, adornment)
+        # Relates an end asked for to the nodes that its steps reach.
+        via = NamedNode(f"{form.AUXILIARY}via/{adornment}/{recursion.predicate.value}")
         for step in near:
             here, there = (
                 (step.head.subject, step.recursive.subject) if forward else (step.head.object, step.recursive.object)
@@ -292,6 +282,7 @@ class _Rewriting:
                 _demand(step.head, adornment),
                 form.Atom(_KEPT, via, here) if forward else form.Atom(here, via, _KEPT),
             ):
+                # The end asked for is the step's own, or the one that an earlier step carried here.
                 kept = _KEPT if start.predicate == via else here
                 reached = form.Atom(kept, via, there) if forward else form.Atom(there, via, kept)
                 self._add(replace(step.rule, head=(reached,), body=(*step.beside, start)))
@@ -424,11 +415,6 @@ def _connected(head: form.Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunc
                 reached |= set(_variables(element))
                 grown = True
     return tuple(elements[index] for index in sorted(kept))
-
-
-def _conjuncts(body: tuple[form.Element, ...]) -> list[_Conjunct]:
-    """Return the elements of a body that bind variables: its atoms and rows, and the atoms of positive EXISTS."""
-    return [*(atom for _, atom in _atoms(body)), *(element for element in body if isinstance(element, form.Values))]
 
 
 def _atoms(

@@ -34,8 +34,12 @@ class Blocks:
 
         One that may read anything does not see the predicates `hidden`.
         """
-        read = [(predicate, facts.keys(predicate)) for predicate in self._predicates(step, facts, hidden)]
-        read.sort(key=lambda pair: pair[0])
+        predicates = set(facts.predicates)
+        if step.block.reads is None:
+            predicates -= hidden
+        else:
+            predicates &= {self._dictionary.intern_term(predicate) for predicate in step.block.reads}
+        read = [(predicate, facts.keys(predicate)) for predicate in sorted(predicates)]
         name = step.block.text, tuple(column for _, column in step.columns)
         known = self._known.get(name)
         if known is not None and _same(known[0], read):
@@ -46,12 +50,6 @@ class Blocks:
             self._known.pop(next(iter(self._known)))
         self._known[name] = read, table
         return table
-
-    def _predicates(self, step: Block, facts: Facts, hidden: frozenset[int]) -> set[int]:
-        if step.block.reads is None:
-            return set(facts.predicates) - hidden
-        found = {self._dictionary.intern_term(predicate) for predicate in step.block.reads}
-        return found & set(facts.predicates)
 
     def _evaluate(self, step: Block, facts: Facts, predicates: list[int]) -> Table:
         store = ox.Store()

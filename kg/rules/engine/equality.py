@@ -278,6 +278,7 @@ class _Classes:
             apart = label[left] != label[right]
             left, right = left[apart], right[apart]
         self._class[names] = names[label]
+        # The other terms of the classes follow the term that names theirs.
         self._class[self._terms] = self._class[self._class[self._terms]]
 
     def has(self, terms: Keys) -> NDArray[np.bool_]:

@@ -22,7 +22,7 @@ from kg.rules.engine.facts import Facts, Keys, absorb
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.engine.planning import plan
-from kg.rules.engine.solve import Solver, View, Workshop
+from kg.rules.engine.solve import Solver, State
 from kg.rules.form import Atom, Rule, is_auxiliary
 from kg.rules.stratify import Stratum, stratify
 
@@ -83,10 +83,10 @@ class Program:
         """Return the plan of each rule over a dictionary, made on first use."""
         return self._over(dictionary).plans
 
-    def workshop(self, dictionary: Dictionary, limits: Limits | None = None) -> Workshop:
+    def state(self, dictionary: Dictionary, limits: Limits | None = None) -> State:
         """Return the shared state for evaluation over a dictionary, with a clock that begins now."""
         bound = self._over(dictionary)
-        return Workshop(dictionary, bound.expressions, bound.blocks, Clock(limits or Limits()), bound.hidden)
+        return State(dictionary, bound.expressions, bound.blocks, Clock(limits or Limits()), bound.hidden)
 
     def _over(self, dictionary: Dictionary) -> _Bound:
         found = self._bound.get(dictionary)
@@ -138,38 +138,44 @@ def evaluate(
     limits = limits or Limits()
     if not limits.bounded:
         program.refuse_minting()
-    run = _Run(program, dictionary, asserted, limits)
-    run.learn(inferred or Facts())
+    run = _Run(program, dictionary, asserted, inferred or Facts(), limits)
     for stratum in program.strata:
         run.stratum(stratum)
     return Outcome(run.inferred, run.reports)
 
 
 class _Run:
-    """One evaluation: `known` has all triples so far, `inferred` the part that rules added."""
+    """One evaluation: `_known` has all triples so far, `inferred` the part that its rules added.
 
-    def __init__(self, program: Program, dictionary: Dictionary, asserted: Facts, limits: Limits) -> None:
-        self._shop = program.workshop(dictionary, limits)
+    `before` are triples that are known, but neither asserted nor inferred by this evaluation.
+    """
+
+    def __init__(
+        self, program: Program, dictionary: Dictionary, asserted: Facts, before: Facts, limits: Limits
+    ) -> None:
+        self._state = program.state(dictionary, limits)
         self._plans = program.plans(dictionary)
         self._asserted = asserted
         self._known = asserted.copy()
+        absorb(self._known, before)
         self._size = 0
         self.inferred = Facts(pages=asserted.pages)
         self.reports: list[RuleReport] = []
 
-    def learn(self, facts: Facts) -> None:
-        """Add triples that are known, but neither asserted nor inferred by this evaluation."""
-        absorb(self._known, facts)
-
     def stratum(self, stratum: Stratum) -> None:
         """Evaluate a stratum to its fixpoint."""
-        closures = _Closures(stratum, self._shop)
+        closures = _Closures(stratum, self._state)
         reports = [RuleReport(rule, stratum.level, matched=(0,) * len(rule.body)) for rule in stratum.rules]
         self.reports += reports
-        rules = [self._active(report, stratum) for report in reports if closures.register(report)]
+        rules = []
+        for report in reports:
+            if closures.register(report):
+                plan = self._plans[report.rule]
+                pivots = _pivots(plan, stratum.rules, self._state.dictionary) if stratum.recursive else ()
+                rules.append(_Active(plan, report, tuple(pivots)))
         delta = Facts()
         for rule in rules:
-            self._apply(rule, self._everything(rule.plan), delta)
+            self._apply(rule, rule.plan.inputs(self._asserted, self._known), delta)
         self._close(closures, delta, [self._known, delta])
         while stratum.recursive and delta.predicates:
             # Only rules that read the changing triples more than once read the earlier ones.
@@ -188,21 +194,14 @@ class _Run:
         before = len(delta)
         closures.close(self._known, delta, fresh, self._size)
         self._size += len(delta) - before
-        self._shop.clock.check(self._size)
-
-    def _active(self, report: RuleReport, stratum: Stratum) -> _Active:
-        plan = self._plans[report.rule]
-        pivots = _pivots(plan, stratum.rules, self._shop.dictionary) if stratum.recursive else ()
-        return _Active(plan, report, tuple(pivots))
-
-    def _everything(self, plan: RulePlan) -> list[Facts]:
-        return [self._asserted if source.asserted else self._known for source in plan.sources]
+        self._state.clock.check(self._size)
 
     def _changed(self, rule: _Active, pivot: _Pivot, last: Facts, old: Facts) -> list[Facts]:
         """Return the triples that the sources read in a round: for the pivot, those new in the last one."""
-        found = self._everything(rule.plan)
+        found = rule.plan.inputs(self._asserted, self._known)
         if pivot.block:
             return found
+        # Sources before the pivot read what was there before: a solution with two new triples is then found once.
         for other in rule.pivots:
             if other.number < pivot.number and not other.block:
                 found[other.number] = old
@@ -212,14 +211,15 @@ class _Run:
     def _apply(self, rule: _Active, sources: list[Facts], delta: Facts) -> None:
         """Run a rule and add to `delta` the triples not yet known."""
         begin = time.perf_counter()
-        report, clock = rule.report, self._shop.clock
+        report, clock = rule.report, self._state.clock
         report.rounds += 1
         clock.rule, clock.round = rule.report.rule, report.rounds
-        solver = Solver(self._shop, View(sources))
-        collector = Collector(rule.plan, self._shop.dictionary)
+        solver = Solver(self._state, sources)
+        collector = Collector(rule.plan, self._state.dictionary)
         for table in solver.solutions(rule.plan.body, rule.plan.outputs):
             collector.add(table, rule.plan.heads)
             if clock.may_exceed(self._size + len(collector)):
+                # The collector counts triples of several pieces, and known ones, more than once: count exactly.
                 found = collector.facts()
                 clock.check(self._size + sum(self._new(predicate, keys, delta).size for predicate, keys in found))
         for predicate, keys in collector.facts():
@@ -246,10 +246,10 @@ class _Run:
 class _Closures:
     """The equalities of a stratum, with the reports of their rules."""
 
-    def __init__(self, stratum: Stratum, shop: Workshop) -> None:
-        self._clock = shop.clock
+    def __init__(self, stratum: Stratum, state: State) -> None:
+        self._clock = state.clock
         found = equalities(stratum.rules) if stratum.recursive else ()
-        self._closures = [Closure(equality, shop.dictionary, shop.hidden) for equality in found]
+        self._closures = [Closure(equality, state.dictionary, state.hidden) for equality in found]
         self._rules = {rule for equality in found for rule in equality.rules}
         self._reports: dict[Rule, RuleReport] = {}
 

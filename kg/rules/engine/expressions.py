@@ -21,9 +21,10 @@ from pyoxigraph import Literal, NamedNode, Quad, QuerySolutions, Store
 
 from kg.rules import form
 from kg.rules.engine.facts import EMPTY, Keys, distinct
-from kg.rules.engine.shortcuts import bare, shortcut
+from kg.rules.engine.shortcuts import shortcut
 from kg.rules.engine.tables import Table, among
 from kg.rules.sparql import spelling
+from kg.syntax.lexer import bare
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -228,16 +229,11 @@ class Expressions:
         blank = np.zeros(arguments.rows, bool)
         for column in arguments.columns.values():
             blank |= self._dictionary.may_have_blanks(column)
-        plain = np.flatnonzero(~blank)
-        for begin in range(0, plain.size, _BATCH):
-            clock.check()
-            rows = plain[begin : begin + _BATCH]
-            self._batch(text, names, arguments.take(rows), rows, found)
-        rows = np.flatnonzero(blank)
-        for begin in range(0, rows.size, _BATCH):
-            clock.check()
-            chosen = rows[begin : begin + _BATCH]
-            self._with_blanks(text, names, arguments.take(chosen), chosen, found)
+        for rows, evaluate in ((np.flatnonzero(~blank), self._batch), (np.flatnonzero(blank), self._with_blanks)):
+            for begin in range(0, rows.size, _BATCH):
+                clock.check()
+                chosen = rows[begin : begin + _BATCH]
+                evaluate(text, names, arguments.take(chosen), chosen, found)
         return found
 
     def _batch(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, found: Keys) -> None:
@@ -246,7 +242,8 @@ class Expressions:
             [spelling or b"UNDEF" for spelling in self._dictionary.spellings(arguments.columns[name])] for name in names
         ]
         shown = " ".join(["?kg_row", *map(_shown, names)])
-        lines = b"\n".join(b"(%s)" % b" ".join(row) for row in zip(_numbers(arguments.rows), *spelt, strict=True))
+        numbers = [b"%d" % number for number in range(arguments.rows)]
+        lines = b"\n".join(b"(%s)" % b" ".join(row) for row in zip(numbers, *spelt, strict=True))
         query = f"SELECT ?kg_row ?kg_value {{ VALUES ({shown}) {{\n{lines.decode()}\n}} BIND({text} AS ?kg_value) }}"
         self._read(self._store.query(query), rows, found)
 
@@ -294,10 +291,6 @@ def _distinct(arguments: Table) -> tuple[Table, Keys]:
 def _shown(name: str) -> str:
     """Return how a variable is written in an expression."""
     return spelling(form.Variable(name))
-
-
-def _numbers(rows: int) -> list[bytes]:
-    return [b"%d" % number for number in range(rows)]
 
 
 class _Memo:

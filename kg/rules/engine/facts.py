@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -50,8 +50,8 @@ def distinct(keys: Keys) -> Keys:
     return ordered if kept.all() else ordered[kept]
 
 
-def _among(keys: Keys, others: Keys) -> NDArray[np.bool_]:
-    """Return for each of the sorted `keys` whether the sorted `others` have it."""
+def found_in(keys: Keys, others: Keys) -> NDArray[np.bool_]:
+    """Return for each key whether the sorted `others` have it, by binary search."""
     if not others.size:
         return np.zeros(keys.size, bool)
     found = np.searchsorted(others, keys)
@@ -64,12 +64,12 @@ def difference(keys: Keys, others: Keys) -> Keys:
     """Return the sorted `keys` that the sorted `others` lack."""
     if keys is others:
         return EMPTY
-    return keys if not others.size or not keys.size else keys[~_among(keys, others)]
+    return keys if not others.size or not keys.size else keys[~found_in(keys, others)]
 
 
 def intersection(keys: Keys, others: Keys) -> Keys:
     """Return the sorted `keys` that the sorted `others` have too."""
-    return keys[_among(keys, others)]
+    return keys[found_in(keys, others)]
 
 
 def union(keys: Keys, others: Keys) -> Keys:
@@ -120,6 +120,14 @@ def _fan_out(keys: Keys) -> float:
         stretches = [keys[at : at + _SAMPLE] for at in range(0, keys.size - _SAMPLE, keys.size // 4)]
     seen = sum(1 + np.count_nonzero(np.diff(stretch >> 32)) for stretch in stretches)
     return sum(stretch.size for stretch in stretches) / seen
+
+
+def gathered(columns: Mapping[int, Sequence[Keys]], pages: Pages | None = None) -> Facts:
+    """Return the triples of columns in pieces, by predicate: in any order, and any number of times."""
+    found = Facts(pages=pages)
+    for predicate, pieces in columns.items():
+        found.replace(predicate, distinct(pieces[0] if len(pieces) == 1 else np.concatenate(pieces)))
+    return found
 
 
 class Facts:

@@ -59,7 +59,10 @@ class _Columns:
     def value(self, column: Column, expressions: Expressions, clock: Clock) -> Keys:
         """Return the value of an aggregate for each group, 0 where it is in error."""
         if column.expression is None:
-            return self._integers(self._count_rows(distinct=column.distinct))
+            member = self._member
+            if column.distinct:
+                member = distinct_rows(self._table.plus({".group": member})).columns[".group"]
+            return self._integers(np.bincount(member, minlength=self._groups))
         scope = dict(self._step.scope)
         columns = [(name, scope[name]) for name in column.expression.variables if name in scope]
         values = expressions.values(column.expression, self._table, columns, clock)
@@ -90,12 +93,6 @@ class _Columns:
         order = np.argsort(member, kind="stable")
         begins = np.searchsorted(member[order], np.arange(self._groups))
         return self._integers(_ON_INTEGERS[function].reduceat(numbers[order], begins))
-
-    def _count_rows(self, *, distinct: bool) -> Keys:
-        member = self._member
-        if distinct:
-            member = distinct_rows(self._table.plus({".group": member})).columns[".group"]
-        return np.bincount(member, minlength=self._groups)
 
     def _integers(self, counts: Keys) -> Keys:
         """Return the identifiers of numbers."""
@@ -130,13 +127,13 @@ class _Columns:
             values = np.where(keep, values, 0)
         found = np.zeros(self._groups, np.int64)
         begin = 0
-        while begin < member.size or begin == 0:
+        while begin < member.size:
             clock.check()
             # A batch ends where a group does; one group may be larger than a batch.
-            last = member[min(begin + _BATCH, member.size) - 1] if member.size else 0
+            last = member[min(begin + _BATCH, member.size) - 1]
             end = int(np.searchsorted(member, last, side="right"))
             self._batch(column, member[begin:end], values[begin:end], found)
-            begin = max(end, 1)
+            begin = end
         empty = np.bincount(member, minlength=self._groups) == 0
         if column.function in {"SUM", "AVG", "GROUP_CONCAT"} and empty.any():
             self._empty(column, empty, found)
@@ -154,8 +151,6 @@ class _Columns:
         return found
 
     def _batch(self, column: Column, member: Keys, values: Keys, found: Keys) -> None:
-        if not member.size:
-            return
         spelt = [spelling or b"UNDEF" for spelling in self._dictionary.spellings(values)]
         rows = b"\n".join(b"(%d %s)" % pair for pair in zip(member.tolist(), spelt, strict=True)).decode()
         text = f"SELECT ?g ({_call(column)} AS ?v) {{ VALUES (?g ?x) {{\n{rows}\n}} }} GROUP BY ?g"

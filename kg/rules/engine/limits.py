@@ -35,6 +35,11 @@ class Clock:
         self.rule: object = ""
         self.round = 0
 
+    @property
+    def left(self) -> float | None:
+        """Seconds to the time limit, None without one."""
+        return None if self._end is None else max(self._end - time.monotonic(), 0.0)
+
     def check(self, inferred: int = 0) -> None:
         """Raise `RuleError` KG205 after the time limit or with more triples than allowed."""
         if self._end is not None and time.monotonic() > self._end:

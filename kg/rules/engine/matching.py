@@ -149,20 +149,15 @@ def _pairs(table: Table, subject: Node, value: Node, pairs: Pairs, needed: froze
     free_subject = isinstance(subject, str) and subject not in table.columns
     free_value = isinstance(value, str) and value not in table.columns
     if free_subject and free_value:
-        return _both_free(table, str(subject), str(value), pairs, needed)
+        subjects, objects = unpack(pairs.keys(by_object=False))
+        if subject == value:
+            subjects = objects = subjects[subjects == objects]
+        return _cross(table, {str(subject): subjects, str(value): objects}, subjects.size, needed)
     if free_value:
         return _one_free(table, (subject, str(value)), pairs, needed, by_object=False)
     if free_subject:
         return _one_free(table, (value, str(subject)), pairs, needed, by_object=True)
     return _none_free(table, subject, value, pairs)
-
-
-def _both_free(table: Table, subject: str, value: str, pairs: Pairs, needed: frozenset[str]) -> Table:
-    subjects, objects = unpack(pairs.keys(by_object=False))
-    if subject == value:
-        subjects = subjects[subjects == objects]
-        return _cross(table, {subject: subjects}, subjects.size, needed)
-    return _cross(table, {subject: subjects, value: objects}, subjects.size, needed)
 
 
 def _cross(table: Table, columns: dict[str, Keys], size: int, needed: frozenset[str]) -> Table:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from kg.rules.engine.facts import Facts
+
 
 @dataclass(frozen=True, slots=True)
 class Fresh:
@@ -147,6 +149,13 @@ class Block:
 Step: TypeAlias = Match | Structure | Test | Assign | Nested | Rows | Grouped | Block
 
 
+def binds(step: Step) -> frozenset[str]:
+    """Return the columns that are bound once a step has run."""
+    if isinstance(step, Assign):
+        return frozenset({step.name})
+    return frozenset() if isinstance(step, Test | Nested) else step.names
+
+
 @dataclass(frozen=True, slots=True)
 class Body:
     """Steps to run in any order that respects the variables visible to filters, assignments and inner bodies."""
@@ -199,3 +208,7 @@ class RulePlan:
     """The columns that the head needs."""
     resources: frozenset[HeadNode] = field(default_factory=frozenset)
     """Nodes of heads that may stand as subjects for certain: columns that are subjects of atoms, and blank nodes."""
+
+    def inputs(self, asserted: Facts, known: Facts) -> list[Facts]:
+        """Return what each source reads: all known triples, or only those asserted."""
+        return [asserted if source.asserted else known for source in self.sources]

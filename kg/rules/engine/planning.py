@@ -31,6 +31,7 @@ from kg.rules.engine.plan import (
     Step,
     Structure,
     Test,
+    binds,
 )
 from kg.rules.form import (
     Aggregate,
@@ -84,17 +85,12 @@ def _columns(node: HeadNode) -> list[str]:
 def _body(steps: Sequence[Step]) -> Body:
     """Return a body of steps with the properties of all of them."""
     numbers: set[int] = set()
-    names: set[str] = set()
     for step in steps:
         if isinstance(step, Match | Block):
             numbers.add(step.number)
         elif isinstance(step, Nested | Grouped):
             numbers |= step.body.numbers
-        if isinstance(step, Match | Structure | Rows | Grouped | Block):
-            names |= step.names
-        elif isinstance(step, Assign):
-            names.add(step.name)
-    return Body(tuple(steps), frozenset(numbers), frozenset(names))
+    return Body(tuple(steps), frozenset(numbers), frozenset[str]().union(*map(binds, steps)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from pyoxigraph import NamedNode
 from kg.rules.engine.facts import Keys, distinct
 from kg.rules.engine.terms import BLANK, IRI, LITERAL, Dictionary
 from kg.store.terms import datatype, spell
-from kg.syntax.lexer import END, token_at
+from kg.syntax.lexer import bare
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -65,27 +65,6 @@ class _Rows:
         return mask
 
 
-@cache
-def bare(text: str) -> str:
-    """Return the text of an expression without brackets around the whole of it."""
-    text = text.strip()
-    while text.startswith("(") and _closing(text) == len(text) - 1:
-        text = text[1:-1].strip()
-    return text
-
-
-def _closing(text: str) -> int:
-    """Return where the bracket closes that the text begins with; strings and IRIs are skipped."""
-    depth = 0
-    token = token_at(text, 0)
-    while token.text != END:
-        depth += (token.text == "(") - (token.text == ")")
-        if depth == 0:
-            return token.start
-        token = token_at(text, token.end)
-    return -1
-
-
 def shortcut(expression: Expression, table: Table, columns: Mapping[str, str], dictionary: Dictionary) -> Mask | None:
     """Return for each row whether a filter holds, or None if that needs evaluation."""
     rows = _Rows(table, columns, dictionary)
@@ -109,9 +88,7 @@ def _compared(found: re.Match[str], rows: _Rows) -> Mask | None:
 
 def _same_term(found: re.Match[str], rows: _Rows) -> Mask | None:
     left, right = rows.operand(found[2]), rows.operand(found[3])
-    if left is None or right is None:
-        return None
-    return rows.same(left, right, wanted=not found[1])
+    return None if left is None or right is None else rows.same(left, right, wanted=not found[1])
 
 
 def _of_kind(found: re.Match[str], rows: _Rows) -> Mask | None:

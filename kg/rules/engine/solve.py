@@ -10,7 +10,7 @@ import numpy as np
 
 from kg.rules.engine.groups import grouped
 from kg.rules.engine.matching import Reading, joined, match, spread
-from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, Step, Structure, Test
+from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, Step, Structure, Test, binds
 from kg.rules.engine.shortcuts import has_shortcut
 from kg.rules.engine.tables import CHUNK, UNIT, Table, TooManyRowsError, concatenate, distinct_rows, join
 from kg.rules.engine.terms import TRIPLE, Dictionary
@@ -42,7 +42,7 @@ _SEED: Final = 4096
 
 
 @dataclass(slots=True)
-class Workshop:
+class State:
     """State shared by evaluations over one dictionary, kept between runs."""
 
     dictionary: Dictionary
@@ -53,19 +53,15 @@ class Workshop:
     """Predicates that variable predicates do not match."""
 
 
-@dataclass(frozen=True, slots=True)
-class View:
-    """Input of each source of a rule in one evaluation, by number: a change, the data before it, or all data."""
-
-    sources: Sequence[Facts]
-
-
 @dataclass(slots=True)
 class Solver:
-    """Evaluates the bodies of one rule over one view."""
+    """Evaluates the bodies of one rule.
 
-    shop: Workshop
-    view: View
+    `sources` has the input of each source of the rule, by number: a change, the data before it, or all data.
+    """
+
+    state: State
+    sources: Sequence[Facts]
     matched: dict[int, int] = field(default_factory=dict)
     """For each element of the rule's body the rows after it, added up."""
     spreads: dict[tuple[int, bool, bool, bool], tuple[float, float]] = field(default_factory=dict)
@@ -74,11 +70,11 @@ class Solver:
     def solutions(
         self, body: Body, outputs: frozenset[str], seeds: Table = UNIT, *, bag: bool = False
     ) -> Iterator[Table]:
-        """Yield tables that together have the solutions' values of `outputs` and of the columns of `seeds` among them.
+        """Return tables that together have the solutions' values of `outputs` and of the columns of `seeds` among them.
 
         A solution may come more than once; with `bag` each comes as often as it is one, `outputs` being all columns.
         """
-        yield from self._run(seeds, body.steps, outputs, bag=bag)
+        return self._run(seeds, body.steps, outputs, bag=bag)
 
     def _run(
         self,
@@ -99,7 +95,7 @@ class Solver:
             ((table, step),) = ways
             first = None
             rest = tuple(other for other in steps if other is not step)
-            self.shop.clock.check()
+            self.state.clock.check()
             try:
                 table = self._after(table, step, rest, outputs, bag=bag)
             except TooManyRowsError as error:
@@ -122,7 +118,7 @@ class Solver:
         if bag:
             return found
         kept = found.keeping(needed)
-        lost = len(kept.columns) < len(table.columns.keys() | _binds(step))
+        lost = len(kept.columns) < len(table.columns.keys() | binds(step))
         if lost and kept.rows > _DEDUPLICATE and any(isinstance(other, Match) for other in rest):
             return distinct_rows(kept)
         return kept if kept.columns else Table({}, min(kept.rows, 1))
@@ -150,7 +146,11 @@ class Solver:
             raise RuntimeError(steps)
         if best[1] <= table.rows or table.rows < _COUNTED:
             return [(table, best[0])]
-        joins = {step: found for step, _ in sizes if isinstance(step, Match) and (found := self._joined(table, step))}
+        joins = {
+            step: found
+            for step, _ in sizes
+            if isinstance(step, Match) and (found := joined(table, step, self._reading(step, frozenset())))
+        }
         counted = [(step, size) for step, size in sizes if not isinstance(step, Match) or step not in joins]
         counted += [(step, float(counts.sum(dtype=np.int64))) for step, (_, counts) in joins.items()]
         step, size = min(counted, key=itemgetter(1))
@@ -169,11 +169,8 @@ class Solver:
         parts = ((table.take(chosen == number), way) for number, way in enumerate(ways))
         return [(part, way) for part, way in parts if part.rows]
 
-    def _joined(self, table: Table, step: Match) -> tuple[str, NDArray[np.integer]] | None:
-        return joined(table, step, self._reading(step, frozenset()))
-
     def _reading(self, step: Match, needed: frozenset[str]) -> Reading:
-        return Reading(self.view.sources[step.number], len(self.shop.dictionary), needed, self.shop.hidden)
+        return Reading(self.sources[step.number], len(self.state.dictionary), needed, self.state.hidden)
 
     def _estimate(self, table: Table, step: Step) -> float | None:
         """Estimate rows after a step; None if it cannot run. Cheap filters run before joins, expensive ones after."""
@@ -201,8 +198,7 @@ class Solver:
         key = step.number, subject, value, step.predicate in columns
         found = self.spreads.get(key)
         if found is None:
-            facts = self.view.sources[step.number]
-            found = spread(step, facts, subject=subject, value=value, predicate=key[3])
+            found = spread(step, self.sources[step.number], subject=subject, value=value, predicate=key[3])
             self.spreads[key] = found
         return found
 
@@ -210,23 +206,24 @@ class Solver:
         if isinstance(step, Match):
             return match(table, step, self._reading(step, needed))
         if isinstance(step, Test):
-            return table.take(self.shop.expressions.holds(step.expression, table, step.columns, self.shop.clock))
+            return table.take(self.state.expressions.holds(step.expression, table, step.columns, self.state.clock))
         if isinstance(step, Assign):
             return self._assign(table, step)
         if isinstance(step, Structure):
             return self._structure(table, step)
         if isinstance(step, Nested):
-            return self._nested(table, step)
+            met = self._has_solution(table, step)
+            return table.take(~met if step.negated else met)
         if isinstance(step, Rows):
             return join(table, Table(dict(step.columns), step.size))
         if isinstance(step, Block):
-            shop = self.shop
-            found = shop.blocks.solutions(step, self.view.sources[step.number], shop.clock, shop.hidden)
+            state = self.state
+            found = state.blocks.solutions(step, self.sources[step.number], state.clock, state.hidden)
             return _compatible(table, found)
         return self._grouped(table, step)
 
     def _assign(self, table: Table, step: Assign) -> Table:
-        values = self.shop.expressions.values(step.expression, table, step.columns, self.shop.clock)
+        values = self.state.expressions.values(step.expression, table, step.columns, self.state.clock)
         bound = table.columns.get(step.name)
         if bound is not None:
             return table.take((values == bound) & (values != 0))
@@ -234,10 +231,8 @@ class Solver:
         return found if values.all() else found.take(values != 0)
 
     def _structure(self, table: Table, step: Structure) -> Table:
-        dictionary = self.shop.dictionary
-        terms = table.columns[step.term]
-        is_triple = dictionary.kinds(terms) == TRIPLE
-        table = table.take(is_triple)
+        dictionary = self.state.dictionary
+        table = table.take(dictionary.kinds(table.columns[step.term]) == TRIPLE)
         parts = np.array([dictionary.parts(term) for term in table.columns[step.term].tolist()], np.int64)
         for index, node in enumerate(step.parts):
             column = parts.reshape(-1, 3)[:, index]
@@ -249,11 +244,7 @@ class Solver:
                 table, parts = table.take(kept), parts.reshape(-1, 3)[kept]
         return table
 
-    def _nested(self, table: Table, step: Nested) -> Table:
-        found = self._mask(table, step)
-        return table.take(~found if step.negated else found)
-
-    def _mask(self, table: Table, step: Nested) -> NDArray[np.bool_]:
+    def _has_solution(self, table: Table, step: Nested) -> NDArray[np.bool_]:
         """Return for each row whether the inner body has a solution."""
         seeds = table.keeping(step.shared)
         if not step.shared:
@@ -266,14 +257,14 @@ class Solver:
                 found[part.columns[".row"]] = True
             return found
         (name,) = step.shared
-        found = np.zeros(len(self.shop.dictionary), bool)
+        found = np.zeros(len(self.state.dictionary), bool)
         for part in self._inner().solutions(step.body, step.shared, distinct_rows(seeds)):
             found[part.columns[name]] = True
         return found[table.columns[name]]
 
     def _inner(self) -> Solver:
         """Return a solver whose rows are not counted."""
-        return Solver(self.shop, self.view, spreads=self.spreads)
+        return Solver(self.state, self.sources, spreads=self.spreads)
 
     def _grouped(self, table: Table, step: Grouped) -> Table:
         """Join with the groups; only with those needed, if these are known and few."""
@@ -290,7 +281,7 @@ class Solver:
         names = step.body.names
         parts = list(self.solutions(step.body, names, seeds, bag=True))
         table = concatenate([part.keeping(names) for part in parts], names)
-        return grouped(step, table, self.shop.dictionary, self.shop.expressions, self.shop.clock)
+        return grouped(step, table, self.state.dictionary, self.state.expressions, self.state.clock)
 
 
 def _by_unbound(table: Table, names: Iterable[str]) -> list[Table]:
@@ -333,9 +324,3 @@ def _reads(step: Step) -> frozenset[str]:
     if isinstance(step, Test):
         return step.seen
     return step.shared if isinstance(step, Nested) else step.names
-
-
-def _binds(step: Step) -> frozenset[str]:
-    if isinstance(step, Assign):
-        return frozenset({step.name})
-    return frozenset() if isinstance(step, Test | Nested) else step.names

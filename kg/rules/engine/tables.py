@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import EMPTY, Keys, distinct, pack
+from kg.rules.engine.facts import EMPTY, Keys, distinct, found_in, pack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -109,28 +109,19 @@ def among(values: Keys, ordered: Keys) -> NDArray[np.bool_]:
 
     For many values, a table with a bit of each hash excludes most of those missing, in a tenth of the time.
     """
-    if not ordered.size:
-        return np.zeros(values.size, bool)
-    if values.size > max(_MANY, 4 * ordered.size):
+    if ordered.size and values.size > max(_MANY, 4 * ordered.size):
         bits = ordered.size.bit_length() + 4
         seen = np.zeros(1 << bits, bool)
         seen[_hashes(ordered, bits)] = True
         found = seen[_hashes(values, bits)]
-        found[found] = _searched(values[found], ordered)
+        found[found] = found_in(values[found], ordered)
         return found
-    return _searched(values, ordered)
+    return found_in(values, ordered)
 
 
 def _hashes(keys: Keys, bits: int) -> NDArray[np.uint64]:
     """Return the high bits of a product, by which neighbours are far apart (Knuth 1973, section 6.4)."""
     return (keys.view(np.uint64) * _FACTOR) >> np.uint64(64 - bits)
-
-
-def _searched(values: Keys, ordered: Keys) -> NDArray[np.bool_]:
-    found = np.searchsorted(ordered, values)
-    found[found == ordered.size] = 0
-    same: NDArray[np.bool_] = ordered[found] == values
-    return same
 
 
 def positions(begin: NDArray[np.integer], end: NDArray[np.integer]) -> tuple[Keys, Keys]:

@@ -97,14 +97,10 @@ class Closures:
                         came[there] = (here, facts)
                         waiting.append(there)
             if end in came:
-                return _back(came, start, end)
+                here, facts = came[end]
+                found = [facts]
+                while here != start:
+                    here, facts = came[here]
+                    found.append(facts)
+                return tuple(fact for part in reversed(found) for fact in part)
         return ()
-
-
-def _back(came: Mapping[Term, tuple[Term, tuple[Triple, ...]]], start: Term, end: Term) -> tuple[Triple, ...]:
-    here, facts = came[end]
-    found = [facts]
-    while here != start:
-        here, facts = came[here]
-        found.append(facts)
-    return tuple(fact for part in reversed(found) for fact in part)

@@ -54,7 +54,9 @@ def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivati
                 return None
             facts.append(fact)
         elif isinstance(element, Exists) and not element.negated:
-            facts += _witness(view, element, solution)
+            # The facts of one solution of the inner body.
+            for inner in view.solutions(element.body, bound_by(element.body), solution, 1):
+                facts += instances(element.body, inner)
         else:
             conditions.append(_condition(view, element, solution))
     named = {name: term for name, term in solution.items() if not name.startswith(".")}
@@ -71,17 +73,11 @@ def _way(view: View, fact: Triple) -> tuple[Triple, ...]:
     return view.closures.way(fact.predicate.value, fact.subject, fact.object, step)
 
 
-def _witness(view: View, element: Exists, solution: Mapping[str, Term]) -> Iterator[Triple]:
-    """Yield the facts of one solution of an inner body."""
-    for inner in view.solutions(element.body, bound_by(element.body), solution, 1):
-        yield from instances(element.body, inner)
-
-
 def _condition(view: View, element: Element, solution: Mapping[str, Term]) -> Condition:
     if not isinstance(element, Aggregate):
         return Condition(view.brief(element))
     keys = {key.name: solution[key.name] for key in element.keys if key.name in solution}
-    members = view.solutions(element.body, bound_by(element.body), keys, 1000)
+    members = view.solutions(element.body, bound_by(element.body), keys, _BREADTH)
     facts = [fact for member in members[:_SAMPLE] for fact in instances(element.body, member)]
     values = ", ".join(
         f"{column.function}({'*' if column.expression is None else column.expression.text}) = "

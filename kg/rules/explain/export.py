@@ -37,21 +37,19 @@ def _fact_object(proof: Proof, order: Mapping[Triple, int], view: View) -> dict[
             "line": evidence.line if evidence else None,
         }
     rule = proof.derivation.rule
-    conditions = [premise for premise in proof.premises if not isinstance(premise, Proof)]
+    conditions: list[dict[str, object]] = []
+    for condition in (premise for premise in proof.premises if isinstance(premise, Condition)):
+        conditions.append({"text": condition.text})
+        if condition.count is not None:
+            facts = [_triple(fact, view) for fact in condition.facts]
+            conditions[-1] |= {"count": condition.count, "facts": facts}
     return found | {
         "rule": rule.name,
         **_rule_place(rule.place),
         "bindings": _terms(proof.derivation.bindings),
         "premises": [order[premise.fact] for premise in proof.premises if isinstance(premise, Proof)],
-        "conditions": [_condition_object(condition, view) for condition in conditions],
+        "conditions": conditions,
     }
-
-
-def _condition_object(condition: Condition, view: View) -> dict[str, object]:
-    found: dict[str, object] = {"text": condition.text}
-    if condition.count is not None:
-        found |= {"count": condition.count, "facts": [_triple(fact, view) for fact in condition.facts]}
-    return found
 
 
 def _triple(fact: Triple, view: View) -> dict[str, object]:
@@ -99,21 +97,14 @@ def mermaid(proofs: Sequence[Proof], view: View) -> str:
     for number, proof in enumerate(proofs):
         steps = {each.fact: each for _, each in proof.walk() if isinstance(each, Proof)}
         names = {fact: f"p{number}f{place}" for place, fact in enumerate(steps)}
-        lines += [_box(names[fact], each, view) for fact, each in steps.items()]
-        links += [link for each in steps.values() for link in _arrows(each, names)]
+        for fact, each in steps.items():
+            place = f"<br/>{_escaped(str(each.evidence))}" if each.evidence else ""
+            left, right = ("[", "]") if each.derivation is None else ("([", "])")
+            lines.append(f'  {names[fact]}{left}"{_escaped(view.sentence(fact))}{place}"{right}')
+            rule = _escaped(each.derivation.rule.name) if each.derivation else ""
+            below = [premise.fact for premise in each.premises if isinstance(premise, Proof)]
+            links += [f'  {names[premise]} -->|"{rule}"| {names[fact]}' for premise in below]
     return "\n".join(["flowchart BT", *lines, *links, ""])
-
-
-def _box(name: str, proof: Proof, view: View) -> str:
-    place = f"<br/>{_escaped(str(proof.evidence))}" if proof.evidence else ""
-    left, right = ("[", "]") if proof.derivation is None else ("([", "])")
-    return f'  {name}{left}"{_escaped(view.sentence(proof.fact))}{place}"{right}'
-
-
-def _arrows(proof: Proof, names: Mapping[Triple, str]) -> list[str]:
-    rule = _escaped(proof.derivation.rule.name) if proof.derivation else ""
-    below = [premise.fact for premise in proof.premises if isinstance(premise, Proof)]
-    return [f'  {names[premise]} -->|"{rule}"| {names[proof.fact]}' for premise in below]
 
 
 def _escaped(text: str) -> str:

@@ -23,7 +23,8 @@ _MARGIN: Final = 16
 def picture(proofs: Sequence[Proof], view: View) -> str:
     """Return proofs, one below the other, as one SVG; text only, the same for the same proofs."""
     lines = [line for proof in proofs for line in proof_lines(proof, view)]
-    width = max(_MARGIN * 2 + _left(line) + len(_words(line)) * _CHAR for line in lines)
+    texts = (f"{line.text}  {line.where}" if line.where else line.text for line in lines)
+    width = max(_MARGIN * 2 + _left(line) + len(text) * _CHAR for line, text in zip(lines, texts, strict=True))
     height = _MARGIN * 2 + len(lines) * _ROW
     body = "\n".join([*_guides(lines), *(_text(line, row) for row, line in enumerate(lines))])
     title = escape(lines[0].text)
@@ -41,10 +42,6 @@ def _depth(line: Line) -> int:
 
 def _left(line: Line) -> float:
     return _depth(line) * _STEP
-
-
-def _words(line: Line) -> str:
-    return f"{line.text}  {line.where}" if line.where else line.text
 
 
 def _baseline(row: int) -> float:

@@ -96,10 +96,7 @@ def _parts(prologue: str, where: str) -> tuple[Rule, ...]:
     """Return the WHERE clause of a SELECT query as rules whose head mentions all its variables."""
     names = {token.text[1:] for token in tokens(where) if token.kind is Kind.VARIABLE}
     head = " . ".join(f"{_ROW} {_ROW} ?{name}" for name in sorted(names))
-    return _read(f"{prologue}CONSTRUCT {{ {head} }} WHERE {where}")
-
-
-def _read(rule: str) -> tuple[Rule, ...]:
+    rule = f"{prologue}CONSTRUCT {{ {head} }} WHERE {where}"
     try:
         return decompose(parse_rq(rule, _NAME).rules[0], _NAME, _NAME, rule)
     except RuleError as error:

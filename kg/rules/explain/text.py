@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kg.rules.explain.proof import Attempt, Condition, Evidence, Premise, Proof, WhyNot
-from kg.rules.form import Term, Variable, place_of
+from kg.rules.form import Variable, place_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator
 
     from pyoxigraph import Triple
 
@@ -49,12 +49,9 @@ def _from_here(name: str) -> str:
 
 def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
     """Yield a proof as a tree; each fact is explained once."""
-    yield from _proof(proof, view, "", "", set())
-
-
-def _proof(proof: Proof, view: View, first: str, rest: str, told: set[Triple]) -> Iterator[Line]:
-    """Walk the tree with a stack of its own: a proof may be thousands of steps high."""
-    waiting: list[tuple[Premise, str, str]] = [(proof, first, rest)]
+    told: set[Triple] = set()
+    # A stack instead of a recursion: a proof may be thousands of steps high.
+    waiting: list[tuple[Premise, str, str]] = [(proof, "", "")]
     while waiting:
         premise, branch, below = waiting.pop()
         if not isinstance(premise, Proof):
@@ -69,26 +66,18 @@ def _proof(proof: Proof, view: View, first: str, rest: str, told: set[Triple]) -
         inner = below + ("│ " if premise.premises else "  ")
         yield Line(inner, f"by rule {derivation.rule.name}", "rule", place=derivation.rule.place)
         if derivation.bindings:
-            yield Line(inner, _bindings(derivation.bindings, view), "bindings")
-        waiting.extend(reversed(list(_children(premise.premises, below))))
-
-
-def _children(premises: Sequence[Premise], below: str) -> Iterator[tuple[Premise, str, str]]:
-    for index, premise in enumerate(premises):
-        last = index == len(premises) - 1
-        yield premise, below + ("└─ " if last else "├─ "), below + ("   " if last else "│  ")
+            values = (f"?{name} = {view.label(term)}" for name, term in sorted(derivation.bindings.items()))
+            yield Line(inner, f"with {', '.join(values)}", "bindings")
+        for index, child in reversed(list(enumerate(premise.premises))):
+            last = index == len(premise.premises) - 1
+            waiting.append((child, below + ("└─ " if last else "├─ "), below + ("   " if last else "│  ")))
 
 
 def _condition(condition: Condition, view: View, branch: str, below: str) -> Iterator[Line]:
-    yield Line(
-        branch, condition.text + (f", over {condition.count}" if condition.count is not None else ""), "condition"
-    )
+    count = "" if condition.count is None else f", over {condition.count}"
+    yield Line(branch, condition.text + count, "condition")
     for fact in condition.facts:
         yield Line(below, f"such as {view.sentence(fact)}", "fact", view.evidence(fact))
-
-
-def _bindings(bindings: Mapping[str, Term], view: View) -> str:
-    return "with " + ", ".join(f"?{name} = {view.label(term)}" for name, term in sorted(bindings.items()))
 
 
 def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
@@ -98,7 +87,12 @@ def why_not_lines(answer: WhyNot, view: View) -> Iterator[Line]:
 
 
 def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
-    started = [attempt for attempt in answer.attempts if attempt.held or not _general(attempt)]
+    # Rules of any property, as those of OWL, explain little if nothing holds.
+    started = [
+        attempt
+        for attempt in answer.attempts
+        if attempt.held or not any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
+    ]
     if not started:
         yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
     for attempt in started:
@@ -118,8 +112,3 @@ def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterato
     else:
         for text in attempt.nearest:
             yield Line(inner, f"nearest: {text}", "hint")
-
-
-def _general(attempt: Attempt) -> bool:
-    """Return whether a rule derives facts of any property, as those of OWL do: it explains little if nothing holds."""
-    return any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)

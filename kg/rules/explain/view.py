@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 
-_LABEL: Final = "http://www.w3.org/2000/01/rdf-schema#label"
+_LABEL: Final = NamedNode("http://www.w3.org/2000/01/rdf-schema#label")
 _STRING: Final = "http://www.w3.org/2001/XMLSchema#string"
 _GRAPHS: Final = "SELECT ?g ?s ?p ?o WHERE { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
 _DEFAULT: Final = "SELECT ?s ?p ?o WHERE { ?s ?p ?o }"
@@ -86,8 +86,9 @@ class View:
         """Return the graphs that hold a fact and that rules read; the default graph is the empty string."""
         found = self._graphs.get(fact)
         if found is None:
-            named = [cast("NamedNode", row["g"]).value for row in self._rows(_GRAPHS, fact, union=False)]
-            plain = [""] if any(self._rows(_DEFAULT, fact, union=False)) else []
+            terms = {"s": fact.subject, "p": fact.predicate, "o": fact.object}
+            named = [cast("NamedNode", row["g"]).value for row in self._rows(_GRAPHS, terms, union=False)]
+            plain = [""] if any(self._rows(_DEFAULT, terms, union=False)) else []
             found = tuple(graph for graph in (*plain, *named) if graph not in self._ignored)
             self._graphs[fact] = found
         return found
@@ -96,8 +97,8 @@ class View:
         """Return the graphs in which a fact is asserted."""
         return tuple(graph for graph in self.graphs(fact) if graph != self._vocabulary.inferred.value)
 
-    def _rows(self, text: str, fact: Triple, *, union: bool) -> QuerySolutions:
-        terms = {"s": fact.subject, "p": fact.predicate, "o": fact.object}
+    def _rows(self, text: str, terms: Mapping[str, Term], *, union: bool = True) -> QuerySolutions:
+        """Return the rows of a query in which names of variables stand for terms."""
         given = {pyoxigraph.Variable(name): term for name, term in terms.items()}
         return cast("QuerySolutions", self._snapshot.query(text, union=union, substitutions=given))
 
@@ -115,9 +116,9 @@ class View:
         blank = substitutions(given)
         wanted = [Variable(name) for name in names if name not in bindings or spelling(Variable(name))[1:] in blank]
         text = select(self.closures.written(body), wanted, given, inferred=self._vocabulary.inferred)
-        fixed = {pyoxigraph.Variable(name): term for name, term in blank.items()}
-        rows = cast("QuerySolutions", self._snapshot.query(_limited(text, wanted, limit), substitutions=fixed))
-        for row in rows:
+        if wanted and limit is not None:  # a query without columns has its own limit
+            text = f"{text}\nLIMIT {limit}"
+        for row in self._rows(text, blank):
             values = {variable.name: row[spelling(variable)[1:]] for variable in wanted}
             yield {**bindings, **{name: cast("Term", term) for name, term in values.items() if term is not None}}
 
@@ -134,9 +135,7 @@ class View:
         return self._column("SELECT DISTINCT ?v ?s WHERE { ?s ?v ?o }", limit, s=subject)
 
     def _column(self, text: str, limit: int, **terms: Term) -> list[Term]:
-        given = {pyoxigraph.Variable(name): term for name, term in terms.items()}
-        rows = cast("QuerySolutions", self._snapshot.query(f"{text} LIMIT {limit}", substitutions=given))
-        return [cast("Term", row["v"]) for row in rows]
+        return [cast("Term", row["v"]) for row in self._rows(f"{text} LIMIT {limit}", terms)]
 
     def evidence(self, fact: Triple) -> Evidence | None:
         """Return the line that a fact was read from, or the peer that reported it at run time.
@@ -150,19 +149,16 @@ class View:
         return self._vocabulary.documents(fact) if self._vocabulary.documents else None
 
     def _place(self, thing: Term) -> Evidence | None:
-        path = self._value(thing, self._vocabulary.path)
-        line = self._value(thing, self._vocabulary.line)
-        if path is None or line is None:
-            other = self._vocabulary.declared_by
-            origins = self.objects(thing, other, 2) if other else []
-            origin = next((one for one in origins if one != thing), None)
-            return self._place(origin) if origin else self._sighting(thing)
+        words = self._vocabulary
         named = thing.value if isinstance(thing, NamedNode) else None
-        return Evidence(path, int(line), self._value(thing, self._vocabulary.repository), named)
-
-    def _sighting(self, thing: Term) -> Evidence | None:
-        peer, since = (self._value(thing, one) for one in (self._vocabulary.seen_at, self._vocabulary.seen_since))
-        named = thing.value if isinstance(thing, NamedNode) else None
+        path, line = self._value(thing, words.path), self._value(thing, words.line)
+        if path is not None and line is not None:
+            return Evidence(path, int(line), self._value(thing, words.repository), named)
+        origins = self.objects(thing, words.declared_by, 2) if words.declared_by else []
+        origin = next((one for one in origins if one != thing), None)
+        if origin:
+            return self._place(origin)
+        peer, since = self._value(thing, words.seen_at), self._value(thing, words.seen_since)
         return Evidence(f"{peer}, seen since {since}", thing=named) if peer and since else None
 
     def _value(self, thing: Term, predicate: NamedNode | None) -> str | None:
@@ -180,17 +176,13 @@ class View:
         """Return the label of a thing, or that of its whole with the name of the part."""
         if isinstance(term, Literal):
             return f'"{term.value}"' if term.datatype.value == _STRING else term.value
-        found = self.objects(term, NamedNode(_LABEL), 1)
-        if found and isinstance(found[0], Literal):
-            return found[0].value
-        if not isinstance(term, NamedNode):
-            return None
+        if (found := self._value(term, _LABEL)) is not None or not isinstance(term, NamedNode):
+            return found
         whole = term.value
         while "#" in whole:
             whole = whole[: max(whole.rfind("/", whole.index("#")), whole.index("#"))]
-            found = self.objects(NamedNode(whole), NamedNode(_LABEL), 1)
-            if found and isinstance(found[0], Literal):
-                return f"{found[0].value}#{term.value[len(whole) + 1 :]}"
+            if (found := self._value(NamedNode(whole), _LABEL)) is not None:
+                return f"{found}#{term.value[len(whole) + 1 :]}"
         return None
 
     def sentence(self, fact: Triple) -> str:
@@ -204,8 +196,3 @@ class View:
     def brief(self, element: Element) -> str:
         """Return a part of a body as SPARQL on one line, its IRIs shortened."""
         return brief(element, self.prefixes)
-
-
-def _limited(text: str, wanted: Sequence[Variable], limit: int | None) -> str:
-    """Return a query for some of the rows; the one that asks for no column has its limit."""
-    return f"{text}\nLIMIT {limit}" if wanted and limit is not None else text

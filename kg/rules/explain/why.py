@@ -130,7 +130,11 @@ def why_all(view: View, rules: tuple[Rule, ...], fact: Triple) -> tuple[Proof, .
     best = search.cheapest(without=fact)
     ways = [each for each in search.opened[fact] if all(premise in best for premise in each.facts)]
     ways.sort(key=lambda each: sum(best[premise][0] for premise in each.facts))
-    return tuple(_ended(search, fact, each, best) for each in ways)
+    found = []
+    for each in ways:
+        premises: list[Premise] = [_proof(search, premise, best) for premise in each.facts]
+        found.append(Proof(fact, (), None, each, (*premises, *each.conditions)))
+    return tuple(found)
 
 
 def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bool) -> _Search:
@@ -169,10 +173,3 @@ def _proof(search: _Search, fact: Triple, best: dict[Triple, tuple[int, Derivati
             premises: list[Premise] = [proofs[premise] for premise in derivation.facts]
             proofs[each] = Proof(each, (), None, derivation, (*premises, *derivation.conditions))
     return proofs[fact]
-
-
-def _ended(
-    search: _Search, fact: Triple, derivation: Derivation, best: dict[Triple, tuple[int, Derivation | None]]
-) -> Proof:
-    premises: list[Premise] = [_proof(search, premise, best) for premise in derivation.facts]
-    return Proof(fact, (), None, derivation, (*premises, *derivation.conditions))

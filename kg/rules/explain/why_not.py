@@ -51,18 +51,12 @@ def _alternatives(
     if subject is not None:
         objects = view.objects(subject, predicate, _CANDIDATES)
         for other in objects:
-            yield (
-                _likeness(view, value, other),
-                f"{view.label(subject)} has {view.spelt(predicate)} {view.label(other)}",
-            )
+            yield _likeness(view, value, other), f"{view.label(subject)} has {name} {view.label(other)}"
         if not objects:
             yield _NO_VALUE, f"{view.label(subject)} has no {name}"
     if value is not None:
         for other in view.subjects(predicate, value, _CANDIDATES):
-            yield (
-                _likeness(view, subject, other),
-                f"{view.label(other)} has {name} {view.label(value)}",
-            )
+            yield _likeness(view, subject, other), f"{view.label(other)} has {name} {view.label(value)}"
 
 
 def _likeness(view: View, wanted: form.Term | None, other: form.Term) -> float:
@@ -102,8 +96,7 @@ _LATE: Final = 10
 
 def why_not(view: View, rules: tuple[form.Rule, ...], fact: Triple, *, depth: int = _DEPTH) -> WhyNot:
     """Return how far each rule comes that could derive `fact`; `depth` bounds how far missing premises are followed."""
-    inquiry = _Inquiry(view, rules)
-    return inquiry.about(fact, depth)
+    return _Inquiry(view, rules).about(fact, depth)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,28 +136,16 @@ class _Inquiry:
         if isinstance(element, form.Atom):
             chosen, others = nearest(self.view, element, solutions)
             missing = instance(element, chosen)
-            if (
-                missing is not None
-                and depth > 1
-                and not element.asserted
-                and self._worth_following(rule, before, missing)
-            ):
-                deeper = self.about(missing, depth - 1)
+            # The first premise of a rule that fits every property explains little.
+            general = not before and any(isinstance(atom.predicate, form.Variable) for atom in rule.head)
+            if missing is not None and depth > 1 and not element.asserted and not general:
+                deeper = self.about(missing, depth - 1) if any(True for _ in heads(self.rules, missing)) else None
         elif isinstance(element, form.Exists) and element.negated:
-            others = tuple(self._blocking(element, chosen))
+            inner = self.view.solutions(element.body, bound_by(element.body), chosen, 1)
+            blocking = (fact for solution in inner for fact in instances(element.body, solution))
+            others = tuple(f"there is {self.view.sentence(fact)}" for fact in blocking)
         text = self._missing(element, chosen)
         return Attempt(rule, _named(chosen), instances(before, chosen), element, text, others, deeper)
-
-    def _worth_following(self, rule: form.Rule, before: Sequence[form.Element], missing: Triple) -> bool:
-        """Return whether rules could derive a premise, and it is not the first of a rule that fits every property."""
-        general = any(isinstance(atom.predicate, form.Variable) for atom in rule.head)
-        return (bool(before) or not general) and any(True for _ in heads(self.rules, missing))
-
-    def _blocking(self, element: form.Exists, solution: Mapping[str, form.Term]) -> Iterator[str]:
-        """Return which facts exist that must not."""
-        for inner in self.view.solutions(element.body, bound_by(element.body), solution, 1):
-            for fact in instances(element.body, inner):
-                yield f"there is {self.view.sentence(fact)}"
 
     def _missing(self, element: form.Element, solution: Mapping[str, form.Term]) -> str:
         if isinstance(element, form.Atom):
@@ -195,9 +176,13 @@ def _ordered(body: Sequence[form.Element], bindings: Mapping[str, form.Term]) ->
     """
     waiting, known = list(body), {form.Variable(name) for name in bindings}
     order: list[form.Element] = []
+
+    def free(element: form.Element) -> int:
+        return len(form.binds(element) - known) if isinstance(element, form.Atom) else _LATE
+
     while waiting:
         ready = [element for element in waiting if _ready(element, waiting, known)]
-        chosen = min(ready or waiting[:1], key=lambda element: _free(element, known))
+        chosen = min(ready or waiting[:1], key=free)
         waiting.remove(chosen)
         order.append(chosen)
         known |= form.binds(chosen)
@@ -211,7 +196,3 @@ def _ready(element: form.Element, waiting: Sequence[form.Element], known: set[fo
     before = waiting[: waiting.index(element)]
     later = {variable for other in before for variable in form.binds(other)} - known
     return not later & form.mentions(element)
-
-
-def _free(element: form.Element, known: set[form.Variable]) -> int:
-    return len(form.binds(element) - known) if isinstance(element, form.Atom) else _LATE

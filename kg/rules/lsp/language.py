@@ -55,15 +55,16 @@ def diagnose(text: str, path: Path, name: str, context: Context) -> list[Finding
 
 def width(text: str, place: Place) -> int:
     """Return how many characters of its line belong to what is at a place: a token, or a line of the header."""
-    lines = normalise(text).split("\n")
+    text = normalise(text)
+    lines = text.split("\n")
     number, column = (place.line or 1) - 1, (place.column or 1) - 1
     line = lines[number] if number < len(lines) else ""
     if line.startswith("#"):
         return max(len(line) - column, 1)
     start = sum(len(each) + 1 for each in lines[:number]) + column
-    token = next((each for each in tokens(normalise(text)) if each.start <= start < each.end), None)
+    token = next((each for each in tokens(text) if each.start <= start < each.end), None)
     if token is not None and token.kind is Kind.STRING and token.start < start:
-        token = token_at(normalise(text), start)  # in the query of a SHACL rule
+        token = token_at(text, start)  # in the query of a SHACL rule
     return min(token.end - start, len(line) - column) if token and token.start == start else 1
 
 
@@ -77,19 +78,22 @@ def complete(text: str, offset: int, suffix: str, terms: Terms) -> list[Suggesti
         return [Suggestion(each, "variable", start) for each in sorted(names)]
     prefix, colon, _ = word.partition(":")
     if colon:
-        namespace = prefixes_of(text).get(prefix)
-        found = terms.in_namespace(namespace) if namespace else []
-        return [_suggested(each, prefix, namespace or "", start) for each in found]
+        namespace = prefixes_of(text).get(prefix, "")
+        return [
+            Suggestion(
+                f"{prefix}:{each.iri.removeprefix(namespace)}",
+                "term",
+                start,
+                f"{each.kind} {each.label}".strip(),
+                each.described(),
+            )
+            for each in (terms.in_namespace(namespace) if namespace else ())
+        ]
     words = [Suggestion(each, "keyword", start) for each in _KEYWORDS[suffix]]
     words += [Suggestion(f"{each}:", "term", start, iri) for each, iri in prefixes_of(text).items()]
     if suffix != ".ttl":
         words += [Suggestion(f"{each}(", "function", start) for each in sorted(FUNCTIONS)]
     return words
-
-
-def _suggested(term: DefinedTerm, prefix: str, namespace: str, start: int) -> Suggestion:
-    text = f"{prefix}:{term.iri.removeprefix(namespace)}"
-    return Suggestion(text, "term", start, f"{term.kind} {term.label}".strip(), term.described())
 
 
 def hover(text: str, offset: int, path: Path, name: str, terms: Terms) -> str | None:

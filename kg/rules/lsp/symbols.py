@@ -27,7 +27,7 @@ from kg.syntax.names import PREFIXES, is_absolute, resolve, shorten
 from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Iterator, Mapping
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 _LOCAL: Final = re.compile(r"[^#/]*\Z")
 _BLOCK: Final = re.compile(r"^```turtle[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -97,7 +97,9 @@ class Terms:
                 if kind and isinstance(quad.subject, NamedNode):
                     iri = quad.subject.value
                     place = Place(str(path), stated[iri].line, 1) if iri in stated else None
-                    found.setdefault(iri, _term(store, quad.subject, kind, place, counted.get(iri)))
+                    label, *comments = (_text(store, quad.subject, each) for each in (_LABEL, *_COMMENTS))
+                    comment = next(filter(None, comments), "")
+                    found.setdefault(iri, DefinedTerm(iri, kind, label, comment, place, counted.get(iri)))
         for iri, number in counted.items():
             found.setdefault(iri, DefinedTerm(iri, "property", uses=number))
         return cls(found)
@@ -107,12 +109,6 @@ class Terms:
         return sorted(
             (each for each in self.by_iri.values() if each.iri.startswith(namespace)), key=lambda one: one.iri
         )
-
-
-def _term(store: pyoxigraph.Store, subject: NamedNode, kind: str, place: Place | None, uses: int | None) -> DefinedTerm:
-    label = _text(store, subject, _LABEL)
-    comment = next((text for each in _COMMENTS if (text := _text(store, subject, each))), "")
-    return DefinedTerm(subject.value, kind, label, comment, place, uses)
 
 
 def _text(store: pyoxigraph.Store, subject: NamedNode, predicate: NamedNode) -> str:
@@ -172,7 +168,9 @@ def occurrences(symbol: Symbol, text: str, path: Path) -> Iterator[Occurrence]:
     """Yield where a text means a symbol; for a rule also what a rule set imports, with the path of the file."""
     for each in _symbols(text, path):
         if each.kind == symbol.kind and each.name == symbol.name and each.scope == symbol.scope:
-            declares = symbol.kind == "prefix" and _declares(text, each.start)
+            # A prefix is declared by PREFIX or sh:prefix.
+            before = text[: each.start] if symbol.kind == "prefix" else ""
+            declares = re.search(r"(prefix\s+|:prefix\s+[\"'])\Z", before, re.IGNORECASE) is not None
             yield Occurrence(each.start, each.end, declares)
     if symbol.kind == "rule" and path.suffix == ".srl":
         yield from _imports(text, path)
@@ -228,11 +226,6 @@ def _refused(message: str, hint: str) -> UsageError:
 def _local_of(iri: str) -> str:
     found = _LOCAL.search(iri)
     return found.group() if found else ""
-
-
-def _declares(text: str, start: int) -> bool:
-    """Return whether a prefix at an offset is declared there, by PREFIX or sh:prefix."""
-    return re.search(r"(prefix\s+|:prefix\s+[\"'])\Z", text[:start], re.IGNORECASE) is not None
 
 
 def _imports(text: str, path: Path) -> Iterator[Occurrence]:
@@ -299,27 +292,21 @@ def _words(text: str, path: Path) -> Iterator[_Word]:
         yield _Word(token, f"rule {number}", "", prefixes)
 
 
-def _turtle(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
+def _turtle(found: Sequence[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
     """Yield the tokens of Turtle, and those of the queries in its strings."""
-    everything = list(found)
-    known = {**PREFIXES, **dict(_declared(everything, prefixes))}
+    known = {**PREFIXES, **dict(_declared(found, prefixes))}
     predicate = ""
-    for token in everything:
+    for token in found:
         if is_name(token):
             predicate = iri_of(token, prefixes) or ""
         if token.kind is Kind.STRING and predicate in _QUERIES:
             written = StringToken.of(token)
-            for inner in _query(written):
-                start, end = written.offset(inner.start), written.offset(inner.end)
-                yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, known)
+            with suppress(ValueError):  # an escape that is no character
+                for inner in tokens(unescape(written.written)):
+                    start, end = written.offset(inner.start), written.offset(inner.end)
+                    yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, known)
         else:
             yield _Word(token, "sh:prefix" if predicate == PREFIXES["sh"] + "prefix" else "", _TURTLE, prefixes)
-
-
-def _query(written: StringToken) -> Iterator[Token]:
-    """Yield the tokens of a string; none for a string with an escape that is no character."""
-    with suppress(ValueError):
-        yield from tokens(unescape(written.written))
 
 
 def _declared(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[tuple[str, str]]:

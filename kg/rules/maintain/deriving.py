@@ -17,7 +17,7 @@ from kg.rules.engine import matching
 from kg.rules.engine.facts import Facts, absorb, unpack
 from kg.rules.engine.heads import Collector
 from kg.rules.engine.plan import Assign, Block, Grouped, Head, Match, Rows, RulePlan, Structure
-from kg.rules.engine.solve import Solver, View, Workshop
+from kg.rules.engine.solve import Solver, State
 from kg.rules.engine.tables import UNIT, Table, concatenate, distinct_rows
 from kg.rules.form import Aggregate, Atom, Element, EngineBlock, Exists, Pattern, Rule, TripleTerm, Variable
 from kg.rules.maintain.patterns import Delta, World, pattern
@@ -127,15 +127,15 @@ class MaintainedRule:
     A rule is planned when a change first reaches it.
     """
 
-    def __init__(self, rule: Rule, plans: Mapping[Rule, RulePlan], shop: Workshop) -> None:
+    def __init__(self, rule: Rule, plans: Mapping[Rule, RulePlan], state: State) -> None:
         self.name = str(rule)
-        self.reads = frozenset(_patterns(rule.body, shop.dictionary))
+        self.reads = frozenset(_patterns(rule.body, state.dictionary))
         """The patterns of what it reads."""
-        self.derives = frozenset(_patterns(rule.head, shop.dictionary, head=True))
+        self.derives = frozenset(_patterns(rule.head, state.dictionary, head=True))
         """The patterns of what it derives."""
         self._rule = rule
         self._plans = plans
-        self._shop = shop
+        self._state = state
 
     @cached_property
     def plan(self) -> RulePlan:
@@ -151,16 +151,11 @@ class MaintainedRule:
 
     @cached_property
     def _pivots(self) -> tuple[Pivot, ...]:
-        return pivots(self.plan, self._shop.dictionary)
-
-    @property
-    def _planned(self) -> bool:
-        """Whether the pivots are computed, so checking the text of the rule first saves nothing."""
-        return "_pivots" in self.__dict__
+        return pivots(self.plan, self._state.dictionary)
 
     @cached_property
     def _join(self) -> Join:
-        dictionary = self._shop.dictionary
+        dictionary = self._state.dictionary
         return Join(self._rule.body, lambda element: _patterns([element], dictionary), dictionary)
 
     @cached_property
@@ -181,10 +176,6 @@ class MaintainedRule:
         steps = self.plan.body.steps
         return [step for step in steps if isinstance(step, Match) and isinstance(step.predicate, int)]
 
-    def everything(self, world: World) -> Facts:
-        """Return the triples that the rule derives."""
-        return self._derived(self._sources(world), UNIT)
-
     def grows(self, written: frozenset[int] | None) -> bool:
         """Return whether the rule is monotone in the predicates `written` (None is any)."""
         inner = [pivot for pivot in self._pivots if (pivot.chain or pivot.block) and not pivot.asserted]
@@ -195,7 +186,7 @@ class MaintainedRule:
         found = Facts()
         sources = self._sources(world)
         for head in self.plan.heads:
-            for seeds in _seeds(head, candidates, self._shop.hidden):
+            for seeds in _seeds(head, candidates, self._state.hidden):
                 known = seeds.keeping(seeds.columns.keys() - self._open)
                 absorb(found, self._derived(sources, distinct_rows(known) if known.columns else UNIT))
         return found
@@ -208,14 +199,16 @@ class MaintainedRule:
         Removed triples of the outer body are joined in the world before, added ones in the world after.
         """
         found = Facts()
-        if not (self._planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
+        # Once the pivots are computed, checking the text of the rule first saves nothing.
+        planned = "_pivots" in self.__dict__
+        if not (planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
             return found
         for pivot in self._pivots:
             for delta, readings in ((came, pivot.coming), (gone, pivot.going)):
                 if delta is None or pivot.patterns.isdisjoint(delta.patterns):
                     continue
                 if pivot.block:
-                    return self.everything(worlds[after])
+                    return self._derived(self._sources(worlds[after]), UNIT)  # a block of SPARQL cannot be restricted
                 change = delta.asserted if pivot.asserted else delta.known
                 for reading in readings:
                     if reading[0] == after:
@@ -238,7 +231,7 @@ class MaintainedRule:
             if depth == len(pivot.chain):
                 sources[pivot.number] = change
             names = frozenset(inner for inner, _ in link.shared)
-            tables = list(Solver(self._shop, View(sources)).solutions(link.body, names, seeds))
+            tables = list(Solver(self._state, sources).solutions(link.body, names, seeds))
             if not any(table.rows for table in tables):
                 return Facts()
             inside = distinct_rows(concatenate(tables, names))
@@ -252,8 +245,8 @@ class MaintainedRule:
         if not self._possible(sources):
             return Facts()
         plan = self.plan
-        collector = Collector(plan, self._shop.dictionary)
-        for table in Solver(self._shop, View(sources)).solutions(plan.body, plan.outputs, seeds):
+        collector = Collector(plan, self._state.dictionary)
+        for table in Solver(self._state, sources).solutions(plan.body, plan.outputs, seeds):
             collector.add(table.keeping(plan.outputs), plan.heads)
         return collector.facts()
 
@@ -262,7 +255,7 @@ class MaintainedRule:
 
         Most rules that a small change reaches end here, at far less cost than solving the body.
         """
-        terms = len(self._shop.dictionary)
+        terms = len(self._state.dictionary)
         pivot = next((step for step in self._needed if step.number == number), None)
         if pivot is None:
             return True

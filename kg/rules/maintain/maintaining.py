@@ -33,12 +33,12 @@ from kg.rules.maintain.deriving import MaintainedRule
 from kg.rules.maintain.patterns import Delta, Patterns, World
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from collections.abc import Set as AbstractSet
 
     from kg.rules.engine.limits import Clock
+    from kg.rules.engine.solve import State
     from kg.rules.engine.terms import Dictionary
-    from kg.rules.stratify import Stratum
 
 _ROWS_PER_TRIPLE: Final = 4
 """Joins of more rows than this, relative to all triples, cost more than evaluating everything again."""
@@ -76,15 +76,16 @@ class Progress:
 class Strata:
     """Rules maintained stratum by stratum, and the patterns they read and derive."""
 
-    def __init__(
-        self, strata: Iterable[tuple[Stratum, Sequence[MaintainedRule]]], equal: Callable[[Stratum], Sequence[int]]
-    ) -> None:
-        """`equal` returns the predicates of the equalities of a stratum."""
+    def __init__(self, program: Program, dictionary: Dictionary, state: State) -> None:
+        plans = program.plans(dictionary)
         self._rules: list[MaintainedRule] = []
         self._deriving: defaultdict[int, list[int]] = defaultdict(list)
         self._strata: list[_Stratum] = []
-        for stratum, rules in strata:
-            self._strata.append(_Stratum(len(self._rules), rules, equal(stratum), stratum.recursive))
+        for stratum in program.strata:
+            rules = [MaintainedRule(rule, plans, state) for rule in stratum.rules]
+            found = equalities(stratum.rules) if stratum.recursive else ()
+            equal = [dictionary.intern_term(equality.predicate) for equality in found]
+            self._strata.append(_Stratum(len(self._rules), rules, equal, stratum.recursive))
             for number, rule in enumerate(rules, len(self._rules)):
                 for one in rule.derives:
                     self._deriving[one].append(number)
@@ -330,19 +331,8 @@ class Maintained:
         self._dictionary = dictionary
         self._mints_safely = False
         self._known = _together(asserted, inferred)
-        shop = program.workshop(dictionary)
-        self._shop = shop
-        plans = program.plans(dictionary)
-        self._strata = Strata(
-            ((stratum, [MaintainedRule(rule, plans, shop) for rule in stratum.rules]) for stratum in program.strata),
-            self._equal,
-        )
-
-    def _equal(self, stratum: Stratum) -> list[int]:
-        """Return the equality predicates of a stratum."""
-        if not stratum.recursive:
-            return []
-        return [self._dictionary.intern_term(equality.predicate) for equality in equalities(stratum.rules)]
+        self._state = program.state(dictionary)
+        self._strata = Strata(program, dictionary, self._state)
 
     def apply(self, inserted: Facts, deleted: Facts, *, limits: Limits | None = None) -> Change:
         """Assert triples, retract others, and return the change of the inferred ones.
@@ -357,7 +347,7 @@ class Maintained:
         if not (limits.bounded or self._mints_safely):
             self._program.refuse_minting()
             self._mints_safely = True
-        self._shop.clock = self._program.workshop(self._dictionary, limits).clock
+        self._state.clock = self._program.state(self._dictionary, limits).clock
         progress = self._asserting(lacking(inserted, self.asserted), common(lacking(deleted, inserted), self.asserted))
         try:
             self._strata.maintain(progress)
@@ -374,7 +364,7 @@ class Maintained:
         wider = limits if most is None else replace(limits, max_triples=most + len(self.inferred))
         inferred = evaluate(self._program, self._dictionary, asserted, limits=wider).inferred
         change = Change(lacking(inferred, self.inferred), lacking(self.inferred, inferred))
-        self._shop.clock.check(len(change.added))
+        self._state.clock.check(len(change.added))
         self.asserted, self.inferred, self._known = asserted, inferred, _together(asserted, inferred)
         return change
 
@@ -405,7 +395,7 @@ class Maintained:
                 after.known.take_over(predicate, after.asserted)
         patterns = self._strata.patterns
         arrived, left = (Delta(one, known, patterns.of(one)) for one, known in ((inserted, came), (deleted, gone)))
-        return Progress(before, after, arrived, left, patterns, self._shop.clock)
+        return Progress(before, after, arrived, left, patterns, self._state.clock)
 
 
 def _change(progress: Progress) -> Change:

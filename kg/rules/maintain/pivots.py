@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, Rows, RulePlan, Step, Structure, Test
+from kg.rules.engine.plan import Assign, Block, Body, Grouped, Match, Nested, RulePlan, Step, Structure, Test, binds
 from kg.rules.maintain.patterns import pattern
 
 if TYPE_CHECKING:
@@ -46,8 +46,8 @@ class Link:
 class Pivot:
     """One source of a rule; `predicates` that it reads, None for any; `block`: whether it is a block of SPARQL.
 
-    `patterns` are those of the triples that it reads. `coming` and `going` are the readings for added and
-    that go.
+    `patterns` are those of the triples that it reads. `coming` and `going` are the readings for added and for removed
+    triples.
     """
 
     number: int
@@ -127,11 +127,11 @@ def _connected(
     A step that shares only a filter with them would form a Cartesian product with the change.
     """
     waiting = [step for step in steps if not any(step is other for other in kept)]
-    while joined := [step for step in waiting if _binds(step) and (_needs(step) | _binds(step)) & names]:
+    while joined := [step for step in waiting if binds(step) and (_needs(step) | binds(step)) & names]:
         kept += tuple(joined)
         waiting = [step for step in waiting if not any(step is other for other in joined)]
-        names = names.union(*(_needs(step) | _binds(step) for step in joined))
-    return (*kept, *(step for step in waiting if not _binds(step) and _needs(step) <= names)), names
+        names = names.union(*(_needs(step) | binds(step) for step in joined))
+    return (*kept, *(step for step in waiting if not binds(step) and _needs(step) <= names)), names
 
 
 def _solvable(body: Body) -> tuple[Step, ...]:
@@ -145,8 +145,7 @@ def _solvable(body: Body) -> tuple[Step, ...]:
     while ready := [step for step in waiting if _needs(step) <= names]:
         kept += ready
         waiting = [step for step in waiting if not any(step is other for other in ready)]
-        for step in ready:
-            names |= _binds(step)
+        names = names.union(*map(binds, ready))
     return tuple(kept)
 
 
@@ -156,9 +155,3 @@ def _needs(step: Step) -> frozenset[str]:
     if isinstance(step, Structure):
         return frozenset({step.term})
     return step.shared if isinstance(step, Nested) else frozenset()
-
-
-def _binds(step: Step) -> frozenset[str]:
-    if isinstance(step, Assign):
-        return frozenset({step.name})
-    return step.names if isinstance(step, Match | Structure | Rows | Grouped | Block) else frozenset()

@@ -229,8 +229,11 @@ class _Checker:
                 self.sequence(node.group.nodes, bound)
             elif isinstance(node, tree.Bind):
                 self._check(node.expression, bound, "SET")
-                self._check_new(node, bound)
-                bound.add(node.variable.name)
+                name = node.variable.name
+                if name in bound:
+                    hint = "Give the result another name; compare the two with FILTER."
+                    raise self._error(name, node.span, f"SET assigns to `?{name}`, which is bound before it", hint)
+                bound.add(name)
         return bound
 
     def _check(self, expression: Expression, bound: set[str], what: str) -> None:
@@ -238,12 +241,6 @@ class _Checker:
             if name not in bound:
                 message = f"{what} reads `?{name}`, which nothing before it binds"
                 raise self.unbound(name, expression.span, message, bound)
-
-    def _check_new(self, node: tree.Bind, bound: set[str]) -> None:
-        name = node.variable.name
-        if name in bound:
-            hint = "Give the result another name; compare the two with FILTER."
-            raise self._error(name, node.span, f"SET assigns to `?{name}`, which is bound before it", hint)
 
     def unbound(self, name: str, span: Span, message: str, bound: set[str]) -> RuleError:
         """Return the error that a variable is not bound."""

@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.rules import sparql
-from kg.rules.decompose.expressions import bare
 from kg.rules.dependencies import reads
 from kg.rules.form import Aggregate, Assignment, Atom, Element, EngineBlock, Exists, Filter, Rule
 from kg.rules.printing.words import shortened
+from kg.syntax.lexer import bare
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from kg.rules.form import Variable
 
 
 def to_form(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES, strata: Sequence[int] = ()) -> str:
@@ -62,9 +64,19 @@ def _element(element: Element) -> str:
     if isinstance(element, Exists):
         return _below("not exists" if element.negated else "exists", element.body)
     if isinstance(element, Aggregate):
-        return _below(_aggregate(element), element.body)
+        columns = []
+        for column in element.columns:
+            argument = column.expression.text if column.expression else "*"
+            distinct = "DISTINCT " if column.distinct else ""
+            columns.append(f"{sparql.spelling(column.variable)} := {column.function}({distinct}{argument})")
+        keys = f" by {_names(element.keys)}" if element.keys else ""
+        return _below(f"group{keys}: {', '.join(columns)}", element.body)
     if isinstance(element, EngineBlock):
-        return f"{_block(element)}\n{sparql.indented(element.text)}"
+        optional = f", maybe {_names(element.optional)}" if element.optional else ""
+        reading = "anything" if element.reads is None else " ".join(sorted(map(str, element.reads))) or "nothing"
+        monotone = "" if element.monotone else "; not monotone"
+        title = f"engine gives {_names(element.variables)}{optional}; reads {reading}{monotone}"
+        return f"{title}\n{sparql.indented(element.text)}"
     return sparql.group((element,))
 
 
@@ -72,19 +84,5 @@ def _below(title: str, body: Iterable[Element]) -> str:
     return "\n".join([title, *(sparql.indented(_element(element)) for element in body)])
 
 
-def _aggregate(element: Aggregate) -> str:
-    """Return the columns and the keys of an aggregate."""
-    columns = []
-    for column in element.columns:
-        argument = column.expression.text if column.expression else "*"
-        distinct = "DISTINCT " if column.distinct else ""
-        columns.append(f"{sparql.spelling(column.variable)} := {column.function}({distinct}{argument})")
-    keys = f" by {' '.join(map(sparql.spelling, element.keys))}" if element.keys else ""
-    return f"group{keys}: {', '.join(columns)}"
-
-
-def _block(element: EngineBlock) -> str:
-    names = " ".join(map(sparql.spelling, element.variables))
-    optional = f", maybe {' '.join(map(sparql.spelling, element.optional))}" if element.optional else ""
-    reading = "anything" if element.reads is None else " ".join(sorted(map(str, element.reads)))
-    return f"engine gives {names}{optional}; reads {reading or 'nothing'}{'' if element.monotone else '; not monotone'}"
+def _names(variables: Iterable[Variable]) -> str:
+    return " ".join(map(sparql.spelling, variables))

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.rules import form, sparql
-from kg.rules.decompose.expressions import bare
 from kg.rules.printing.words import head, refusal, with_prefixes
 from kg.syntax.functions import FUNCTIONS, RULE_FUNCTIONS
-from kg.syntax.lexer import Kind, tokens_of
+from kg.syntax.lexer import Kind, bare, tokens_of
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:

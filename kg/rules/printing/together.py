@@ -14,7 +14,7 @@ from pyoxigraph import BlankNode
 from kg.errors import Place
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.work import Names
-from kg.rules.form import Atom, Rule, TripleTerm, binds, bound_in, has_blank, is_auxiliary
+from kg.rules.form import Atom, Rule, TripleTerm, binds, bound_in, is_auxiliary
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -31,7 +31,8 @@ def together(rules: Sequence[Rule]) -> list[Rule] | None:
     groups: list[list[Rule]] = []
     for rule in rules:
         if not is_auxiliary(rule.head[0].predicate):
-            fitting = next((group for group in groups if not _creates(rule) and _fit([*group, rule])), None)
+            # Two rules never share the nodes that they create.
+            fitting = next((group for group in groups if not rule.creates_nodes and _fit([*group, rule])), None)
             if fitting is None:
                 groups.append([rule])
             else:
@@ -48,11 +49,6 @@ def of_data(file: RuleFile) -> Iterator[Rule]:
     if file.data:
         stated = tuple(Atom(triple.subject, triple.predicate, triple.object) for triple in file.data)
         yield Rule(file.name, stated, (), Place(str(file.path)), part=len(file.rules) + 1)
-
-
-def _creates(rule: Rule) -> bool:
-    """Return whether each solution of a rule has nodes of its own, which two rules never share."""
-    return any(has_blank(position) for atom in rule.head for position in atom.positions)
 
 
 def _fit(rules: Sequence[Rule]) -> bool:
@@ -75,17 +71,14 @@ def _apart(group: Sequence[Rule], number: int, names: Names) -> list[Rule]:
     """Return rules with variables and labels of their own."""
     own = sorted(frozenset().union(*map(variables_of, group)), key=str)
     new = {variable: names.like(variable) for variable in own}
-    return [_relabelled(called(rule, new), number) for rule in group]
-
-
-def _relabelled(rule: Rule, number: int) -> Rule:
-    return replace(
-        rule,
-        head=tuple(
+    found = []
+    for rule in (called(rule, new) for rule in group):
+        labelled = (
             replace(atom, subject=_label(atom.subject, number), object=_label(atom.object, number))
             for atom in rule.head
-        ),
-    )
+        )
+        found.append(replace(rule, head=tuple(labelled)))
+    return found
 
 
 def _label(pattern: Pattern, number: int) -> Pattern:

@@ -50,7 +50,7 @@ def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> 
     RuleError KG209 for atoms that match asserted triples only, for blank nodes of the data, and for MINUS and VALUES in
     a block of SPARQL, which SHACL excludes.
     """
-    text = "\n\n".join(_triple_rule(rule) or _sparql_rule(rule, prefixes) for rule in rules)
+    text = "\n\n".join(_path_rule(rule) or _query_rule(rule, prefixes) for rule in rules)
     known = {**prefixes, "sh": _SH}
     short, used = shortened(text, known)
     declared = "".join(f"@prefix {prefix}: <{known[prefix]}> .\n" for prefix in sorted({*used, "sh"}))
@@ -65,7 +65,7 @@ def _shape(rule: Rule, target: str, kind: str, lines: list[str]) -> str:
     return f"{name} a sh:NodeShape ;\n  {target} ;\n  sh:rule [\n{sparql.indented(inner)}\n  ] ."
 
 
-def _sparql_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:
+def _query_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:
     names = Names(variable.name for variable in variables_of(rule))
     rule = called(rule, {Variable(name): names.like(Variable(name)) for name in PREBOUND})
     rule = replace(rule, body=tuple(_without_values(rule, rule.body, frozenset(), names)))
@@ -82,8 +82,11 @@ def _without_values(rule: Rule, body: Sequence[Element], known: frozenset[Variab
             seen = known if isinstance(element, Exists) else frozenset[Variable]()
             yield replace(element, body=tuple(_without_values(rule, element.body, seen, names)))
         else:
-            if isinstance(element, EngineBlock):
-                _check_block(rule, element)
+            words = tokens_of(element.text) if isinstance(element, EngineBlock) else ()
+            excluded = next((one for one in words if one.kind is Kind.WORD and one.text.upper() in EXCLUDED), None)
+            if excluded is not None:
+                what = f"has {excluded.text.upper()} in a part that SHACL cannot express"
+                raise refusal(rule, what, "Print it as .rq.")
             yield element
         known |= binds(element)
 
@@ -105,13 +108,7 @@ def _alternatives(element: Values, known: frozenset[Variable], names: Names) -> 
         yield Filter(expression(f"sameTerm({sparql.spelling(old)}, {sparql.spelling(fresh)})"))
 
 
-def _check_block(rule: Rule, block: EngineBlock) -> None:
-    for token in tokens_of(block.text):
-        if token.kind is Kind.WORD and token.text.upper() in EXCLUDED:
-            raise refusal(rule, f"has {token.text.upper()} in a part that SHACL cannot express", "Print it as .rq.")
-
-
-def _triple_rule(rule: Rule) -> str | None:
+def _path_rule(rule: Rule) -> str | None:
     """Return a triple rule; None for a rule that is not a path from the subject of its head."""
     if len(rule.head) != 1 or not isinstance(rule.head[0].predicate, NamedNode):
         return None

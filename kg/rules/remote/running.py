@@ -29,7 +29,8 @@ from uuid import uuid4
 from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, serialize
 
 from kg.errors import StoreError
-from kg.rules.dependencies import depends, reads, writes
+from kg.rules.columns import wanted
+from kg.rules.dependencies import depends, reads
 from kg.rules.engine.limits import Clock, Limits
 from kg.rules.form import (
     Aggregate,
@@ -42,13 +43,11 @@ from kg.rules.form import (
     Pattern,
     Rule,
     binds,
-    bound_in,
-    has_blank,
     is_auxiliary,
     mentions,
     readers_of,
 )
-from kg.rules.sparql import Placed, group, spelling, triple
+from kg.rules.sparql import Placed, distinct_solutions, group, triple
 from kg.rules.stratify import Stratum, stratify
 
 if TYPE_CHECKING:
@@ -128,8 +127,9 @@ def next_update(rule: Rule, stratum: Stratum, graphs: Graphs) -> str | None:
     For each atom that a rule of the stratum feeds, one variant takes that atom from the delta. A block of SPARQL cannot
     be split, so a rule with a fed block is applied to everything.
     """
-    heads = [head for other in stratum.rules for head in writes(other)]
-    if _fed_block(rule, heads):
+    heads = [head for other in stratum.rules for head in other.head]
+    blocks = replace(rule, body=tuple(each for each, _ in readers_of(rule.body) if isinstance(each, EngineBlock)))
+    if any(depends(read.atom, head) for read in reads(blocks) for head in heads):
         return first_update(rule, graphs)
     variants = list(_variants(rule.body, heads, graphs))
     return _insert(rule, variants, graphs) if variants else None
@@ -139,10 +139,9 @@ def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -
     head = " ".join(f"GRAPH {graphs.channel(atom.predicate).new} {{ {triple(atom)} }}" for atom in rule.head)
     groups = [group(body) for body in bodies]
     where = groups[0] if len(groups) == 1 else "\nUNION\n".join(f"{{\n{text}\n}}" for text in groups)
-    if any(has_blank(position) for atom in rule.head for position in atom.positions):
+    if rule.creates_nodes:
         # Each solution gives one blank node, however many variants find it.
-        names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
-        where = f"{{ SELECT DISTINCT {names} WHERE {{\n{where}\n}} }}"
+        where = f"{{ {distinct_solutions(rule)} {{\n{where}\n}} }}"
     read = (graphs.asserted, graphs.plain.derived)
     placed = (graphs.asserted, graphs.plain.delta, graphs.auxiliary.derived, graphs.auxiliary.delta)
     using = [*(f"USING {graph}" for graph in read), *(f"USING NAMED {graph}" for graph in placed)]
@@ -151,28 +150,21 @@ def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -
 
 def _placed(body: Sequence[Element], graphs: Graphs) -> tuple[Element, ...]:
     """Return a body whose atoms on asserted data and auxiliary predicates name their graphs."""
-    return tuple(_placed_element(element, graphs) for element in body)
-
-
-def _placed_element(element: Element, graphs: Graphs) -> Element:
-    if isinstance(element, Placed):
-        return element
-    if isinstance(element, Atom) and is_auxiliary(element.predicate):
-        return _at(element, graphs.auxiliary.derived)
-    if isinstance(element, Atom) and element.asserted:
-        return _at(element, graphs.asserted)
-    if isinstance(element, Exists | Aggregate):
-        return replace(element, body=_placed(element.body, graphs))
-    return element
+    found: list[Element] = []
+    for element in body:
+        if isinstance(element, Exists | Aggregate):
+            found.append(replace(element, body=_placed(element.body, graphs)))
+        elif not isinstance(element, Atom) or isinstance(element, Placed):
+            found.append(element)
+        elif is_auxiliary(element.predicate):
+            found.append(_at(element, graphs.auxiliary.derived))
+        else:
+            found.append(_at(element, graphs.asserted) if element.asserted else element)
+    return tuple(found)
 
 
 def _at(atom: Atom, graph: NamedNode) -> Placed:
     return Placed(*atom.positions, asserted=atom.asserted, place=atom.place, graph=graph)
-
-
-def _fed_block(rule: Rule, heads: Sequence[Atom]) -> bool:
-    blocks = replace(rule, body=tuple(each for each, _ in readers_of(rule.body) if isinstance(each, EngineBlock)))
-    return any(depends(read.atom, head) for read in reads(blocks) for head in heads)
 
 
 def _variants(body: tuple[Element, ...], heads: Sequence[Atom], graphs: Graphs) -> Iterator[tuple[Element, ...]]:
@@ -239,8 +231,9 @@ def gather(store: RemoteStore, graphs: Graphs, sources: Sources, rule_set: RuleS
     apart = _default_pattern(store, graphs) if sources.default else None
     if len(sources.named) == 1 and not apart and not rule_set.data:
         return replace(graphs, asserted=sources.named[0])
-    predicates = predicates_of(rule_set)
-    shapes = [_ANY] if predicates is None else [f"?s {name} ?o" for name in sorted(map(str, predicates))]
+    what = wanted(rule_set.rules)
+    names = what.names.union(triple.predicate for triple in rule_set.data)
+    shapes = [_ANY] if what.predicates is None else [f"?s {name} ?o" for name in sorted(map(str, names))]
     patterns = [f"GRAPH ?g {{ {shape} }} FILTER({sources.condition})" for shape in shapes if sources.named]
     copies = [_copy(graphs, shape, pattern) for shape, pattern in zip(shapes, patterns, strict=False)]
     if apart:
@@ -283,22 +276,6 @@ def _stated(graphs: Graphs, rule_set: RuleSet) -> Iterator[str]:
     yield f"INSERT DATA {{ GRAPH {graphs.stated} {{\n{triples}}} }}"
     yield f"DELETE {{ {stated} }} WHERE {{ {stated} {asserted} }}"
     yield f"INSERT {{ {asserted} }} WHERE {{ {stated} }}"
-
-
-def predicates_of(rule_set: RuleSet) -> frozenset[NamedNode] | None:
-    """Return the predicates that rules read, write or state, None if any is possible."""
-    found: set[NamedNode] = set()
-    heads = (atom for rule in rule_set.rules for atom in rule.head)
-    for part in [*heads, *(part for rule in rule_set.rules for part, _ in readers_of(rule.body))]:
-        if isinstance(part, EngineBlock):
-            if part.reads is None:
-                return None
-            found |= part.reads
-        elif not isinstance(part.predicate, NamedNode):
-            return None
-        elif not is_auxiliary(part.predicate):
-            found.add(part.predicate)
-    return frozenset(found.union(triple.predicate for triple in rule_set.data))
 
 
 @dataclass(frozen=True, slots=True)
@@ -350,17 +327,15 @@ def run(
         chosen = Sources.chosen(asserted_graphs) if asserted_graphs else Sources.all_but(inferred_graph, store.read())
         progress = _Run(store, gather(store, graphs, chosen, rule_set), limits)
         reports = tuple(progress.stratum(stratum) for stratum in strata)
-        derived, stated, target = (f"GRAPH {graph} {{ ?s ?p ?o }}" for graph in _results(graphs, inferred_graph))
+        derived, stated, target = (
+            f"GRAPH {graph} {{ ?s ?p ?o }}" for graph in (graphs.plain.derived, graphs.stated, inferred_graph)
+        )
         store.update(
             f"DROP SILENT GRAPH {inferred_graph} ;\n"
             f"INSERT {{ {target} }} WHERE {{ {{ {derived} }} UNION {{ {stated} }} }}"
         )
         count = store.read().count(inferred_graph)
     return RemoteReport(count, time.monotonic() - began, reports)
-
-
-def _results(graphs: Graphs, inferred: NamedNode) -> tuple[NamedNode, NamedNode, NamedNode]:
-    return graphs.plain.derived, graphs.stated, inferred
 
 
 @contextmanager
@@ -383,7 +358,6 @@ class _Run:
         self._store = store
         self._graphs = graphs
         self._clock = Clock(limits)
-        self._end = None if limits.deadline is None else time.monotonic() + limits.deadline
         self._inferred = 0
 
     def stratum(self, stratum: Stratum) -> StratumReport:
@@ -417,9 +391,9 @@ class _Run:
     def _update(self, text: str) -> None:
         """Run an update within the remaining time plus a grace period; StoreError KG225 without an answer."""
         self._clock.check(self._inferred)
-        left = None if self._end is None else max(self._end - time.monotonic(), 0.0) + _GRACE_SECONDS
+        left = self._clock.left
         try:
-            self._store.update(text, timeout=left)
+            self._store.update(text, timeout=None if left is None else left + _GRACE_SECONDS)
         except StoreError:
             self._clock.check(self._inferred)
             raise

@@ -2,7 +2,7 @@
 
 `reading` builds the network of nodes and types, `asking` resolves types and names, `steps` and `costs` compute the cost
 of a node in a chain, `chains` finds the cheapest, `details` reads the places of their ends in code, `wiring` names
-their topics, `roslaunch` and `ros2launch` write the launch file, and `running` does all of it.
+their topics, `launching` writes the launch file, and `running` does all of it.
 """
 
 from __future__ import annotations

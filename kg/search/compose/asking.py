@@ -125,7 +125,8 @@ def _through(
         for place, part in enumerate(network.parts)
         if wanted and wanted <= {*words(part.package), *words(part.name), *words(part.repository)}
     }
-    found |= _described(network, snapshot, name)
+    described = {node for (node,) in rows(snapshot, _DESCRIBED % literal(name.lower()))}
+    found.update(place for place, part in enumerate(network.parts) if part.iri in described)
     if not types and not found:
         names = {one for part in network.parts for one in (part.name, part.package)}
         near = did_you_mean(name, [*names, *known])
@@ -139,9 +140,3 @@ def _names(part: Part) -> set[str | None]:
         part.name, part.full_name, f"{part.repository}:{part.full_name}", part.plugin, part.executable, part.package,
         part.name.rpartition("::")[2].rpartition("/")[2],
     }  # fmt: skip
-
-
-def _described(network: Network, snapshot: Snapshot, name: str) -> set[int]:
-    """Return the parts whose descriptions contain a word."""
-    found = {node for (node,) in rows(snapshot, _DESCRIBED % literal(name.lower()))}
-    return {place for place, part in enumerate(network.parts) if part.iri in found}

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import Location
 from kg.graph import vocabulary as v
+from kg.graph.fields import Properties, place_of
+from kg.graph.fields import one as value_of
 from kg.holes import is_partial
 from kg.query.rows import rows
 
@@ -54,42 +56,33 @@ def read_details(snapshot: Snapshot, parts: Iterable[Part], ports: Iterable[Port
     cycles = {f"{node}{'/' if '#' in node else '#'}{_LIFECYCLE}": node for node in nodes}
     ends = {port.iri for port in ports}
     values = (" ".join(f"<{iri}>" for iri in sorted(chosen)) for chosen in (ends | set(cycles), nodes))
-    found: defaultdict[tuple[str, str], defaultdict[str, set[str]]] = defaultdict(lambda: defaultdict(set))
+    found: defaultdict[tuple[str, str], defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for node, subject, predicate, value in rows(snapshot, _QUERY % tuple(values)):
-        found[node or "", subject][predicate].add(value)
-    places = {
-        subject: Location(_one(known, v.PATH) or "", int(_one(known, v.LINE) or 0), _one(known, v.IN_REPOSITORY))
-        for (node, subject), known in found.items()
-        if not node and subject in ends
-    }
+        found[node or "", subject][predicate].append(value)
+    places = {subject: place_of(known) for (node, subject), known in found.items() if not node and subject in ends}
     cycling = frozenset(cycles[subject] for _, subject in found if subject in cycles)
     return Details(places, _unset(found), cycling)
 
 
-def _unset(found: Mapping[tuple[str, str], Mapping[str, set[str]]]) -> dict[str, tuple[Unset, ...]]:
+def _unset(found: Mapping[tuple[str, str], Properties]) -> dict[str, tuple[Unset, ...]]:
     """Return the parameters that each node reads and that never have a default, sorted by name."""
     unset: defaultdict[str, dict[str, Unset]] = defaultdict(dict)
     settled: set[tuple[str, str]] = set()
     for (node, _), known in sorted(found.items()):
-        name = _one(known, v.NAME)
+        name = value_of(known, v.NAME)
         if not node or name is None:
             continue
         if (
-            _one(known, v.DEFAULT_VALUE) is not None
-            or _one(known, v.IMPLICIT) == "true"
+            value_of(known, v.DEFAULT_VALUE) is not None
+            or value_of(known, v.IMPLICIT) == "true"
             or is_partial(name)
             or "[" in name
         ):
             settled.add((node, name))
-        if (_one(known, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
+        if (value_of(known, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
             settled.add((node, name))
-        place = Location(_one(known, v.PATH) or "", int(_one(known, v.LINE) or 0), _one(known, v.IN_REPOSITORY))
-        unset[node].setdefault(name, Unset(name, _one(known, v.PARAMETER_TYPE), place))
+        unset[node].setdefault(name, Unset(name, value_of(known, v.PARAMETER_TYPE), place_of(known)))
     return {
         node: tuple(one for name, one in sorted(named.items()) if (node, name) not in settled)
         for node, named in unset.items()
     }
-
-
-def _one(known: Mapping[str, set[str]], term: str) -> str | None:
-    return min(known.get(v.bare(term), ()), default=None)

@@ -90,3 +90,11 @@ class Network(msgspec.Struct):
     def subscribed(self) -> set[str]:
         """Return the types that parts subscribe."""
         return {port.type for part in self.parts for port in part.inputs}
+
+
+def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
+    """Return the types of ends with their known names in the node."""
+    found: dict[str, list[str]] = {}
+    for port in ports:
+        found.setdefault(port.type, []).extend([port.name] if port.name is not None else [])
+    return [(kind, list(dict.fromkeys(names))) for kind, names in found.items()]

@@ -11,6 +11,8 @@ from kg.graph.reading import NodeRecord
 from kg.graph.records import how_to_start
 from kg.render.text import count
 from kg.search.compose.costs import together
+from kg.search.compose.launching import launch_text
+from kg.search.compose.network import grouped
 
 if TYPE_CHECKING:
     from kg.search.compose.asking import Asked
@@ -98,18 +100,8 @@ def _starting(number: int) -> str:
     return "one launch file of the store starts" if number == 1 else f"{number:,} launch files of the store start"
 
 
-def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
-    """Return the types of ends with their known names in the node."""
-    found: dict[str, list[str]] = {}
-    for port in ports:
-        found.setdefault(port.type, []).extend([port.name] if port.name is not None else [])
-    return [(kind, list(dict.fromkeys(names))) for kind, names in found.items()]
-
-
 def composed_object(chain: Composed, rank: int) -> dict[str, Any]:
     """Return a chain as plain values, ready for JSON; the fields of docs/compose.md."""
-    from kg.search.compose.launching import launch_text  # noqa: PLC0415 - circular import
-
     return {
         "rank": rank,
         "ros": chain.wiring.ros,

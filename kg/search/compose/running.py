@@ -76,7 +76,9 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
     worth = takewhile(lambda chain: enough is None or chain.cost < enough, found)
     chains = [first, *islice(worth, question.limit)]
     shown = [(chain, _wired(known, chain)) for chain in chains[: question.limit]]
-    details = _details(snapshot, [wiring for _, wiring in shown])
+    starts = [start for _, wiring in shown for start in wiring.starts]
+    ports = [port for start in starts for port in (start.taken, start.given)]
+    details = read_details(snapshot, [start.part for start in starts], ports)
     composed = tuple(_composed(known, chain, wiring, details) for chain, wiring in shown)
     return Answer(composed, resolved, len(chains) > question.limit, any(one.cut_off for one in started))
 
@@ -97,12 +99,6 @@ def searches(known: Network, request: Asked, question: Question) -> list[Search]
 def _wired(known: Network, chain: Chain) -> Wiring:
     parts = ((known.parts[step.part], step) for step in chain.steps)
     return wire([(part, part.inputs[step.taken], part.outputs[step.given]) for part, step in parts])
-
-
-def _details(snapshot: Snapshot, wirings: list[Wiring]) -> Details:
-    starts = [start for wiring in wirings for start in wiring.starts]
-    ports = [port for start in starts for port in (start.taken, start.given)]
-    return read_details(snapshot, [start.part for start in starts], ports)
 
 
 def _composed(known: Network, chain: Chain, wiring: Wiring, details: Details) -> Composed:

@@ -233,7 +233,9 @@ async def _list(request: Request) -> Response:
     listed = LISTS[name]
     given = {key: value.strip() for key, value in request.query_params.items() if value.strip()}
     wanted = _format(request, given)
-    limit = min(int(given["limit"]), _MOST) if _is_whole(given.get("limit", "")) else 0
+    number = given.get("limit", "")
+    is_whole = number.isascii() and number.isdigit() and len(number) <= len(str(_MOST))
+    limit = min(int(number), _MOST) if is_whole else 0
     asked = {key: value for key, value in given.items() if key not in _OWN}
     asked |= {"sort": given.get("sort", ""), "offset": given.get("offset", ""), "text": given.get("q", "")}
     limited = str(limit or (_PAGE if wanted == "html" else "")) if wanted in {"html", "json"} else ""
@@ -256,9 +258,17 @@ async def _list(request: Request) -> Response:
         found=found,
         text=given.get("q", ""),
         hidden={key: kept[key] for key in ("sort", "limit") if key in kept},
-        facets=_facets(found, kept),
-        chosen=[(label, value, url(address, **_without(kept, key))) for key, label, value in _given(found, kept)],
-        columns=[(one, _turned(address, kept, one), _order(kept, one)) for one in listed.columns],
+        facets=[
+            {"name": key, "label": _label(key), "given": kept.get(key, ""), "values": values}
+            for key, values in found["facets"].items()
+            if len(values) > 1 or key in kept
+        ],
+        chosen=[
+            (_label(key), kept[key], url(address, **{other: value for other, value in kept.items() if other != key}))
+            for key in found["facets"]
+            if key in kept
+        ],
+        columns=[(one, *_sorting(address, kept, one)) for one in listed.columns],
         link=_link,
         before=url(address, **kept, offset=max(0, start - most) or "") if start else "",
         after=url(address, **kept, offset=end) if end < found["total"] else "",
@@ -278,10 +288,6 @@ async def related(request: Request, name: str, most: int, facets: Mapping[str, s
         "address": url(f"/{name}", **facets),
         "link": _link,
     }
-
-
-def _is_whole(text: str) -> bool:
-    return text.isascii() and text.isdigit() and len(text) < len(str(_MOST)) + 1
 
 
 def _format(request: Request, given: Mapping[str, str]) -> str:
@@ -315,51 +321,28 @@ def _export(found: Mapping[str, Any], wanted: str, columns: Sequence[Column], na
     writer = csv.writer(text)
     keys = [key for one in columns for key in (("file", "line") if one.shape == "place" else (one.key,))]
     writer.writerow(keys)
-    writer.writerows([_cell(row.get(key)) for key in keys] for row in found["rows"])
+    for row in found["rows"]:
+        cells = [row.get(key) for key in keys]
+        writer.writerow(" ".join(map(str, cell)) if isinstance(cell, list) else cell for cell in cells)
     return Response(text.getvalue(), media_type="text/csv", headers=headers)
-
-
-def _cell(value: Any) -> Any:
-    return " ".join(map(str, value)) if isinstance(value, list) else value
-
-
-def _given(found: Mapping[str, Any], kept: Mapping[str, str]) -> list[tuple[str, str, str]]:
-    """Return parameter, label and value of each active facet."""
-    return [(key, _label(key), kept[key]) for key in found["facets"] if key in kept]
-
-
-def _facets(found: Mapping[str, Any], kept: Mapping[str, str]) -> list[dict[str, Any]]:
-    """Return the facets that have more than one choice."""
-    return [
-        {"name": name, "label": _label(name), "given": kept.get(name, ""), "values": values}
-        for name, values in found["facets"].items()
-        if len(values) > 1 or name in kept
-    ]
 
 
 def _label(name: str) -> str:
     return _LABELS.get(name, name.capitalize())
 
 
-def _without(kept: Mapping[str, str], name: str) -> dict[str, str]:
-    return {key: value for key, value in kept.items() if key != name}
+def _sorting(address: str, kept: Mapping[str, str], column: Column) -> tuple[str, str]:
+    """Return the address of the list sorted by a column, and its present order, as `aria-sort` names it.
 
-
-def _order(kept: Mapping[str, str], column: Column) -> str:
-    """Return the sort order of a column as `aria-sort` names it; empty if rows are not sorted by it."""
-    sort = kept.get("sort", "")
-    return {column.key: "ascending", f"-{column.key}": "descending"}.get(sort, "")
-
-
-def _turned(address: str, kept: Mapping[str, str], column: Column) -> str:
-    """Return the address of the list sorted by a column, reversed if it already is; empty for places.
-
-    Numbers sort in descending order first.
+    The address reverses an order that is in force already, and is empty for places; numbers sort in descending order
+    first. The order is empty if rows are not sorted by the column.
     """
+    sort, ascending, descending = kept.get("sort", ""), column.key, f"-{column.key}"
+    order = {ascending: "ascending", descending: "descending"}.get(sort, "")
     if column.shape == "place":
-        return ""
-    ways = (f"-{column.key}", column.key) if column.shape == "number" else (column.key, f"-{column.key}")
-    return url(address, **{**kept, "sort": ways[kept.get("sort") == ways[0]]})
+        return "", order
+    ways = (descending, ascending) if column.shape == "number" else (ascending, descending)
+    return url(address, **{**kept, "sort": ways[sort == ways[0]]}), order
 
 
 def _link(column: Column, row: Mapping[str, Any]) -> str:

@@ -56,6 +56,7 @@ async def _node(request: Request) -> Response:
         name = asked["name"] or asked["iri"]
         return missing(request, error, f"Node {name}", name, lambda other: url("/node", name=other))
     explicit = [one for one in found["interfaces"] if not one["implicit"]]
+    numbers = Counter(one["role"] for one in explicit)
     return page(
         request,
         "node.html",
@@ -63,7 +64,11 @@ async def _node(request: Request) -> Response:
         twin=url("/api/node", iri=found["iri"]),
         node=found,
         explicit=explicit,
-        counted=_counted(explicit),
+        counted=[
+            words.format(number) + ("" if number == 1 else "s")
+            for role, words in _COUNTED.items()
+            if (number := numbers[role])
+        ],
         implicit=[one for one in found["interfaces"] if one["implicit"]],
         parameters=[one for one in found["parameters"] if not one["implicit"]],
         more_parameters=[one for one in found["parameters"] if one["implicit"]],
@@ -72,21 +77,15 @@ async def _node(request: Request) -> Response:
     )
 
 
-def _counted(explicit: list[dict[str, Any]]) -> list[str]:
-    """Return how many topics, services and actions the node publishes, offers, ..., in words."""
-    numbers = Counter(one["role"] for one in explicit)
-    return [
-        words.format(number) + ("" if number == 1 else "s")
-        for role, words in _COUNTED.items()
-        if (number := numbers[role])
-    ]
-
-
 def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the node, its channels and its neighbours in the format of graph.js."""
     own = {"id": found["iri"], "label": found["name"], "kind": "node", "detail": "this node"}
     channels = {_channel(one): one for one in explicit if one["resolved"]}
-    nodes = {own["id"]: own} | {key: _drawn(key, one) for key, one in channels.items()}
+    nodes = {own["id"]: own}
+    for key, one in channels.items():
+        href = url("/resource", iri=one["channel_iri"]) if one["channel_iri"] else None
+        label, detail = one["resolved"], one["type"] or ""
+        nodes[key] = {"id": key, "label": label, "kind": one["kind"], "detail": detail, "href": href}
     edges = [_edge(found["iri"], _channel(one), one) for one in explicit if one["resolved"]]
     most = _NEAR[len(channels) > _MANY]
     for near in found["neighbours"]:
@@ -100,13 +99,9 @@ def _channel(one: Mapping[str, Any]) -> str:
     return f"{one['kind']} {one['resolved']}"
 
 
-def _drawn(key: str, one: Mapping[str, Any]) -> dict[str, Any]:
-    href = url("/resource", iri=one["channel_iri"]) if one["channel_iri"] else None
-    return {"id": key, "label": one["resolved"], "kind": one["kind"], "detail": one["type"] or "", "href": href}
-
-
-def _edge(node: str, channel: str, one: Mapping[str, Any]) -> dict[str, Any]:
-    source, target = (node, channel) if one["outward"] else (channel, node)
+def _edge(node: str, channel: str, one: Mapping[str, Any], *, reverse: bool = False) -> dict[str, Any]:
+    """Return the edge of an endpoint of `node`; with `reverse`, that of a node at the other end."""
+    source, target = (node, channel) if one["outward"] != reverse else (channel, node)
     return {"source": source, "target": target, "kind": one["kind"]}
 
 
@@ -124,8 +119,7 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
         side = "out" if near["outward"] else "in"
         drawn.append({"id": f"{channel} more {side}", "label": f"{rest:,} more", "kind": "resource", "href": href})
     for one in drawn:
-        source, target = (channel, one["id"]) if near["outward"] else (one["id"], channel)
-        yield one, {"source": source, "target": target, "kind": near["kind"]}
+        yield one, _edge(one["id"], channel, near, reverse=True)
 
 
 async def _graph(request: Request) -> Response:

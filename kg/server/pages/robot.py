@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 async def _robot(request: Request) -> Response:
     server = state(request)
     address = server.robot.address if server.robot else ""
-    data = {"address": address, "units": _units(), "examples": _examples(), "exercises": _exercises()}
+    units = [{"unit": symbol, "dimension": described(unit.dimension)} for symbol, unit in UNITS.items()]
+    data = {"address": address, "units": units, "examples": _examples(), "exercises": _exercises()}
     return page(
         request,
         "robot.html",
@@ -40,11 +41,6 @@ async def _robot(request: Request) -> Response:
         may_move=is_trusted(request),
         has_token=server.options.token is not None or server.options.token_file is not None,
     )
-
-
-def _units() -> list[dict[str, str]]:
-    """Return the units with their dimensions."""
-    return [{"unit": symbol, "dimension": described(unit.dimension)} for symbol, unit in UNITS.items()]
 
 
 @cache

@@ -46,7 +46,10 @@ async def _system(request: Request) -> Response:
         "system.html",
         title=found["name"],
         picture=_picture(found),
-        parts=[{**one, "address": _address(one, asked)} for one in parts],
+        parts=[
+            {**one, "address": url("/system", **asked, part=one["name"]) if len(one["rows"]) > _LONG else ""}
+            for one in parts
+        ],
         left_out=sum(one["left_out"] for one in found["instances"]),
         every=url("/system", **asked, every="all") if "every" not in asked else "",
         **shared,
@@ -67,30 +70,25 @@ def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def _address(part: Mapping[str, Any], asked: Mapping[str, str]) -> str:
-    """Return the address of a table that is too long for the page of the system; empty for others."""
-    return url("/system", **asked, part=part["name"]) if len(part["rows"]) > _LONG else ""
-
-
 def _picture(found: Mapping[str, Any]) -> dict[str, Any]:
     """Return the graph in the format of graph.js: nodes link to their pages, and subjects of findings are marked.
 
     Empty attributes are omitted, since large systems have many nodes.
     """
-    nodes = [_drawn(one) for one in found["picture"]["nodes"]]
+    nodes = []
+    for one in found["picture"]["nodes"]:
+        node = {key: value for key, value in one.items() if value and key not in {"iri", "names"}}
+        if one["iri"]:
+            node["href"] = url("/node", iri=one["iri"])
+        if one["findings"]:
+            node["marked"] = True
+        nodes.append(node)
     marked = [f"{one.get('group', '')}/" for one in nodes if "marked" in one]
     groups = [
         {**one, "marked": any(space.startswith(f"{one['id']}/") for space in marked)}
         for one in found["picture"]["groups"]
     ]
     return {**found["picture"], "nodes": nodes, "groups": groups}
-
-
-def _drawn(one: Mapping[str, Any]) -> dict[str, Any]:
-    node = {key: value for key, value in one.items() if value and key not in {"iri", "names"}}
-    if one["iri"]:
-        node["href"] = url("/node", iri=one["iri"])
-    return {**node, "marked": True} if one["findings"] else node
 
 
 async def _channel(request: Request) -> Response:

@@ -6,7 +6,7 @@ may also be a posted form.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from starlette.routing import Route
 
@@ -33,28 +33,27 @@ async def _why(request: Request) -> Response:
 
 
 async def _of_fact(request: Request, asked: dict[str, str], every: str) -> Response:
-    told: dict[str, Any] = {"why": None, "lacking": None}
     if not all(asked.values()):
         hint = "For example `/why?subject=patrol&predicate=subscribes&object=scan_filtered`."
         raise UsageError("KG003", "a fact is a subject, a predicate and an object", hint=hint)
     try:
-        told["why"] = await view(request, "why", **asked, every=every)
+        why = await view(request, "why", **asked, every=every)
     except KgError as error:
-        if error.code != "KG226":
-            if error.code not in {*ABSENT, SEVERAL}:
-                raise
-            return missing(request, error, "Why", asked["subject"], lambda other: url("/search", q=other))
-        told["lacking"] = await view(request, "why_not", **asked)
-    name = "why" if told["why"] else "why_not"
-    twin = url(f"/api/{name}", **asked, every=every if told["why"] else "")
-    fact = told["why"]["proofs"][0] if told["why"] else told["lacking"]["fact"]
+        if error.code == "KG226":
+            lacking = await view(request, "why_not", **asked)
+            title, twin = f"Why not: {lacking['fact']['text']}", url("/api/why_not", **asked)
+            return page(request, "why.html", title=title, twin=twin, every="", why=None, lacking=lacking)
+        if error.code not in {*ABSENT, SEVERAL}:
+            raise
+        return missing(request, error, "Why", asked["subject"], lambda other: url("/search", q=other))
     return page(
         request,
         "why.html",
-        title=f"{'Why' if told['why'] else 'Why not'}: {fact['text']}",
-        twin=twin,
-        every=url("/why", **asked, every="all") if told["why"] and not every else "",
-        **told,
+        title=f"Why: {why['proofs'][0]['text']}",
+        twin=url("/api/why", **asked, every=every),
+        every="" if every else url("/why", **asked, every="all"),
+        why=why,
+        lacking=None,
     )
 
 

@@ -70,7 +70,9 @@ def _judged(program: Program | None, text: str, robot: Robot | None) -> dict[str
         try:
             program = parse_with_places(text).program
         except RobotError as error:
-            return {"program": None, "text": text, "lines": {}, "problems": [_unreadable(error)]}
+            unreadable = told(Problem.of(error, "", None))
+            place = {"line": error.place and error.place.line, "column": error.place and error.place.column}
+            return {"program": None, "text": text, "lines": {}, "problems": [unreadable | place]}
     program, identities = identified(program)
     shown = text if written else write(program)
     places = parse_with_places(shown).places

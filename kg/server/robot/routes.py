@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send
 
-    from kg.server.robot.listeners import Listener
     from kg.server.robot.session import Session
 
 _Body = TypeVar("_Body")
@@ -102,17 +101,21 @@ async def _robot(request: Request) -> Response:
 
 
 async def _events(request: Request) -> Response:
-    session = _session(request)
-    return _Events(session, session.listen())
+    return _Events(_session(request))
 
 
 class _Events(StreamingResponse):
     """The events of a page, which is removed when its client disconnects, even before the first event."""
 
-    def __init__(self, session: Session, listener: Listener) -> None:
-        super().__init__(_stream(listener), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+    def __init__(self, session: Session) -> None:
+        super().__init__(self._stream(), media_type="text/event-stream", headers={"Cache-Control": "no-store"})
         self._session = session
-        self._listener = listener
+        self._listener = session.listen()
+
+    async def _stream(self) -> AsyncIterator[bytes]:
+        """Yield server-sent events (HTML Standard, section 9.2)."""
+        async for event in self._listener.events():
+            yield b": still here\n\n" if event is None else b"data: " + json.dumps(event).encode() + b"\n\n"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Send events until the stream ends or the client disconnects."""
@@ -120,12 +123,6 @@ class _Events(StreamingResponse):
             await super().__call__(scope, receive, send)
         finally:
             await self._session.gone(self._listener)
-
-
-async def _stream(listener: Listener) -> AsyncIterator[bytes]:
-    """Yield server-sent events (HTML Standard, section 9.2)."""
-    async for event in listener.events():
-        yield b": still here\n\n" if event is None else b"data: " + json.dumps(event).encode() + b"\n\n"
 
 
 async def _view(request: Request) -> Response:

@@ -22,7 +22,7 @@ from kg.server.robot.work import Hands, Readings, Running
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from kg.robot.capability import Capabilities, Capability, Way
+    from kg.robot.capability import Capabilities, Capability
     from kg.robot.connection import GraphProblem
     from kg.robot.programs.tree import Program
     from kg.settings import Settings
@@ -41,12 +41,11 @@ def described(capability: Capability) -> dict[str, Any]:
     """Return a capability in the format of the page: its members, and `because`, the reasons."""
     members: dict[str, Any] = msgspec.to_builtins(capability)
     empty: dict[str, Any] = {"comment": "", "kinds": (), "parameters": (), "ways": ()}
-    reasons = dict.fromkeys(_reason(way, capability.modality) for way in capability.ways)
-    return {**empty, **members, "because": list(reasons)}
-
-
-def _reason(way: Way, modality: str) -> str:
-    return _WORDS[way.kind, modality].format(node=way.node, name=way.name, type=way.type)
+    reasons = (
+        _WORDS[way.kind, capability.modality].format(node=way.node, name=way.name, type=way.type)
+        for way in capability.ways
+    )
+    return {**empty, **members, "because": list(dict.fromkeys(reasons))}
 
 
 _FRAME: Final = 0.25  # seconds between two pictures from above
@@ -124,7 +123,10 @@ class Session:
     async def run(self, program: Program) -> None:
         """Run a program; RobotError KG846 without a robot, KG847 while something else runs."""
         driver = self._link.needed()
-        self._idle()
+        if self._running.active:
+            raise RobotError("KG847", "a program runs already", hint="Stop it, or wait until it has ended.")
+        if self._hands.busy:
+            raise RobotError("KG847", "the robot is driven by hand", hint="Stop that, or wait until it has ended.")
         self._running.start(driver, placed(program, self._link.places))
 
     async def pause(self) -> None:
@@ -213,13 +215,6 @@ class Session:
             await asyncio.sleep(_LOOK)
             if self._link.driver is not None and not self._running.active:
                 await self._link.driver.release(_UNUSED)
-
-    def _idle(self) -> None:
-        """Raise RobotError KG847 while something moves."""
-        if self._running.active:
-            raise RobotError("KG847", "a program runs already", hint="Stop it, or wait until it has ended.")
-        if self._hands.busy:
-            raise RobotError("KG847", "the robot is driven by hand", hint="Stop that, or wait until it has ended.")
 
     def _changed(self) -> None:
         self._readings.follow(self._link.driver)

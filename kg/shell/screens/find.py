@@ -107,12 +107,8 @@ def _understood(found: dict[str, Any]) -> str:
     words += found["unknown"]
     for key, told in (("only", "only with"), ("rather", "rather with")):
         if found[key]:
-            words.append(f"{told} {_joined(found[key])}")
+            words.append(f"{told} {', '.join(found[key])}")
     return "; ".join(words)
-
-
-def _joined(found: Any) -> str:
-    return found if isinstance(found, str) else ", ".join(str(one) for one in found)
 
 
 def _hit(one: dict[str, Any]) -> Line:

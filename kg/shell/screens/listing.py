@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 
 
 _MOST = 500
-_MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
+MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedown": "page_down"}
+"""Keys that move in a list whose input has the focus, with the names of its actions."""
 
 
 class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
@@ -110,7 +111,10 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
         self._shown = [self.entries[number] for number in fitting[:_MOST]]
         listing = self.query_one(OptionList)
         listing.clear_options()
-        listing.add_options([_option(*self.words(entry)) for entry in self._shown])
+        for entry in self._shown:
+            title, note = map(printable, self.words(entry))
+            text = Text.assemble(title, "  ", (note, "dim"), no_wrap=True, overflow="ellipsis")
+            listing.add_option(Option(text))
         listing.highlighted = 0 if self._shown else None
         if not self._shown:
             self.query_one(".preview", Static).update("Nothing fits." if self.entries else self.EMPTY)
@@ -134,19 +138,15 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
 
     def on_key(self, event: Key) -> None:
         """Move in the list while the input has the focus."""
-        if event.key in _MOVES and isinstance(self.focused, Input):
+        if event.key in MOVES and isinstance(self.focused, Input):
             event.stop()
-            getattr(self.query_one(OptionList), f"action_{_MOVES[event.key]}")()
+            getattr(self.query_one(OptionList), f"action_{MOVES[event.key]}")()
 
     def action_choose(self) -> None:
         """Accept the highlighted entry."""
         number = self.query_one(OptionList).highlighted
         if number is not None and number < len(self._shown):
             self.choose(self._shown[number])
-
-
-def _option(title: str, note: str) -> Option:
-    return Option(Text.assemble(printable(title), "  ", (printable(note), "dim"), no_wrap=True, overflow="ellipsis"))
 
 
 class HistoryScreen(ListScreen):

@@ -111,16 +111,12 @@ def _label(line: Line) -> Text:
     parts: list[Any] = [printable(line.text)]
     if line.mark:
         parts += ["  ", (f"({line.mark})", "italic")]
-    if line.place:
-        parts += ["  ", (f"▸ {printable(_short(place_words(line.place)))}", "underline")]
+    if line.place:  # by the name of its file; the status line has the whole path
+        name = place_words(line.place).rpartition("/")[2]
+        parts += ["  ", (f"▸ {printable(name)}", "underline")]
     if line.note:  # last, since it may be wider than the screen
         parts += ["  ", (printable(line.note), "dim")]
     return Text.assemble(*parts, no_wrap=True)
-
-
-def _short(place: str) -> str:
-    """Return a place by the name of its file; the status line has the whole path."""
-    return place.rpartition("/")[2]
 
 
 class PageTree(LineTree):

@@ -62,7 +62,9 @@ class SystemsScreen(UpperScreen[None]):
     def _answer(self, begin: int, found: dict[str, Any]) -> None:
         tree: Tree[dict[str, Any]] = self.query_one("#system-tree", Tree)
         for one in found["systems"]:
-            tree.root.add_leaf(printable(f"{one['name']}  {_counts(one)}"), one)
+            wrong = [count(number, severity) for severity, number in one["findings"].items() if number]
+            numbers = ", ".join([count(one["nodes"], "node"), *wrong])
+            tree.root.add_leaf(printable(f"{one['name']}  {numbers}"), one)
         tree.root.expand()
         tree.cursor_line = max(tree.cursor_line, 0)
         if begin + _PART < found["total"]:
@@ -78,11 +80,8 @@ class SystemsScreen(UpperScreen[None]):
                 tree = self.query_one(FindingTree)
                 deliver(self, partial(self._lines, found), tree.fill, self.app.report, latest="system")
         elif found is not None:
-            self._tell(found)
-
-    def _tell(self, line: Line) -> None:
-        parts = [line.text, line.note, place_words(line.place)]
-        self.query_one(".detail", Static).update("\n".join(printable(part) for part in parts if part))
+            parts = [found.text, found.note, place_words(found.place)]
+            self.query_one(".detail", Static).update("\n".join(printable(part) for part in parts if part))
 
     async def _lines(self, system: dict[str, Any]) -> Sequence[Line]:
         below = await self.app.link.call("tree", parent=system["iri"])
@@ -108,9 +107,3 @@ class SystemsScreen(UpperScreen[None]):
         """Open the line of code."""
         line = self.query_one(FindingTree).current()
         self.app.edit(line.place if line else None)
-
-
-def _counts(one: dict[str, Any]) -> str:
-    """Describe the numbers of nodes and findings of a configuration."""
-    wrong = [count(number, severity) for severity, number in one["findings"].items() if number]
-    return ", ".join([count(one["nodes"], "node"), *wrong])

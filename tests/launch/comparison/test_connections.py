@@ -6,7 +6,7 @@ import pytest
 from render.systems import end, instance, system
 
 from kg.facts import Role
-from kg.launch.comparison.states import came_apart, joined
+from kg.launch.comparison.states import joined, lost_connections
 
 if TYPE_CHECKING:
     from kg.facts import InstanceInterface, NodeInstance
@@ -43,5 +43,5 @@ def test_ends_that_meet_under_another_name_did_not_come_apart() -> None:
         joined(system([instance("/a", end(Role.PUBLISHES, given)), instance("/b", end(Role.SUBSCRIBES, taken))]), sign)
         for given, taken in (("/scan", "/scan"), ("/laser", "/laser"), ("/scan", "/laser"))
     )
-    assert list(came_apart(before, renamed)) == []
-    assert list(came_apart(before, apart)) == [("/a", "topic", "/scan", "/b")]
+    assert list(lost_connections(before, renamed)) == []
+    assert list(lost_connections(before, apart)) == [("/a", "topic", "/scan", "/b")]

@@ -301,7 +301,7 @@ def test_nothing_can_be_commanded(tmp_path: Path) -> None:
                 one.advertise("/cmd_vel", "geometry_msgs/Twist"),
                 one.call("/reset", None, {}, seconds=1),
                 one.send_goal("/go", "nav2_msgs/NavigateToPose", {}, seconds=1),
-                one.canceller("/go", "nav2_msgs/NavigateToPose"),
+                one.canceller("/go"),
                 one.serve("/reset", "std_srvs/Empty", lambda _: asyncio.sleep(0, {})),
                 one.serve_action("/go", "nav2_msgs/NavigateToPose", lambda _: asyncio.sleep(0, {})),
             ]

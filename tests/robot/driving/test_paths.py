@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import RobotError
-from kg.robot.driving.paths import Call, Each, Element, Field, Path, check, look, parse, put
+from kg.robot.driving.paths import Call, Each, Element, Field, Path, look, parse, put, type_at
 from kg.robot.messages import Types
 
 names = st.from_regex(r"[a-z_][a-z0-9_]{0,6}", fullmatch=True)
@@ -189,10 +189,10 @@ def test_paths_are_checked_against_the_type(text: str, says: str | None) -> None
     """An unknown field of the message type is reported before any message arrives."""
     types = Types(1)
     if says is None:
-        check(parse(text), types, "nav_msgs/Odometry")
+        type_at(parse(text), types, "nav_msgs/Odometry")
         return
     with pytest.raises(RobotError) as refused:
-        check(parse(text), types, "nav_msgs/Odometry")
+        type_at(parse(text), types, "nav_msgs/Odometry")
     assert refused.value.code == "KG826"
     assert says in refused.value.message
 

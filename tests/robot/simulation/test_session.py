@@ -17,7 +17,7 @@ from patience import patient
 from robot.dds.domain import domain
 from robot.ros1.debian import needs_debian, rosmaster
 
-from kg.cli.simulating import chosen
+from kg.cli.commands.robot_simulate import chosen
 from kg.errors import Exit, RobotError, UsageError
 from kg.evaluate.exercises import Robot, Variant, carry_out, exercises, missed, program_of
 from kg.robot.connecting import connect

@@ -34,7 +34,7 @@ def test_a_page_that_goes_before_it_was_told_anything_is_forgotten() -> None:
 
     async def scene() -> int:
         session = Session("memory://nobody", load({}, environment={}))
-        answer = _Events(session, session.listen())
+        answer = _Events(session)
         scope = {"type": "http", "asgi": {"spec_version": "2.3"}}
         await asyncio.wait_for(answer(scope, receive, send), patient(10))
         return len(session.listeners)

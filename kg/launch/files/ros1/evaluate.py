@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.python.evaluation import HOLE
 from kg.facts import LaunchArgument, LaunchConfiguration, LaunchDialect, LaunchInclude, LaunchProblemKind
 from kg.launch.files.ros1.document import Element, read_document
 from kg.launch.files.ros1.nodes import enter, read_environment, read_node, read_remap
-from kg.launch.files.ros1.parameterfile import HOLE, shown
+from kg.launch.files.ros1.parameterfile import shown
 from kg.launch.files.ros1.parameters import read_param, read_rosparam
 from kg.launch.files.ros1.state import Given, Place, Scope, State
 
@@ -149,8 +150,22 @@ class _Evaluation:
         refused = scope.declare(name, value, default, certain=words is None)
         if refused:
             state.problem(scope, element.line, refused[0], refused[1], name)
-        if not scope.place.chain:
-            self._declared(scope, element, (name, value, default))
+        if scope.place.chain:
+            return
+        if name not in scope.arguments:  # in the file that is started, one that is not given is unknown
+            scope.arguments[name] = HOLE
+            message = f"the argument '{name}' has no default and is not given"
+            state.problem(scope, element.line, LaunchProblemKind.UNRESOLVED, message, name)
+        now = scope.arguments[name]
+        argument = LaunchArgument(
+            name=shown(name),
+            default=None if default is None else shown(default),
+            value=None if now == HOLE else shown(now),
+            location=state.location(scope, element.line),
+            description=element.attributes.get("doc"),
+            fixed=value is not None,
+        )
+        self._arguments.setdefault(name, argument)
 
     def _written(self, scope: Scope, element: Element) -> tuple[str, str | None, str | None, str | None] | None:
         """Return name, value, default and unknown condition of an `<arg>`; None for one that does not count."""
@@ -163,24 +178,6 @@ class _Evaluation:
             state.refused(scope, element, "it has no 'name'")
             return None
         return name, state.text(scope, element, "value"), state.text(scope, element, "default"), words
-
-    def _declared(self, scope: Scope, element: Element, what: tuple[str, str | None, str | None]) -> None:
-        """Keep an argument of the file that is started; one that is not given is unknown."""
-        name, value, default = what
-        if name not in scope.arguments:
-            scope.arguments[name] = HOLE
-            message = f"the argument '{name}' has no default and is not given"
-            self._state.problem(scope, element.line, LaunchProblemKind.UNRESOLVED, message, name)
-        now = scope.arguments[name]
-        argument = LaunchArgument(
-            name=shown(name),
-            default=None if default is None else shown(default),
-            value=None if now == HOLE else shown(now),
-            location=self._state.location(scope, element.line),
-            description=element.attributes.get("doc"),
-            fixed=value is not None,
-        )
-        self._arguments.setdefault(name, argument)
 
     def _machine(self, scope: Scope, element: Element) -> None:
         state = self._state
@@ -232,7 +229,10 @@ class _Evaluation:
         inner.declared, inner.uncertain = set(), set()
         is_read = self._file(inner, file, element.line)
         if is_read and state.is_whole and not inner.replaces:
-            self._unused(scope, inner, passed)
+            for name, given in passed.items():
+                if name not in inner.declared:
+                    message = f"the argument '{name}' is passed to {inner.place.file.path}, which does not declare it"
+                    self._state.problem(scope, given.location, LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
 
     def _passed(self, scope: Scope, inner: Scope, element: Element) -> dict[str, Given]:
         """Put the arguments that an include passes into the inner scope; return those that it names itself."""
@@ -262,12 +262,6 @@ class _Evaluation:
         if refused:
             state.problem(scope, element.line, refused[0], refused[1], name)
         given[name] = Given(value or default or "", state.location(scope, element.line))
-
-    def _unused(self, scope: Scope, inner: Scope, passed: Mapping[str, Given]) -> None:
-        for name, given in passed.items():
-            if name not in inner.declared:
-                message = f"the argument '{name}' is passed to {inner.place.file.path}, which does not declare it"
-                self._state.problem(scope, given.location, LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
 
     def _stopped(self, scope: Scope, inner: Scope, element: Element, file: FilePath) -> str | None:
         """Return why an include is not followed, which is a problem: it would not end, or not soon."""

@@ -10,9 +10,10 @@ import shlex
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import LaunchParameter, LaunchProblemKind, Location, Remap, StartedNode, StartKind
+from kg.extract.python.evaluation import HOLE
+from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, StartKind
 from kg.holes import ANONYMOUS, is_partial
-from kg.launch.files.ros1.parameterfile import HOLE, join, leaf_of, read_scalar, shown
+from kg.launch.files.ros1.parameterfile import join, leaf_of, read_scalar, shown
 from kg.launch.files.ros1.parameters import read_param, read_rosparam
 from kg.names import normalise, resolve
 
@@ -51,7 +52,7 @@ def read_node(state: State, scope: Scope, element: Element) -> None:
     outer = enter(state, scope, element)
     command = _command(state, scope, element)
     namespace = command.special.get("__ns", outer.namespace)
-    inner = _inside(state, scope, element, (join(outer.namespace, name), words))
+    inner = _inside(state, scope, element, join(outer.namespace, name), words)
     conditions = tuple(one for one in (*scope.conditions, words) if one)
     location, chain = state.location(scope, element.line), scope.place.chain
     own = normalise(shown(f"/{namespace}"))
@@ -60,6 +61,7 @@ def read_node(state: State, scope: Scope, element: Element) -> None:
         if not (value or "").strip():
             state.refused(scope, element, f"it has no '{attribute}'")
     kind, plugin, host = _nodelet(package, executable, command.arguments)
+    given = [Remap(shown(source), shown(target), location, chain) for source, target in command.remaps]
     state.add_node(
         scope,
         StartedNode(
@@ -72,13 +74,17 @@ def read_node(state: State, scope: Scope, element: Element) -> None:
             executable=shown(executable) if executable else None,
             plugin=shown(plugin) if plugin else None,
             host=resolve(shown(host), shown(name), own) if host else None,
-            remaps=_remaps(inner, command, location),
+            # Those that win come first: roslaunch puts them behind `args`, and of two the later counts.
+            remaps=tuple(reversed([*given, *inner.all_remaps()])),
             arguments=tuple(map(shown, command.arguments)),
             condition=" and ".join(conditions) or None,
             settings=_settings(state, scope, element, inner),
         ),
     )
-    _start_parameters(state, (own, name), command, (location, chain))
+    for source, text in command.parameters:  # the node itself sets these, when all others are set
+        leaf = leaf_of(read_scalar(text) if text != HOLE else HOLE)
+        absolute = normalise(shown(f"{own}/{name}/{source}"))
+        state.late.append(LaunchParameter(absolute, leaf.value, location, chain, type=leaf.type, reason=leaf.reason))
 
 
 def enter(state: State, scope: Scope, element: Element) -> Scope:
@@ -158,9 +164,8 @@ def _name(state: State, scope: Scope, element: Element, *, is_test: bool) -> str
     return name
 
 
-def _inside(state: State, scope: Scope, element: Element, what: tuple[str, str | None]) -> Scope:
+def _inside(state: State, scope: Scope, element: Element, name: str, words: str | None) -> Scope:
     """Read the children of a node; return the scope with its remappings and environment."""
-    name, words = what
     inner = scope.child()
     parameters = scope.child(name)
     parameters.private = []
@@ -222,23 +227,6 @@ def _nodelet(
     if words[0] == "load":
         return StartKind.NODELET, plugin, words[2] if len(words) > 2 else None  # noqa: PLR2004 - load CLASS MANAGER
     return StartKind.NODE, None, None
-
-
-def _remaps(inner: Scope, command: _Command, location: Location) -> tuple[Remap, ...]:
-    """Return the remappings, those that win first: roslaunch puts them behind `args`, and of two the later counts."""
-    chain = inner.place.chain
-    written = [Remap(shown(source), shown(target), location, chain) for source, target in command.remaps]
-    return tuple(reversed([*written, *inner.all_remaps()]))
-
-
-def _start_parameters(
-    state: State, node: tuple[str, str], command: _Command, at: tuple[Location, tuple[Location, ...]]
-) -> None:
-    """Add the parameters that a node takes from its command line, which it sets when all others are set."""
-    for name, text in command.parameters:
-        leaf = leaf_of(read_scalar(text) if text != HOLE else HOLE)
-        absolute = normalise(shown(f"{node[0]}/{node[1]}/{name}"))
-        state.late.append(LaunchParameter(absolute, leaf.value, *at, type=leaf.type, reason=leaf.reason))
 
 
 def _settings(state: State, scope: Scope, element: Element, inner: Scope) -> tuple[tuple[str, str], ...]:

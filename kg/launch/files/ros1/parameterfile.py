@@ -25,24 +25,6 @@ if TYPE_CHECKING:
 
     from kg.facts import LaunchPlugin
 
-__all__ = [
-    "HOLE",
-    "MOST_CHARACTERS",
-    "MOST_TEXT",
-    "Leaf",
-    "automatic",
-    "canonical",
-    "converted",
-    "global_namespace",
-    "join",
-    "leaf_of",
-    "read_scalar",
-    "read_tree",
-    "read_value",
-    "shown",
-    "truth",
-]
-
 MOST_CHARACTERS: Final = 1 << 16
 """Of one text after substitution; arguments that repeat each other double with each line."""
 
@@ -140,22 +122,18 @@ def one_line(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
-        return _float(value)
+        if value != value:  # noqa: PLR0124 - this is what makes a number none
+            return ".nan"
+        if value in {float("inf"), float("-inf")}:
+            return ".inf" if value > 0 else "-.inf"
+        mantissa, exponent, power = repr(value).partition("e")
+        # YAML 1.1 takes `1e-05` for a string
+        return f"{mantissa}.0e{power}" if exponent and "." not in mantissa else f"{mantissa}{exponent}{power}"
     if isinstance(value, list):
         return f"[{', '.join(map(one_line, value))}]"
     if isinstance(value, dict):
         return f"{{{', '.join(f'{one_line(key)}: {one_line(item)}' for key, item in value.items())}}}"
     return _string(value) if isinstance(value, str) else str(value)
-
-
-def _float(value: float) -> str:
-    if value != value:  # noqa: PLR0124 - this is what makes a number none
-        return ".nan"
-    if value in {float("inf"), float("-inf")}:
-        return ".inf" if value > 0 else "-.inf"
-    mantissa, exponent, power = repr(value).partition("e")
-    # YAML 1.1 takes `1e-05` for a string
-    return f"{mantissa}.0e{power}" if exponent and "." not in mantissa else f"{mantissa}{exponent}{power}"
 
 
 def _string(text: str) -> str:
@@ -209,7 +187,7 @@ def read_tree(text: str) -> ParameterTree:
     """Return the parameters of a YAML document; what is before an error of its meaning is kept."""
     if len(text) > MOST_TEXT:
         return ParameterTree(problems=((f"the file is longer than {MOST_TEXT} characters", 1),), too_large=True)
-    return _cached(text) if len(text) <= _CACHED else _last(text)
+    return _cached(text) if len(text) <= _CACHED else _kept(text)
 
 
 def read_scalar(text: str) -> object:
@@ -258,14 +236,9 @@ def _read(text: str) -> ParameterTree:
     return ParameterTree(tuple(leaves), tuple(walk.problems), is_mapping=isinstance(root, yaml.MappingNode))
 
 
-@lru_cache(maxsize=1)
-def _last(text: str) -> ParameterTree:
-    return _read(text)
-
-
-@lru_cache(maxsize=512)
-def _cached(text: str) -> ParameterTree:
-    return _read(text)
+_cached: Final = lru_cache(maxsize=512)(_read)
+_kept: Final = lru_cache(maxsize=1)(_read)
+"""Of large files only the last one is kept: it is often loaded for several nodes in a row."""
 
 
 class _Walk(Walk):

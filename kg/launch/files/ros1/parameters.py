@@ -10,9 +10,10 @@ import shlex
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.python.evaluation import HOLE
 from kg.facts import LaunchPlugin, LaunchProblemKind
 from kg.launch.files.access import SCHEME
-from kg.launch.files.ros1.parameterfile import HOLE, MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
+from kg.launch.files.ros1.parameterfile import MOST_TEXT, Leaf, converted, join, leaf_of, read_tree, shown
 from kg.launch.files.ros1.state import Private, Scope, State
 from kg.launch.files.xacro.plugins import named_description, started
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.corpus.files import FilePath
+    from kg.facts import Location
     from kg.launch.files.ros1.document import Element
 
 _SOURCES: Final = ("value", "textfile", "binfile", "command")
@@ -44,7 +46,10 @@ def read_param(state: State, scope: Scope, element: Element, *, of_node: bool = 
     if not name:
         state.refused(scope, element, "it has no 'name'")
         return
-    leaves = _leaves(state, scope, element, name)
+    leaves = _values(state, scope, element, name)
+    plugins = _described(state, scope, element) if len(leaves) == 1 else ()
+    if plugins:
+        leaves = (replace(leaves[0], plugins=plugins),)
     location, reason = state.location(scope, element.line), _only_if((*scope.conditions, words))
     if of_node or name.startswith("~"):
         scope.add_private(Private(name, leaves, location, scope.place.chain, reason))
@@ -66,11 +71,12 @@ def read_rosparam(state: State, scope: Scope, element: Element) -> None:
     elif command == "delete" and file is not None:
         state.refused(scope, element, "'delete' takes no 'file'")
     elif command == "load":
-        _load(state, scope, element, (name, file, _only_if((*scope.conditions, words))))
+        _load(state, scope, element, name, file, _only_if((*scope.conditions, words)))
 
 
-def _load(state: State, scope: Scope, element: Element, what: tuple[str, str | None, str | None]) -> None:
-    name, written, reason = what
+def _load(  # noqa: PLR0913, PLR0917 - what a `<rosparam>` says
+    state: State, scope: Scope, element: Element, name: str, written: str | None, reason: str | None
+) -> None:
     source: FilePath | None = None
     text = element.text
     if written is not None:
@@ -83,35 +89,24 @@ def _load(state: State, scope: Scope, element: Element, what: tuple[str, str | N
         text = state.resolved(scope, element.line, text, MOST_TEXT)
     tree = read_tree(text)
     lines = None if source else element.text_lines()
+
+    def at(line: int) -> Location:
+        return state.location(scope, line if lines is None else lines[min(line, len(lines)) - 1], source)
+
     for message, line in tree.problems:
-        at = state.location(scope, line, source) if lines is None else state.location(scope, _nth(lines, line))
         kind = LaunchProblemKind.LIMIT if tree.too_large else LaunchProblemKind.MALFORMED
-        state.problem(scope, at, kind, message)
+        state.problem(scope, at(line), kind, message)
     if not name and not tree.is_mapping:
         state.refused(scope, element, "it needs 'param', as what it loads is not a mapping")
         return
     full = join(scope.namespace, name) if name else scope.namespace
     for leaf in tree.leaves:
-        at = (
-            state.location(scope, leaf.line, source) if lines is None else state.location(scope, _nth(lines, leaf.line))
-        )
-        state.add_leaf(full, leaf, at, scope.place.chain, reason)
-
-
-def _nth(lines: list[int], number: int) -> int:
-    return lines[min(number, len(lines)) - 1]
+        state.add_leaf(full, leaf, at(leaf.line), scope.place.chain, reason)
 
 
 def _only_if(conditions: tuple[str | None, ...]) -> str | None:
     words = [one for one in conditions if one]
     return f"it is set only if {' and '.join(words)}" if words else None
-
-
-def _leaves(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:
-    """Return the value of a `<param>` as leaves: one, which may be a robot description, or those of a YAML mapping."""
-    leaves = _values(state, scope, element, name)
-    plugins = _described(state, scope, element) if len(leaves) == 1 else ()
-    return (replace(leaves[0], plugins=plugins),) if plugins else leaves
 
 
 def _described(state: State, scope: Scope, element: Element) -> tuple[LaunchPlugin, ...]:
@@ -133,7 +128,7 @@ def _described(state: State, scope: Scope, element: Element) -> tuple[LaunchPlug
 
 
 def _values(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:
-    """Return the value of a `<param>` as leaves."""
+    """Return the value of a `<param>` as leaves: one, which may be a robot description, or those of a YAML mapping."""
     kind = (element.attributes.get("type") or "auto").lower().strip()
     given = [source for source in _SOURCES if source in element.attributes]
     if len(given) != 1:
@@ -151,11 +146,10 @@ def _values(state: State, scope: Scope, element: Element, name: str) -> tuple[Le
         return (_unknown(element, "" if given[0] == "binfile" else kind, reason),)
     if text == HOLE:
         return (_unknown(element, kind, f"it depends on an unknown value: {element.attributes[given[0]]}"),)
-    return _converted(state, scope, element, (text, kind))
+    return _converted(state, scope, element, text, kind)
 
 
-def _converted(state: State, scope: Scope, element: Element, what: tuple[str, str]) -> tuple[Leaf, ...]:
-    text, kind = what
+def _converted(state: State, scope: Scope, element: Element, text: str, kind: str) -> tuple[Leaf, ...]:
     if kind == "yaml":
         tree = read_tree(text)
         for message, _ in tree.problems:

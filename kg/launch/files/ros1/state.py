@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
+from kg.extract.python.evaluation import HOLE
 from kg.facts import (
     LaunchInclude,
     LaunchParameter,
@@ -21,7 +22,7 @@ from kg.facts import (
     StartedNode,
 )
 from kg.launch.files.access import MOST, Budget, Files, Found
-from kg.launch.files.ros1.parameterfile import HOLE, Leaf, canonical, global_namespace, join, shown, truth
+from kg.launch.files.ros1.parameterfile import Leaf, canonical, global_namespace, join, shown, truth
 from kg.launch.files.ros1.substitute import Note, Substituter
 from kg.launch.files.xacro.plugins import Descriptions
 
@@ -92,6 +93,7 @@ class Scope:
             arguments=dict(self.arguments),
             declared=set(self.declared),
             uncertain=set(self.uncertain),
+            # The list itself, so that what an include adds stays behind it; an empty one is not shared by roslaunch.
             private=self.private or [],
             environment=list(self.environment),
             conditions=self.conditions,

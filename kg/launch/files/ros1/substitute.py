@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Protocol
 
 from kg.extract.python.evaluation import (
+    HOLE,
     MISSING,
     Dialect,
     ExpressionError,
@@ -21,7 +22,7 @@ from kg.extract.python.evaluation import (
 )
 from kg.facts import LaunchProblemKind
 from kg.launch.files.access import SCHEME, Files
-from kg.launch.files.ros1.parameterfile import HOLE, MOST_CHARACTERS, automatic
+from kg.launch.files.ros1.parameterfile import MOST_CHARACTERS, automatic
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -130,7 +131,11 @@ class _Commands:
         written = f"$({command})"
         if name == "find":
             before, _, after = text.partition(written)
-            return f"{before}{self._find_package(_only(words, command))}{_path(after)}"
+            path, space, rest = after.partition(" ")
+            if path:  # it begins with a slash, whether it is written or not
+                path = path.replace("\\", "/").lstrip("/")
+                after = f"/{path}{space}{rest}"
+            return f"{before}{self._find_package(_only(words, command))}{after}"
         return text.replace(written, self._value(name, words, command))
 
     def _value(self, name: str, words: list[str], command: str) -> str:
@@ -178,7 +183,7 @@ class _Commands:
             "dirname": lambda: self._around.folder,
         }
         try:
-            dialect = Dialect(_word, self._variable, functions)
+            dialect = Dialect(lambda name: _TRUTH.get(name, MISSING), self._variable, functions)
             return str(evaluate_text(expression, dialect))
         except NotKnownError:
             return HOLE
@@ -187,10 +192,6 @@ class _Commands:
             return HOLE
         except ExpressionError as error:
             raise _SubstitutionError(f"the expression of $(eval) is wrong: {error}") from None
-
-
-def _word(name: str) -> object:
-    return _TRUTH.get(name, MISSING)
 
 
 @lru_cache(maxsize=4096)
@@ -211,10 +212,3 @@ def _only(words: list[str], command: str) -> str:
     if len(words) != 1:
         raise _SubstitutionError(f"$({command}) takes one word")
     return words[0]
-
-
-def _path(after: str) -> str:
-    """Return the rest after a folder, with a slash before the path that it begins with."""
-    path, space, rest = after.partition(" ")
-    path = path.replace("\\", "/")
-    return f"/{path.lstrip('/')}{space}{rest}" if path else after

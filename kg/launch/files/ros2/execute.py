@@ -149,8 +149,13 @@ def _enter(context: Context, action: Include, file: FilePath, run: Callable[[Seq
     given = {name for name, _ in arguments}
     context.scope.configurations.update(arguments)
     for inner in actions:
-        if isinstance(inner, DeclareArgument) and inner.condition is None and inner.default is None:
-            _require(context, inner.name, given, file)
+        # Launch requires that the include itself passes it: a value set before does not count.
+        if not isinstance(inner, DeclareArgument) or inner.condition is not None or inner.default is not None:
+            continue
+        if inner.name not in given:
+            message = f"`{file.path}` needs the argument `{inner.name}`, which the include does not pass"
+            context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, inner.name)
+            context.scope.configurations.setdefault(inner.name, HOLE)
     _misspelt(context, given, {one.name for one in actions if isinstance(one, DeclareArgument)}, file)
     with context.inside(file):
         run(actions)
@@ -175,14 +180,6 @@ def _misspelt(context: Context, given: set[str], declared: set[str], file: FileP
         if like is not None and HOLE not in name:
             message = f"`{file.path}` declares no argument `{name}`, but `{like}`, which the include does not pass"
             context.problem(LaunchProblemKind.UNDECLARED_ARGUMENT, message, name)
-
-
-def _require(context: Context, name: str, given: set[str], file: FilePath) -> None:
-    """Note an argument without default that the include itself does not pass; launch asks for that."""
-    if name not in given:
-        message = f"`{file.path}` needs the argument `{name}`, which the include does not pass"
-        context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, name)
-        context.scope.configurations.setdefault(name, HOLE)
 
 
 _ACTIONS_OF_A_FUNCTION: Final = 25
@@ -243,6 +240,7 @@ def _merged(before: Scope, after: Scope, reason: str) -> Scope:
     }
     namespace = after.namespace
     if namespace != before.namespace:
+        # A namespace that may have been pushed is unknown below the one that is there in both cases.
         kept = before.namespace if before.namespace and (namespace or "").startswith(f"{before.namespace}/") else ""
         namespace = normalise(f"/{kept}/{HOLE}")
     remaps = after.remaps[len(before.remaps) :]
@@ -283,7 +281,11 @@ def _declare(context: Context, action: kinds.DeclareArgument) -> None:
             known[action.name] = perform(context, action.default)
         else:
             known[action.name] = HOLE
-            _missing(context, action.name)
+            if len(context.stack) == 1:
+                context.unresolved(f"the argument `{action.name}` has no default", action.name)
+            else:
+                message = f"the argument `{action.name}` has no default and is not given"
+                context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, action.name)
     value = known[action.name]
     if action.choices and value not in action.choices and HOLE not in value:
         message = f"the argument `{action.name}` is `{value}`, none of {', '.join(action.choices)}"
@@ -292,14 +294,6 @@ def _declare(context: Context, action: kinds.DeclareArgument) -> None:
         context.found.arguments[action.name] = LaunchArgument(
             action.name, default, value, action.location, action.description, choices=action.choices
         )
-
-
-def _missing(context: Context, name: str) -> None:
-    if len(context.stack) == 1:
-        context.unresolved(f"the argument `{name}` has no default", name)
-    else:
-        message = f"the argument `{name}` has no default and is not given"
-        context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, name)
 
 
 def _reset(context: Context, action: kinds.ResetConfigurations) -> None:

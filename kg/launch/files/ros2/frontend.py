@@ -135,22 +135,14 @@ class _Walk(Walk):
         attributes: dict[str, Attribute] = {}
         children: list[Element] = []
         for key, value in self.pairs(node, depth):
-            if _is_elements(value):
-                children += self._below(key.value, value, depth)
-            else:
+            listed = value.value if isinstance(value, yaml.SequenceNode) else ()
+            if not any(isinstance(child, yaml.MappingNode) for child in listed):
                 attributes[key.value] = _attribute(value)
-        return Element(tag, line, attributes, children)
-
-    def _below(self, name: str, node: yaml.Node, depth: int) -> Iterator[Element]:
-        for child in node.value:
-            if name == _CHILDREN:
-                yield self.action(child, depth + 1)
+            elif key.value == _CHILDREN:
+                children += [self.action(child, depth + 1) for child in listed]
             else:
-                yield self._element(name, child, _line(child), depth + 1)
-
-
-def _is_elements(node: yaml.Node) -> bool:
-    return isinstance(node, yaml.SequenceNode) and any(isinstance(item, yaml.MappingNode) for item in node.value)
+                children += [self._element(key.value, child, _line(child), depth + 1) for child in listed]
+        return Element(tag, line, attributes, children)
 
 
 def _attribute(node: yaml.Node) -> Attribute:
@@ -185,14 +177,6 @@ def _pieces(text: str) -> Iterator[str | None]:
             yield None
         elif word:
             yield word
-
-
-def _type(written: str | None) -> str | None:
-    """Return the ROS parameter type that an attribute `type` names; None for none, or one that is not known."""
-    if written is None:
-        return None
-    kind = _TYPES.get(written.removeprefix("list_of_"))
-    return f"{kind}_array" if kind and written.startswith("list_of_") else kind
 
 
 _IGNORED: Final = {"log", "log_info", "shutdown", "set_ros_log_dir", "reset_env"}
@@ -418,7 +402,10 @@ class _Builder:
     def _nested(self, element: Element, above: Text) -> Iterator[kinds.ParameterValue]:
         name = (*above, *self.needed(element, "name"))
         if "value" in element.attributes:
-            kind = _type(element.get("type"))
+            written = element.get("type") or ""
+            kind = _TYPES.get(written.removeprefix("list_of_"))
+            if kind and written.startswith("list_of_"):
+                kind = f"{kind}_array"
             value = self.value(element, "value")
             yield kinds.ParameterValue(name, value, self.place(element.line), as_text=kind == "string", type=kind)
         elif not element.of("param"):

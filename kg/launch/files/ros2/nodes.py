@@ -99,19 +99,6 @@ _TOOLS: Final = {("topic", "pub"), ("topic", "echo"), ("service", "call"), ("act
 """Commands of `ros2` that are nodes."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Start:
-    """How something is started: by which action, under which name, with which command line, in which container."""
-
-    action: NodeAction
-    kind: StartKind
-    name: str | None
-    namespace: str | None
-    line: CommandLine = field(default_factory=CommandLine)
-    executable: str | None = None
-    host: str | None = None
-
-
 def start_node(context: Context, action: NodeAction) -> None:
     """Start the node of an action, and load the components of a container into it."""
     words = [context.perform(word) for word in action.arguments]
@@ -120,8 +107,10 @@ def start_node(context: Context, action: NodeAction) -> None:
     name = line.name or _optional(context, action.name) or None
     namespace = line.namespace or _optional(context, action.namespace)
     executable = _optional(context, action.executable)
-    kind = _kind(action, context, executable)
-    full = _record(context, _Start(action, kind, name, namespace, line, executable))
+    kind, contains = _KINDS[action.kind], (executable or "").startswith("component_container")
+    if action.kind == "node" and contains and _optional(context, action.package) == "rclcpp_components":
+        kind = StartKind.CONTAINER
+    full = _record(context, action, kind, name, namespace, line, executable)
     context.found.containers[id(action)] = full
     for component in action.components:
         _load(context, component, full)
@@ -183,13 +172,6 @@ def _run_operands(words: Sequence[str]) -> tuple[str | None, str | None, Sequenc
     return package, executable, words[start + 2 :]
 
 
-def _kind(action: NodeAction, context: Context, executable: str | None) -> StartKind:
-    contains = (executable or "").startswith("component_container")
-    if action.kind == "node" and contains and _optional(context, action.package) == "rclcpp_components":
-        return StartKind.CONTAINER
-    return _KINDS[action.kind]
-
-
 def _load(context: Context, component: NodeAction, host: str | None) -> None:
     """Load a component, which inherits nothing of its container but the place."""
     with context.at(component.location):
@@ -200,28 +182,36 @@ def _load(context: Context, component: NodeAction, host: str | None) -> None:
         if held is None and component.condition is not None:
             context.conditions = (*conditions, component.condition.words)
         name, namespace = _optional(context, component.name) or None, _optional(context, component.namespace)
-        _record(context, _Start(component, StartKind.COMPONENT, name, namespace, host=host))
+        _record(context, component, StartKind.COMPONENT, name, namespace, CommandLine(), host=host)
         context.conditions = conditions
 
 
-def _record(context: Context, start: _Start) -> str:
-    """Add a node to the results, and return its absolute name."""
-    action, line, name = start.action, start.line, start.name
-    within = normalise(f"/{join(context.namespace, start.namespace)}") if start.namespace else context.namespace
-    loaded = start.kind is StartKind.COMPONENT
-    whole = loaded or (name is not None and (bool(start.namespace) or context.scope.namespace is not None))
+def _record(  # noqa: PLR0913, PLR0917 - how a node is started
+    context: Context,
+    action: NodeAction,
+    kind: StartKind,
+    name: str | None,
+    namespace: str | None,
+    line: CommandLine,
+    executable: str | None = None,
+    host: str | None = None,
+) -> str:
+    """Add a node to the results, and return its absolute name; `host` is the container that a component is in."""
+    within = normalise(f"/{join(context.namespace, namespace)}") if namespace else context.namespace
+    loaded = kind is StartKind.COMPONENT
+    whole = loaded or (name is not None and (bool(namespace) or context.scope.namespace is not None))
     own = [(context.perform(source), context.perform(target), place) for source, target, place in action.remaps]
     sources = [*_rules(context, line), *context.scope.parameters, *action.parameters]
     node = StartedNode(
         name=name,
         namespace=within,
-        kind=start.kind,
+        kind=kind,
         location=action.location,
         chain=context.chain,
         package=_optional(context, action.package),
-        executable=start.executable,
+        executable=executable,
         plugin=_optional(context, action.plugin),
-        host=start.host,
+        host=host,
         remaps=(
             *_remaps(context, line.remaps, name),
             *context.scope.remaps,

@@ -162,7 +162,9 @@ class Rewriting:
             node = _joined((self.root, node)) if self.root.strip("/") else node
         if wanted is None:
             return Entry(node, names, entry.value, entry.type, entry.line, entry.location)
-        value, kind = _converted(wanted)
+        value, kind = of_text(wanted)
+        if kind not in ("int", "double", "bool"):  # nav2 writes all but numbers and truth values as texts
+            value, kind = of_text(wanted, "string")
         value = HOLE if value is None else value
         return replace(entry, names=names, node=node, value=value, type=kind, location=self.location)
 
@@ -170,12 +172,6 @@ class Rewriting:
 def _path(entry: Entry) -> str:
     above = () if entry.node is None else (*entry.node.split("/"), _PARAMETERS)
     return ".".join((*above, *entry.names))
-
-
-def _converted(text: str) -> tuple[str | None, str | None]:
-    """Return the value and type of a text put into a file: a number or a truth value, else a text."""
-    value, kind = of_text(text)
-    return (value, kind) if kind in ("int", "double", "bool") else of_text(text, "string")
 
 
 _ALL: Final = "/**"
@@ -206,7 +202,6 @@ class Asked:
 
 def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParameter:
     """Return a parameter given by value, as it is now."""
-    _forget(context)
     value, kind = _value(context, parameter)
     printed = context.found.printed
     reason = _AT_RUN_TIME if value is None or HOLE in value else None
@@ -216,9 +211,15 @@ def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParame
     return LaunchParameter(name, value, parameter.location, context.chain, parameter.type or kind, reason)
 
 
-def _forget(context: Context) -> None:
-    """Forget the robot descriptions performed so far."""
+def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:
+    """Return the value and type as they are now; the robot description that it is, is then in `found.printed`."""
     context.found.printed = ()
+    value = parameter.value
+    if isinstance(value, tuple):
+        return of_text(context.perform(value), "string" if parameter.as_text else parameter.type)
+    if isinstance(value, list):
+        return of_object([Performed(context.perform(item)) if isinstance(item, tuple) else item for item in value])
+    return of_object(value)
 
 
 def node_parameters(
@@ -272,7 +273,9 @@ def _written(
     own = asked.full if asked.full is not None and asked.whole else _ALL
     for source in sources:
         if isinstance(source, LaunchParameter):
-            yield _addressed(source)
+            # A rule `node:name` is for the nodes of that name, as `rcl` reads it; any other is for all.
+            node, colon, name = source.name.rpartition(":")
+            yield _given(node, replace(source, name=name)) if colon and node else _given(_ALL, source)
         elif isinstance(source, ParameterValue):
             with context.at(source.location):
                 yield _given(own, given_parameter(context, source))
@@ -287,12 +290,6 @@ def _given(key: str, parameter: LaunchParameter) -> _Given:
 
 def _key(node: str) -> str:
     return f"/{node.strip('/')}"
-
-
-def _addressed(parameter: LaunchParameter) -> _Given:
-    """Return a parameter for all nodes, or that of a rule `node:name`, as `rcl` reads them."""
-    node, colon, name = parameter.name.rpartition(":")
-    return _given(node, replace(parameter, name=name)) if colon and node else _given(_ALL, parameter)
 
 
 def _of_file(context: Context, source: ParameterFile | GlobalFile, asked: Asked, flat: str | None) -> Iterator[_Given]:
@@ -330,12 +327,3 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, asked: Asked,
         if entry.node is not None:
             known[id(entry)] = (entry, made)
         yield made
-
-
-def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:
-    value = parameter.value
-    if isinstance(value, tuple):
-        return of_text(context.perform(value), "string" if parameter.as_text else parameter.type)
-    if isinstance(value, list):
-        return of_object([Performed(context.perform(item)) if isinstance(item, tuple) else item for item in value])
-    return of_object(value)

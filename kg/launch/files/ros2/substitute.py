@@ -80,7 +80,7 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
     if found is None:
         return HOLE
     texts = [context.perform(text) for text in pairs]
-    known = _made(context, (path, *texts))
+    known = _made_before(context, (path, *texts))
     if known is not None:
         return known
     replacements = list(zip(texts[::2], texts[1::2], strict=False))
@@ -126,7 +126,7 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
         context.perform(source.root) if source.root is not None else "",
         source.location,
     )
-    known = _made(context, (path, rewriting))
+    known = _made_before(context, (path, rewriting))
     if known is not None:
         return known
     listed = read_parameters(context, path)
@@ -135,7 +135,7 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
     return _named(context, path, Generated(*found, rewriting.applied(listed[1]), (path, rewriting)))
 
 
-def _made(context: Context, recipe: tuple[object, ...]) -> str | None:
+def _made_before(context: Context, recipe: tuple[object, ...]) -> str | None:
     """Return the name of the file made in the same way before."""
     return next((name for name, other in context.found.generated.items() if other.recipe == recipe), None)
 
@@ -230,10 +230,6 @@ def _share(context: Context, name: Text) -> str:
 def _prefix(context: Context, name: Text) -> str:
     package = perform(context, name)
     return context.unresolved(f"where `{package}` is installed is known only when it runs", package)
-
-
-def _executable(context: Context, name: Text) -> str:
-    return perform(context, name)
 
 
 def _eval(context: Context, expression: Text, _modules: Text = ()) -> str:
@@ -356,7 +352,7 @@ _KINDS: Final[Mapping[str, tuple[Callable[..., str], int, int]]] = {
     "env": (_env, 1, 2),
     "find-pkg-share": (_share, 1, 1),
     "find-pkg-prefix": (_prefix, 1, 1),
-    "find-exec": (_executable, 1, 1),
+    "find-exec": (perform, 1, 1),
     "dirname": (_dirname, 0, 0),
     "filename": (_filename, 0, 0),
     "eval": (_eval, 1, 2),

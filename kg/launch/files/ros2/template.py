@@ -65,6 +65,7 @@ class _Reader:
                 continue
             if self._text.startswith("$(", self._at):
                 break
+            # A backslash makes the next character plain; the last character of a text is one itself.
             escapes = self._text[self._at] == "\\" and self._at + 1 < len(self._text)
             self._at += 1 if escapes else 0
             read.append(self._text[self._at])

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.evaluation import NotKnownError
+from kg.extract.python.evaluation import HOLE, NotKnownError
 from kg.facts import LaunchProblemKind
 from kg.holes import ANONYMOUS
-from kg.launch.files.ros1.parameterfile import HOLE, shown
+from kg.launch.files.ros1.parameterfile import shown
 from kg.launch.files.ros1.substitute import Substituter
 from kg.launch.files.xacro.scopes import DESCRIPTION, Block, Element, Macro, Table, called, grab_macro, truth
 from kg.launch.files.xacro.texts import Around, Loading, Texts
@@ -171,6 +171,7 @@ class _Evaluation:
     def _early(self) -> Table:
         """Return all definitions, collected on first use."""
         if self._later is None:
+            # An empty table while it is filled: names of included files may ask for later definitions themselves.
             self._later = Table(self._texts.value)
             self._later = collect(self._root, self._files, self._loading, self._texts)
         return self._later
@@ -305,12 +306,12 @@ class _Evaluation:
 
     _do_unless = _do_if
 
-    def _do_macro(self, at: _At, element: Element, _: Made | None) -> Iterator[Made]:
+    def _do_macro(self, at: _At, element: Element, _: Made | None) -> tuple[()]:
         macro = grab_macro(element, at.file)
         at.table.macros[macro.name] = macro
-        yield from ()
+        return ()
 
-    def _do_property(self, at: _At, element: Element, _: Made | None) -> Iterator[Made]:
+    def _do_property(self, at: _At, element: Element, _: Made | None) -> tuple[()]:
         name = self._texts.text(element.attributes.get("name", ""), at.table)
         given = {key: element.attributes.get(key) for key in ("value", "default", "scope", "lazy_eval", "remove")}
         if given["remove"] in {"true", "True", "1"}:
@@ -321,27 +322,25 @@ class _Evaluation:
         elif given["value"] is None:
             at.table.blocks[name] = Block(tuple(element.children), None, at.file)
         else:
-            self._set(at.table, name, given["value"], given)
-        yield from ()
+            value = given["value"]
+            target = {"global": at.table.top(), "parent": at.table.caller()}.get(given["scope"] or "", at.table)
+            lazy = target is at.table and (given["lazy_eval"] or "true") not in {"false", "False", "0"}
+            if target is not None:
+                target.set(name, value if lazy else self._texts.value(value, at.table), lazy=lazy)
+        return ()
 
-    def _set(self, table: Table, name: str, value: str, given: Mapping[str, str | None]) -> None:
-        target = {"global": table.top(), "parent": table.caller()}.get(given["scope"] or "", table)
-        lazy = target is table and (given["lazy_eval"] or "true") not in {"false", "False", "0"}
-        if target is not None:
-            target.set(name, value if lazy else self._texts.value(value, table), lazy=lazy)
-
-    def _do_arg(self, at: _At, element: Element, _: Made | None) -> Iterator[Made]:
+    def _do_arg(self, at: _At, element: Element, _: Made | None) -> tuple[()]:
         name, default = element.attributes.get("name"), element.attributes.get("default")
         arguments = self._texts.around.arguments
         if name is not None and default is not None and name not in arguments:
             arguments[name] = self._texts.text(default, at.table)
-        yield from ()
+        return ()
 
-    def _do_attribute(self, at: _At, element: Element, parent: Made | None) -> Iterator[Made]:
+    def _do_attribute(self, at: _At, element: Element, parent: Made | None) -> tuple[()]:
         if parent is not None:
             name, text = (self._texts.text(element.attributes.get(key, ""), at.table) for key in ("name", "value"))
             parent.attributes[name] = text
-        yield from ()
+        return ()
 
     def _do_insert_block(self, at: _At, element: Element, parent: Made | None) -> Iterator[Made]:
         name = self._texts.text(element.attributes.get("name", ""), at.table)

@@ -11,9 +11,8 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.evaluation import NotKnownError
+from kg.extract.python.evaluation import HOLE, NotKnownError
 from kg.launch.files.markup import Markup
-from kg.launch.files.ros1.parameterfile import HOLE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -129,11 +128,15 @@ class Table:
         holder.values[name] = known
         return known
 
-    def _holder(self, name: str) -> Table | None:
+    def _upwards(self) -> Iterator[Table]:
+        """Yield the scope and those around it, the innermost first."""
         table: Table | None = self
-        while table is not None and name not in table.values:
+        while table is not None:
+            yield table
             table = table.parent
-        return table
+
+    def _holder(self, name: str) -> Table | None:
+        return next((table for table in self._upwards() if name in table.values), None)
 
     def set(self, name: str, value: object, *, lazy: bool = False) -> None:
         """Set a property; a text that is `lazy` and no number or boolean is evaluated later."""
@@ -142,17 +145,13 @@ class Table:
 
     def drop(self, name: str) -> None:
         """Remove a property from this scope and those around it."""
-        table: Table | None = self
-        while table is not None:
+        for table in self._upwards():
             table.values.pop(name, None)
-            table = table.parent
 
     def top(self) -> Table:
         """Return the outermost scope."""
-        table = self
-        while table.parent is not None:
-            table = table.parent
-        return table
+        *_, outermost = self._upwards()
+        return outermost
 
     def caller(self) -> Table | None:
         """Return the scope around this one, those of namespaces left out."""
@@ -163,18 +162,13 @@ class Table:
 
     def block(self, name: str) -> Block | None:
         """Return the block of a name."""
-        table: Table | None = self
-        while table is not None and name not in table.blocks:
-            table = table.parent
-        return table.blocks[name] if table is not None else None
+        return next((table.blocks[name] for table in self._upwards() if name in table.blocks), None)
 
     def macro(self, name: str) -> tuple[Macro, Table] | None:
         """Return a macro with the scope that its own is in; `name` may have namespaces in front."""
-        table: Table | None = self
-        while table is not None and name not in table.macros:
-            table = table.parent
-        if table is not None:
-            return table.macros[name], self
+        found = next((table.macros[name] for table in self._upwards() if name in table.macros), None)
+        if found is not None:
+            return found, self
         space, dot, rest = name.partition(".")
         inner = self[space] if dot and space in self else None
         return inner.macro(rest) if isinstance(inner, Table) else None

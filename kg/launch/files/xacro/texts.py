@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python.evaluation import (
+    HOLE,
     MISSING,
     Dialect,
     ExpressionError,
@@ -22,7 +23,7 @@ from kg.extract.python.evaluation import (
 )
 from kg.facts import LaunchProblemKind
 from kg.launch.files.access import SCHEME, Files, Found
-from kg.launch.files.ros1.parameterfile import HOLE, MOST_CHARACTERS, read_value, shown
+from kg.launch.files.ros1.parameterfile import MOST_CHARACTERS, read_value, shown
 from kg.launch.files.xacro.scopes import Table
 
 if TYPE_CHECKING:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-from kg.errors import Place, RobotError
-from kg.robot.programs.check import check, kinds_of
+from kg.robot.programs.check import kinds_of, refuse_errors
 from kg.robot.programs.converting.code import Dialect, Names
 from kg.robot.programs.converting.members import Members
 from kg.robot.programs.converting.node import module
@@ -15,6 +14,7 @@ from kg.robot.programs.names import Known
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kg.errors import Place
     from kg.robot.capability import Capabilities
     from kg.robot.programs.tree import Program
 
@@ -50,10 +50,7 @@ def convert(
     Raises:
         RobotError: the first error of an invalid program; KG839 for parts without generated code.
     """
-    for problem in check(program, capabilities):
-        if problem.severity == "error":
-            where = place(problem.path) if place else None
-            raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
+    refuse_errors(program, capabilities, place)
     names = Names(*_METHODS, *_OF_SIGNALS, *_OF_A_NODE, *_IN_METHODS)
     members = Members(Dialect(to), names)
     code = Code(members, Known(capabilities), kinds_of(program, capabilities), program, place)

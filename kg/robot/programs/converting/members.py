@@ -46,7 +46,8 @@ class Reading:
             case Each(of):
                 return f"list({self.of(of, root)})"
             case Element(of, index):
-                return self._sure(f"{self.of(of, root)}[{index}]", f"len({self.of(of, root)}) > {abs(index)}")
+                whole = self.of(of, root)
+                return f"({whole}[{index}] if len({whole}) > {abs(index)} else math.nan)"
             case Field():
                 return self._field(path, root)
             case Call():
@@ -62,9 +63,6 @@ class Reading:
             self.lines += [f"found = {base}", "if found is None:", "    return math.nan"]
             base = "found"
         return f"{base}.{path.name}"
-
-    def _sure(self, expression: str, condition: str) -> str:
-        return f"({expression} if {condition} else math.nan)"
 
     def _need(self, helper: str) -> None:
         self.helpers |= {helper, *_NEEDS.get(helper, ())}
@@ -83,7 +81,11 @@ class Reading:
             case "first":
                 return f"next(iter({self.of(first, root)}), None)"
             case "minimum" | "maximum":
-                return self._most(call.function[:3], first, root)
+                found = self.of(first, root)
+                if self.kind.endswith(_SCAN):
+                    self._need("valid")
+                    found = f"valid({root}, {found})"
+                return f"{call.function[:3]}({found}, default=math.nan)"
             case "at":
                 self._need("reading")
                 return f"reading({root}, {', '.join(self.of(one, root) for one in rest)})"
@@ -94,13 +96,6 @@ class Reading:
             case "scaled":
                 return f"{self.of(first, root)} * {self.of(rest[0], root)}"
         raise RobotError("KG839", f"no code is made for `{call}`")
-
-    def _most(self, function: str, of: Argument, root: str) -> str:
-        found = self.of(of, root)
-        if self.kind.endswith(_SCAN):
-            self._need("valid")
-            found = f"valid({root}, {found})"
-        return f"{function}({found}, default=math.nan)"
 
 
 def _element(path: Path) -> tuple[str, Path] | None:
@@ -214,7 +209,7 @@ class Members:
             held = self.names.of("message", way.name)
             callback = self.names.of("callback", way.name, f"on_{snake(way.name)}")
             self._known[key] = self.names.of("newest", way.name, f"newest_{snake(way.name)}")
-            kind = _class(way)
+            kind = way.type.rpartition("/")[2]
             self.topics = True
             self.classes += self.dialect.of_way("classes of", way)
             self.made += [f"self.{held}: {kind} | None = None"]
@@ -244,7 +239,7 @@ class Members:
     def do(self, capability: Capability, given: tuple[str, ...]) -> tuple[str, str]:
         """Return the method that executes a capability with these parameters; it is a `move`, `once` or `reach`."""
         if not capability.ways:
-            raise RobotError("KG839", f"no way to `{capability.label}`", hint=None)
+            raise RobotError("KG839", f"no way to `{capability.label}`")
         way = choose(list(capability.ways), given, None, reads=False)
         key = f"do {capability.name}"
         how = "reach" if way.kind == "action" else "move" if way.kind == "topic" and way.rate > 0 else "once"
@@ -258,7 +253,10 @@ class Members:
         root = {"topic": "message", "service": "request", "action": "goal"}[way.kind]
         known = {parameter.name: parameter for parameter in capability.parameters}
         arguments = ["self", *(["seconds: float"] if how == "move" else [])]
-        named = [self._declared(known[one]) for one in given]
+        named = []
+        for parameter in (known[one] for one in given):
+            default = "" if parameter.default is None else f" = {_default(parameter)}"
+            named.append(f"{self.argument(parameter.name)}: {_TYPES[parameter.type]}{default}")
         named += ["within: float = math.inf"] if how == "reach" else []
         arguments += ["*", *named] if named else []
         made = "\n".join(dialect.of_way("message of", way))
@@ -277,11 +275,6 @@ class Members:
         if how == "reach" and given == ():
             head = f"def {name}(self, *, within: float = math.inf) -> None:"
         self.methods += [head, *indented([docstring, *body]), ""]
-
-    def _declared(self, parameter: Parameter) -> str:
-        """Return a parameter as the argument of a method."""
-        declared = f"{self.argument(parameter.name)}: {_TYPES[parameter.type]}"
-        return declared if parameter.default is None else f"{declared} = {_default(parameter)}"
 
     def _fields(self, capability: Capability, way: Way, given: tuple[str, ...], root: str) -> list[str]:
         """Return the statements that fill a message."""
@@ -353,7 +346,3 @@ def _default(parameter: Parameter) -> str:
 
 def _literal(value: object) -> str:
     return quoted(value) if isinstance(value, str) else repr(value)
-
-
-def _class(way: Way) -> str:
-    return way.type.rpartition("/")[2]

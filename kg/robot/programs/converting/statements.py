@@ -46,8 +46,11 @@ class Expressions:
     def of(self, expression: tree.Expression, least: int = 0) -> str:
         """Return an expression, in parentheses if its precedence is lower than `least`."""
         match expression:
+            case tree.Written(value=str() as text):
+                shown, level = _quoted(text), _ATOM
             case tree.Written():
-                shown, level = self._written(expression)
+                shown = number(expression)
+                level = _SIGN if shown.startswith("-") else _ATOM
             case tree.Variable():
                 shown, level = self._variable(expression.name), _ATOM
             case tree.Read():
@@ -60,13 +63,6 @@ class Expressions:
                 parts = (f"{name}={self.of(one)}" for name, one in expression.parts().items())
                 shown, level = f"Place({', '.join(parts)})", _ATOM
         return f"({shown})" if level < least else shown
-
-    @staticmethod
-    def _written(value: tree.Written) -> tuple[str, int]:
-        if isinstance(value.value, str):
-            return _quoted(value.value), _ATOM
-        shown = number(value)
-        return shown, _SIGN if shown.startswith("-") else _ATOM
 
     def _unary(self, expression: tree.Unary) -> tuple[str, int]:
         inner = self.of(expression.of)
@@ -185,7 +181,9 @@ class Code:
             case tree.Forever():
                 return ["while True:", *self._body(statement.body, f"{path}/body", loop=True)]
             case tree.Repeat():
-                return [f"for _ in range({self._times(statement)}):", *self._body(statement.body, f"{path}/body")]
+                always = kinds.constant(statement.times)
+                times = str(int(always.value)) if always else f"round({of(statement.times)})"
+                return [f"for _ in range({times}):", *self._body(statement.body, f"{path}/body")]
             case tree.For():
                 return [self._for(statement), *self._body(statement.body, f"{path}/body")]
             case tree.Break():
@@ -221,10 +219,6 @@ class Code:
                 return [*lines, f"el{first}", *rest]
             case otherwise:
                 return [*lines, "else:", *self._body(otherwise, f"{path}/otherwise")]
-
-    def _times(self, statement: tree.Repeat) -> str:
-        always = kinds.constant(statement.times)
-        return str(int(always.value)) if always else f"round({self._expressions.of(statement.times)})"
 
     def _for(self, statement: tree.For) -> str:
         variable = self._variable(statement.variable)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final
 
 from lxml import etree
 
-from kg.errors import Place, RobotError
+from kg.errors import RobotError
 from kg.robot.programs import tree
-from kg.robot.programs.check import check, kinds_of
+from kg.robot.programs.check import kinds_of, refuse_errors
 from kg.robot.programs.kinds import constant
 from kg.robot.programs.names import AT, Known, takes_place
 from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, counted, identifier, number, reading, script
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from lxml.etree import _Element
 
+    from kg.errors import Place
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 HINT: Final = "_kg"
@@ -57,10 +58,7 @@ def behavior_tree(
     Raises:
         RobotError: the first error of an invalid program; KG841 for parts that no tree can express.
     """
-    for problem in check(program, capabilities):
-        if problem.severity == "error":
-            where = place(problem.path) if place else None
-            raise RobotError(problem.code, problem.message, place=where, hint=problem.hint)
+    refuse_errors(program, capabilities, place)
     return _Tree(program, capabilities, place).text()
 
 
@@ -291,11 +289,12 @@ class _Tree:
             ports["unit"] = described(dimension)
         return self._reading([bare], _node("Log", **ports), *before)
 
-    def _loop(self, statement: tree.While | tree.Forever | tree.Repeat | tree.For, path: str) -> _Element:
+    def _loop(self, statement: tree.Loop, path: str) -> _Element:
         flag = f"{OWN}left_{next(self._numbers)}"
         self._loops.append(flag)
         body = self._body(statement.body, f"{path}/body")
         self._loops.pop()
+        # Only a `break` in the body sets the flag of this loop.
         leaves = any(str(one.get("code")).startswith(f"{flag} :=") for one in body.iter("Script"))
         before: list[_Element] = []
         match statement:
@@ -308,7 +307,11 @@ class _Tree:
                 times, before = self._given("repeat", "times", statement.times)
                 made = _node("Repeat", body, num_cycles=times)
             case tree.For():
-                made = _node("LoopDouble", body, queue=_queue(statement), value=f"{{{statement.variable}}}")
+                numbers = counted(statement)
+                if numbers is None:
+                    raise ScriptError("a loop of a behaviour tree counts from number to number, and has no lists")
+                queue = ";".join(number(one) for one in numbers)
+                made = _node("LoopDouble", body, queue=queue, value=f"{{{statement.variable}}}")
         made = _leavable(flag, made) if leaves else made
         needed = [statement.times] if isinstance(statement, tree.Repeat) else []
         return self._reading(needed, made, *before)
@@ -398,10 +401,3 @@ def _place(place: tree.Position) -> str:
             raise ScriptError("a place of a behaviour tree is written in numbers, not computed")
         found.append("" if always is None else number(always.value))
     return ";".join(found).rstrip(";") if "z" not in parts else ";".join(found)
-
-
-def _queue(statement: tree.For) -> str:
-    numbers = counted(statement)
-    if numbers is None:
-        raise ScriptError("a loop of a behaviour tree counts from number to number, and has no lists")
-    return ";".join(number(one) for one in numbers)

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from lxml.etree import _Element
 
     from kg.robot.capability import Capabilities
-    from kg.robot.programs.kinds import Kinds
 
 _ALIKE: Final = frozenset({"<", "<=", "=", "!=", ">=", ">", "+", "-"})
 
@@ -39,19 +38,15 @@ def with_units(program: tree.Program, capabilities: Capabilities) -> tree.Progra
     def change(part: dict[str, Any]) -> Any:
         if part.get("expression") != "binary" or part["operator"] not in _ALIKE:
             return part
-        return msgspec.to_builtins(_united(msgspec.convert(part, tree.Binary), kinds))
+        binary = msgspec.convert(part, tree.Binary)
+        left, right = kinds.of(binary.left, ""), kinds.of(binary.right, "")
+        if left.name != "number" or right.name != "number" or bool(left.dimension) == bool(right.dimension):
+            return part
+        dimension = left.dimension or right.dimension
+        united = msgspec.structs.replace(binary, left=_in(binary.left, dimension), right=_in(binary.right, dimension))
+        return msgspec.to_builtins(united)
 
     return tree.rewritten(program, change)
-
-
-def _united(expression: tree.Binary, kinds: Kinds) -> tree.Binary:
-    left, right = kinds.of(expression.left, ""), kinds.of(expression.right, "")
-    if left.name != "number" or right.name != "number" or bool(left.dimension) == bool(right.dimension):
-        return expression
-    dimension = left.dimension or right.dimension
-    return msgspec.structs.replace(
-        expression, left=_in(expression.left, dimension), right=_in(expression.right, dimension)
-    )
 
 
 def _in(expression: tree.Expression, dimension: Dimension) -> tree.Expression:
@@ -437,17 +432,14 @@ class _Reader:
         seconds = self._port(node, ports.pop(DURATION), env) if DURATION in ports else None
         arguments = {key: self._port(node, value, env) for key, value in ports.items()}
         with suppress(RobotError):
-            names = {port(one.name): one.name for one in self._known.write(name).parameters}
+            parameters = self._known.write(name).parameters
+            names = {port(one.name): one.name for one in parameters}
             arguments = {names.get(key, key): value for key, value in arguments.items()}
-            self._texts(name, ports, arguments)
+            for parameter in parameters:  # the argument of a text parameter stays a text if it looks like a number
+                given = ports.get(port(parameter.name), "{}")
+                if parameter.type == "text" and not (given.startswith("{") and given.endswith("}")):
+                    arguments[parameter.name] = tree.Written(value=given)
         return tree.Do(capability=name, arguments=arguments, seconds=seconds)
-
-    def _texts(self, name: str, ports: dict[str, str], arguments: dict[str, tree.Expression]) -> None:
-        """Keep the argument of a text parameter as text, even if it looks like a number."""
-        for parameter in self._known.write(name).parameters:
-            given = ports.get(port(parameter.name), "{}")
-            if parameter.type == "text" and not (given.startswith("{") and given.endswith("}")):
-                arguments[parameter.name] = tree.Written(value=given)
 
     def _assigned(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         """Return the assignments of a script; names internal to exported trees are replaced by their values."""
@@ -514,7 +506,9 @@ class _Reader:
             with suppress(RobotError):
                 written = parse(f"{hint}{end}").body
                 if len(written) == 1 and type(written[0]) is type(found):
-                    candidate = _with_sequences(written[0], found)
+                    sequences = ("then", "otherwise", "body", "branches")
+                    inner: Any = {name: getattr(found, name) for name in sequences if hasattr(found, name)}
+                    candidate = msgspec.structs.replace(written[0], **inner)
                     if self._same(candidate, found):
                         return msgspec.structs.replace(candidate, comment=comment)
         return msgspec.structs.replace(found, comment=comment)
@@ -528,13 +522,6 @@ class _Reader:
             close = all(isclose(left, right, abs_tol=1e-9) for left, right in zip(numbers, others, strict=False))
             return one.variable == other.variable and len(numbers) == len(others) and close
         return one == other
-
-
-def _with_sequences(written: Any, found: Any) -> tree.Statement:
-    """Return a statement with the sequences of another one of its kind."""
-    names = [name for name in ("then", "otherwise", "body", "branches") if hasattr(found, name)]
-    made: tree.Statement = msgspec.structs.replace(written, **{name: getattr(found, name) for name in names})
-    return made
 
 
 def _place(text: str) -> tree.Position | None:

@@ -57,9 +57,7 @@ class Bare:
         if isinstance(statement, tree.Do):
             capability = self._known.write(statement.capability)
             arguments = {
-                name if takes_place(capability, name) else self._known.parameter(capability, name).name: self._argument(
-                    capability, name, value
-                )
+                self._known.argument(capability, name): self._argument(capability, name, value)
                 for name, value in statement.arguments.items()
             }
             made = msgspec.structs.replace(made, capability=capability.name, arguments=arguments)
@@ -67,7 +65,10 @@ class Bare:
             made = msgspec.structs.replace(made, variable=identifier(statement.variable))
         own = dict(tree.expressions_of(made))
         given = {name: self.expression(one) for name, one in own.items() if "/" not in name}
-        given |= {name: _rounded(given[name]) for name in ("seconds", "within") if name in given}
+        for name in {"seconds", "within"} & given.keys():
+            match given[name]:  # rounding removes errors of calculations in milliseconds
+                case tree.Written(value=float() as seconds):
+                    given[name] = tree.Written(value=round(seconds, 9))
         return msgspec.structs.replace(made, **given)
 
     def _argument(self, capability: Capability, name: str, value: tree.Expression) -> tree.Expression:
@@ -83,12 +84,18 @@ class Bare:
     def expression(self, expression: tree.Expression) -> tree.Expression:
         """Return an expression in base units; a place in metres and radians."""
         match expression:
-            case tree.Written():
-                return self._written(expression)
+            case tree.Written(value=bool() | str()):
+                return expression
+            case tree.Written(value=value, unit=unit):
+                return tree.Written(value=float(value) * unit_of(unit).factor)
             case tree.Variable():
                 return tree.Variable(name=identifier(expression.name))
             case tree.Read():
-                return self._read(expression)
+                capability = self._known.read(expression.capability)
+                parameter = self._known.parameter(capability, expression.parameter)
+                factor = unit_of(parameter.unit).factor
+                read = tree.Read(capability=capability.name, parameter=parameter.name)
+                return read if factor == 1 else tree.Binary(operator="*", left=read, right=tree.Written(value=factor))
             case tree.Unary():
                 return _folded(tree.Unary(operator=expression.operator, of=self.expression(expression.of)))
             case tree.Binary():
@@ -96,26 +103,6 @@ class Bare:
                 return _folded(tree.Binary(operator=expression.operator, left=left, right=right))
             case tree.Position():
                 return tree.Position(**{name: self.expression(one) for name, one in expression.parts().items()})
-
-    @staticmethod
-    def _written(value: tree.Written) -> tree.Written:
-        if isinstance(value.value, bool | str):
-            return value
-        return tree.Written(value=float(value.value) * unit_of(value.unit).factor)
-
-    def _read(self, read: tree.Read) -> tree.Expression:
-        capability = self._known.read(read.capability)
-        parameter = self._known.parameter(capability, read.parameter)
-        factor = unit_of(parameter.unit).factor
-        made = tree.Read(capability=capability.name, parameter=parameter.name)
-        return made if factor == 1 else tree.Binary(operator="*", left=made, right=tree.Written(value=factor))
-
-
-def _rounded(seconds: tree.Expression) -> tree.Expression:
-    """Return a duration rounded to nine digits, which removes errors of calculations in milliseconds."""
-    value = seconds.value if isinstance(seconds, tree.Written) else None
-    numeric = value is not None and not isinstance(value, bool | str)
-    return tree.Written(value=round(value, 9)) if numeric and value is not None else seconds  # type: ignore[arg-type] # a number
 
 
 def _folded(expression: tree.Expression) -> tree.Expression:

@@ -14,15 +14,28 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Literal, NamedNode
 
 from kg.rules.notations.shacl.expressions import Expressions
-from kg.rules.notations.shacl.logic import FALSE, MAX_CASES, TRUE, Cases, check, every, exists, for_all, none, some
+from kg.rules.notations.shacl.logic import (
+    FALSE,
+    MAX_CASES,
+    TRUE,
+    Cases,
+    check,
+    every,
+    exists,
+    for_all,
+    matched,
+    none,
+    some,
+)
 from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
-from kg.rules.notations.shacl.query import PREBOUND, Words, check_prebound, query_of, rename, spell, variables
-from kg.rules.notations.shacl.values import VALUE_TESTS, constant
+from kg.rules.notations.shacl.query import PREBOUND, check_prebound, query_of, rename, spell, variables
+from kg.rules.notations.shacl.values import VALUE_TESTS, constant, whole_number
 from kg.rules.notations.shacl.vocabulary import SH, sh
+from kg.syntax.functions import AGGREGATES
 from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.functions import Functions
@@ -40,13 +53,8 @@ def _among(values: list[Branch], term: str, *, wanted: bool) -> Cases:
         if given is None:
             parts.append(check(f"sameTerm({branch.term}, {term})", wanted=wanted, safe=True))
         else:
-            parts.append([[f"FILTER {'' if wanted else 'NOT '}EXISTS {{ {given.pattern} }}"]])
+            parts.append(matched(given.pattern, wanted=wanted))
     return some(parts) if wanted else every(parts)
-
-
-def has_value(graph: ShapesGraph, shape: Term, value: Term, values: list[Branch], *, wanted: bool) -> Cases:
-    """Return that a constant is one of the values (sh:hasValue)."""
-    return _among(values, constant(graph, value, shape, "hasValue"), wanted=wanted)
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,15 +74,7 @@ class Comparison:
 
     def has(self, one: str, wanted: bool) -> Cases:  # noqa: FBT001 - a fact
         """Return that a value of the path is one of the property, or that it is none."""
-        return [[f"FILTER {'' if wanted else 'NOT '}EXISTS {{ {self.term} {self.name} {one} . }}"]]
-
-
-def property_name(graph: ShapesGraph, shape: Term, value: Term) -> str:
-    """Return the property that a constraint compares with; KG201 when it is none."""
-    if not isinstance(value, NamedNode):
-        hint = "Give it the IRI of a property."
-        raise graph.error(f"{graph.called(shape)} is compared with {value}, but a property is needed", shape, hint=hint)
-    return str(value)
+        return matched(f"{self.term} {self.name} {one} .", wanted=wanted)
 
 
 def _equals(pair: Comparison, *, wanted: bool) -> Cases:
@@ -131,14 +131,6 @@ RELATIONS: Final[Mapping[NamedNode, Callable[..., Cases]]] = {
 """Constraint to the cases in which a comparison holds, or does not."""
 
 
-def number_of(graph: ShapesGraph, shape: Term, name: str, value: Term) -> int:
-    """Return the number of a constraint; KG201 if it is not a number, or if the shape has no path."""
-    if not isinstance(value, Literal) or not value.value.isdecimal():
-        raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}", shape, hint="It is a whole number.")
-    graph.required(shape, "path")
-    return int(value.value)
-
-
 def at_least(
     reach: Callable[[], list[Branch]], term: str, number: int, names: Names, extra: Callable[[str], Cases] | None
 ) -> Cases:
@@ -175,31 +167,6 @@ def _counted(
     return f"FILTER EXISTS {{ {{ SELECT {term} WHERE {{ {union} }} GROUP BY {term} {having} }} }}"
 
 
-_REFUSED: Final = frozenset({"SELECT", "COUNT", "SUM", "MIN", "MAX", "AVG", "GROUP_CONCAT", "SAMPLE"})
-
-
-def solution_of(graph: ShapesGraph, functions: Functions, names: Names, shape: Term, node: Term) -> Words:
-    """Return the group of the constraint `node` at a shape: `?this` is the focus node, other variables are new.
-
-    Raises `RuleError` KG230 for queries with modifiers, aggregates or sub-SELECT.
-    """
-    query = query_of(graph, node, "select")
-    check_prebound(graph, query, PREBOUND | {"PATH"})
-    texts = {word.text.upper() for word in [*query.head, *query.group] if word.kind is Kind.WORD}
-    if query.modifiers or texts & _REFUSED:
-        hint = "Write the query without sub-SELECT, aggregates, GROUP BY, ORDER BY and LIMIT."
-        raise graph.unsupported("such a query of sh:sparql in a condition", node, hint)
-    if "shapesGraph" in variables(query.group):
-        raise graph.unsupported("$shapesGraph", node, "Write what the query needs of the shapes into it.")
-    given = {name: names.fresh() for name in sorted(variables(query.group) - {"this"})} | {"currentShape": str(shape)}
-    if "PATH" in given:
-        path = path_of(graph, graph.required(shape, "path"), shape)
-        if path.text is None or path.empty:
-            raise graph.unsupported("$PATH for a path that may be empty", node, "Write the path into the query.")
-        given["PATH"] = path.text
-    return functions.inside(rename(query.group, given), node)
-
-
 _TRUE: Final = Literal(True)
 """The one spelling that sh:uniqueLang heeds (SHACL, section 4.4.5)."""
 
@@ -231,7 +198,12 @@ class Conditions:
             return TRUE if wanted else FALSE
         self._around.append(shape)
         try:
-            parts = [*self._constraints(shape, term, wanted=wanted)]
+            parts = [
+                found
+                for predicate in self._graph.predicates(shape)
+                for value in self._graph.values(shape, predicate)
+                if (found := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None
+            ]
             return every(parts) if wanted else some(parts)
         except OverflowError:
             hint = "Split the rule, or the shape, in several."
@@ -252,19 +224,15 @@ class Conditions:
             return [Branch("", term)]
         return [*steps(path_of(self._graph, path, shape), term, self._names)]
 
-    def _constraints(self, shape: Term, term: str, *, wanted: bool) -> Iterator[Cases]:
-        for predicate in self._graph.predicates(shape):
-            for value in self._graph.values(shape, predicate):
-                if (found := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None:
-                    yield found
-
     def _constraint(self, shape: Term, predicate: NamedNode, value: Term, term: str, *, wanted: bool) -> Cases | None:
         each = self._each(shape, predicate, value)
         if each is not None:
             return for_all(self._values(shape, term), each, wanted=wanted)
         if predicate in RELATIONS:
-            compared = property_name(self._graph, shape, value)
-            comparison = Comparison(term, self._values(shape, term), compared, self._names.fresh())
+            if not isinstance(value, NamedNode):
+                message = f"{self._graph.called(shape)} is compared with {value}, but a property is needed"
+                raise self._graph.error(message, shape, hint="Give it the IRI of a property.")
+            comparison = Comparison(term, self._values(shape, term), str(value), self._names.fresh())
             return RELATIONS[predicate](comparison, wanted=wanted)
         if predicate == sh("sparql"):
             return self._selected(shape, value, term, wanted=wanted)
@@ -272,7 +240,7 @@ class Conditions:
         if name in {"minCount", "maxCount", "qualifiedMinCount", "qualifiedMaxCount"}:
             return self._counted(shape, name, value, term, wanted=wanted)
         if name == "hasValue":
-            return has_value(self._graph, shape, value, self._values(shape, term), wanted=wanted)
+            return _among(self._values(shape, term), constant(self._graph, value, shape, name), wanted=wanted)
         if name == "uniqueLang":
             pair = (self._values(shape, term), self._values(shape, term))
             return unique_languages(pair, wanted=wanted) if value == _TRUE else None
@@ -304,20 +272,39 @@ class Conditions:
             sh("or"): lambda term, wanted: (some if wanted else every)(self._members(shape, value, term, wanted)),
             sh("xone"): lambda term, wanted: self._one(shape, value, term, wanted=wanted),
             sh("closed"): lambda term, wanted: closed(self._graph, shape, term, self._names, wanted=wanted),
-            sh("expression"): lambda term, wanted: self._expressions().true(value, term, wanted=wanted),
+            sh("expression"): lambda term, wanted: Expressions(
+                self._graph, self._functions, self._names, self, self._binder
+            ).true(value, term, wanted=wanted),
         }
         return readers.get(predicate)
 
-    def _expressions(self) -> Expressions:
-        return Expressions(self._graph, self._functions, self._names, self, self._binder)
+    def _selected(self, shape: Term, node: Term, term: str, *, wanted: bool) -> Cases:
+        """Return that the constraint `node` in SPARQL has no solution for a term, or that it has one.
 
-    def _selected(self, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
-        """Return that a constraint in SPARQL has no solution for a term, or that it has one."""
-        if self._graph.flag(value, "deactivated"):
+        `?this` is the focus node, other variables are new. Raises `RuleError` KG230 for queries with modifiers,
+        aggregates or sub-SELECT.
+        """
+        graph = self._graph
+        if graph.flag(node, "deactivated"):
             return TRUE if wanted else FALSE
-        solutions = solution_of(self._graph, self._functions, self._names, shape, value)
-        group = spell(rename(solutions, {"this": term}))
-        return [[f"FILTER {'NOT ' if wanted else ''}EXISTS {{ {group} }}"]]
+        query = query_of(graph, node, "select")
+        check_prebound(graph, query, PREBOUND | {"PATH"})
+        texts = {word.text.upper() for word in [*query.head, *query.group] if word.kind is Kind.WORD}
+        if query.modifiers or texts & {"SELECT", *AGGREGATES}:
+            hint = "Write the query without sub-SELECT, aggregates, GROUP BY, ORDER BY and LIMIT."
+            raise graph.unsupported("such a query of sh:sparql in a condition", node, hint)
+        own = variables(query.group)
+        if "shapesGraph" in own:
+            raise graph.unsupported("$shapesGraph", node, "Write what the query needs of the shapes into it.")
+        given = {name: self._names.fresh() for name in sorted(own - {"this"})} | {"currentShape": str(shape)}
+        if "PATH" in given:
+            path = path_of(graph, graph.required(shape, "path"), shape)
+            if path.text is None or path.empty:
+                raise graph.unsupported("$PATH for a path that may be empty", node, "Write the path into the query.")
+            given["PATH"] = path.text
+        # First the new names: the term that `?this` stands for may have the name of a variable of the query.
+        solutions = self._functions.inside(rename(query.group, given), node)
+        return matched(spell(rename(solutions, {"this": term})), wanted=not wanted)
 
     def _members(self, shape: Term, value: Term, term: str, wanted: bool) -> list[Cases]:  # noqa: FBT001 - a fact
         return [self.conforms(one, term, wanted=wanted) for one in self._graph.members(value, shape)]
@@ -333,14 +320,16 @@ class Conditions:
         """Return that a path has at least or at most a number of values (that conform to a shape)."""
         if name.startswith("qualified") and self._graph.one(shape, "path") is None:
             return TRUE if wanted else FALSE
-        limit = number_of(self._graph, shape, name, value)
+        limit = whole_number(self._graph, shape, name, value)
+        self._graph.required(shape, "path")
         least = name in {"minCount", "qualifiedMinCount"}
         extra = self._qualified(shape) if name.startswith("qualified") else None
         reach = at_least(lambda: self._values(shape, term), term, limit if least else limit + 1, self._names, extra)
         if wanted == least:
             return reach
-        negated = [[filter_.replace("FILTER EXISTS", "FILTER NOT EXISTS", 1) for case in reach for filter_ in case]]
-        return FALSE if reach == TRUE else negated
+        if reach == TRUE:
+            return FALSE
+        return [[filter_.replace("FILTER EXISTS", "FILTER NOT EXISTS", 1) for case in reach for filter_ in case]]
 
     def _qualified(self, shape: Term) -> Callable[[str], Cases]:
         """Return the test that a value conforms to sh:qualifiedValueShape and to no sibling (SHACL, 4.7.3)."""

@@ -13,7 +13,7 @@ from pyoxigraph import BlankNode
 
 from kg.rules.notations.shacl.paths import Branch, Names, path_of, steps
 from kg.rules.notations.shacl.query import variables
-from kg.rules.notations.shacl.vocabulary import SH, sh
+from kg.rules.notations.shacl.vocabulary import SH, XSD, sh
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -68,10 +68,10 @@ class Expressions:
             "union": self._union,
             "minus": self._minus,
             "distinct": lambda node, this: self.branches(self._graph.required(node, "distinct"), this),
-            "count": self._or_zero("COUNT", "count"),
-            "min": self._aggregated("MIN", "min"),
-            "max": self._aggregated("MAX", "max"),
-            "sum": self._or_zero("SUM", "sum"),
+            "count": self._aggregated("count", zero=True),
+            "min": self._aggregated("min"),
+            "max": self._aggregated("max"),
+            "sum": self._aggregated("sum", zero=True),
             "exists": self._exists,
             "if": self._if,
             "limit": self._cut,
@@ -125,11 +125,8 @@ class Expressions:
 
     def _minus(self, node: Term, this: str) -> list[Branch]:
         taken = self.branches(self._graph.required(node, "minus"), this)
-        found = []
-        for branch in self._nodes(node, this):
-            absent = [_absent(branch.term, other) for other in taken]
-            found.append(branch.filtered(*absent))
-        return found
+        left = self._nodes(node, this)
+        return [branch.filtered(*(_absent(branch.term, other) for other in taken)) for branch in left]
 
     def _cut(self, node: Term, this: str) -> list[Branch]:
         del this
@@ -153,17 +150,15 @@ class Expressions:
         call = f"({function}(DISTINCT {value}) AS {result})"
         return Branch(f"{{ SELECT {this} {call} WHERE {{ {group} }} GROUP BY {this} }}", result)
 
-    def _aggregated(self, function: str, name: str) -> Callable[[Term, str], list[Branch]]:
-        def read(node: Term, this: str) -> list[Branch]:
-            return [self._grouped(function, self.branches(self._graph.required(node, name), this), this)]
+    def _aggregated(self, name: str, *, zero: bool = False) -> Callable[[Term, str], list[Branch]]:
+        """Return the reader of an aggregate; with `zero` it is 0 where there are no nodes."""
 
-        return read
-
-    def _or_zero(self, function: str, name: str) -> Callable[[Term, str], list[Branch]]:
         def read(node: Term, this: str) -> list[Branch]:
             branches = self.branches(self._graph.required(node, name), this)
-            zero = [Branch(_all_none(branches), _ZERO)] if all(branch.pattern for branch in branches) else []
-            return [self._grouped(function, branches, this), *zero]
+            found = [self._grouped(name.upper(), branches, this)]
+            if zero and all(branch.pattern for branch in branches):
+                found.append(Branch(_all_none(branches), _ZERO))
+            return found
 
         return read
 
@@ -197,7 +192,7 @@ class Expressions:
             raise self._graph.error("a blank node is not a node expression", node, hint=hint)
         predicate, arguments = calls[0]
         given = [self.branches(member, this) for member in self._graph.members(arguments, node)]
-        if self._functions.cast(predicate) and len(given) == 1:
+        if predicate.value.startswith(XSD) and len(given) == 1:  # a cast of SPARQL
             return [self._bound(branch.pattern, f"{predicate}({branch.term})") for branch in given[0]]
         function = self._functions.find(predicate, node)
         optional = [flag for _, flag in function.parameters]
@@ -246,12 +241,9 @@ def _some(branch: Branch) -> str:
 
 
 def _none(branch: Branch) -> str:
-    return f"FILTER NOT EXISTS {{ {branch.pattern} {_known(branch)}}}"
-
-
-def _known(branch: Branch) -> str:
-    """Return the filter that a computed node is there: an expression in error gives none."""
-    return f"FILTER(BOUND({branch.term})) " if branch.pattern.endswith(f"AS {branch.term})") else ""
+    # An expression in error gives no node, but a solution in which its variable is unbound.
+    computed = branch.pattern.endswith(f"AS {branch.term})")
+    return f"FILTER NOT EXISTS {{ {branch.pattern} {f'FILTER(BOUND({branch.term})) ' if computed else ''}}}"
 
 
 def _all_none(branches: Sequence[Branch]) -> str:
@@ -264,10 +256,9 @@ def _tested(branch: Branch) -> Branch:
 
 def _both(left: Branch, right: Branch) -> Branch:
     """Return the branch of the nodes that two branches give."""
-    if (joined := right.giving(left.term)) is not None:
-        return Branch(f"{left.pattern} {joined.pattern}".strip(), left.term, left.matched)
-    if (joined := left.giving(right.term)) is not None:
-        return Branch(f"{right.pattern} {joined.pattern}".strip(), right.term, right.matched)
+    for one, other in ((left, right), (right, left)):
+        if (joined := other.giving(one.term)) is not None:
+            return one.filtered(joined.pattern)
     same = f"FILTER(sameTerm({left.term}, {right.term}))"
     return Branch(" ".join(part for part in (left.pattern, right.pattern, same) if part), left.term)
 

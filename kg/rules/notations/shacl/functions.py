@@ -25,7 +25,8 @@ from kg.rules.notations.shacl.query import (
     top_level,
     variables,
 )
-from kg.rules.notations.shacl.vocabulary import XSD, local_name, sh
+from kg.rules.notations.shacl.vocabulary import local_name, sh
+from kg.syntax.functions import AGGREGATES
 from kg.syntax.lexer import Kind
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ class Function:
 
 
 class Functions:
-    """The functions that a shapes graph declares, and the casts of XSD."""
+    """The functions that a shapes graph declares."""
 
     def __init__(self, graph: ShapesGraph) -> None:
         """Nothing is read before it is called."""
@@ -113,11 +114,8 @@ class Functions:
         pairs = zip(function.parameters, padded, strict=True)
         return {name: _ERROR if text is None else text for (name, _), text in pairs}
 
-    def expression(self, function: Function, arguments: dict[str, str]) -> str | None:
-        """Return a call as an expression; None when the function is a pattern."""
-        return self._computed(function, arguments, 0)
-
-    def _computed(self, function: Function, arguments: dict[str, str], depth: int) -> str | None:
+    def expression(self, function: Function, arguments: dict[str, str], depth: int = 0) -> str | None:
+        """Return a call as an expression; None when the function is a pattern. `depth` counts the calls around it."""
         computed = _computation(function)
         if computed is None:
             return None
@@ -154,12 +152,12 @@ class Functions:
             hint = "Functions are put in the place of their calls; write a recursion as a rule."
             raise self._graph.error(f"the function {node} calls itself", node, hint=hint)
         arguments = self.arguments(function, [spell(part) for part in given], owner, word.offset)
-        text = self._computed(function, arguments, depth)
+        text = self.expression(function, arguments, depth)
         if text is None:
             hint = "Write its pattern into the query, or call it in a node expression."
             what = f"calling {node}, whose query reads the data, in SPARQL"
             raise self._graph.error(f"{what} is not supported", owner, code="KG230", hint=hint, offset=word.offset)
-        return type(word)(Kind.SIGN, text, word.offset, joined=False)
+        return Word(Kind.SIGN, text, word.offset)
 
     def _body(self, function: Function, words: Words, given: dict[str, str], depth: int) -> Words:
         """Return words of a function with its arguments put in, and what it calls replaced."""
@@ -170,16 +168,12 @@ class Functions:
             name = words[index + 2].text[1:] if asked else ""
             if asked and name in dict(function.parameters):
                 known = given.get(name) not in {_ERROR, f"({_ERROR})"}
-                bound.append(type(words[index])(Kind.WORD, "true" if known else "false"))
+                bound.append(Word(Kind.WORD, "true" if known else "false"))
                 index += 4
             else:
                 bound.append(words[index])
                 index += 1
         return self.inside(rename(bound, given), function.node, depth + 1)
-
-    def cast(self, node: NamedNode) -> bool:
-        """Return whether a name is of XSD, and so a cast of SPARQL."""
-        return node.value.startswith(XSD)
 
 
 def _computation(function: Function) -> list[tuple[str, Words]] | None:
@@ -194,15 +188,12 @@ def _computation(function: Function) -> list[tuple[str, Words]] | None:
     opening = next((index for index, word in enumerate(head) if word.text == "("), None)
     if opening is not None:
         projected = head[opening + 1 : closing(head, opening)]
-        if any(word.text.upper() in _AGGREGATES for word in projected):
+        if any(word.text.upper() in AGGREGATES for word in projected):
             return None
         binds = [*binds, projected]
     named = [(words[-1].text[1:], words[:-2]) for words in binds if len(words) > 2]  # noqa: PLR2004 - expression AS ?v
     last = named[-1][0] if named else None
     return named if last is not None and (opening is not None or last == function.result) else None
-
-
-_AGGREGATES: Final = frozenset({"COUNT", "SUM", "MIN", "MAX", "AVG", "SAMPLE", "GROUP_CONCAT"})
 
 
 def _assignments(group: Words, keyword: str) -> list[Words] | None:

@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
-from kg.errors import Fix, Place, RuleError
+from kg.errors import Fix, RuleError
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
 from kg.similar import asked, similar
+from kg.syntax.cursor import declaring
 from kg.syntax.lexer import END, Kind, Token, normalise, quoted, token_at, unescape, unescape_local
-from kg.syntax.names import PREFIXES, WELL_KNOWN, shorten
+from kg.syntax.names import shorten
 from kg.syntax.position import place_at, place_of
-from kg.syntax.prologue import declaration, declared
+from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable
 
     from kg.rules.form import Term
 
@@ -59,43 +60,36 @@ class Places:
 
     def __post_init__(self) -> None:
         """Read the text, which is a Turtle file without errors."""
+        prefixes: dict[str, str] = {}
+        pending: str | None = None
         before = "."
-        for iri, written, start, token in _tokens(self.text):
-            if written is not None:
+        token = token_at(self.text, 0)
+        while token.text != END:
+            iri: str | None = None
+            behind = token_at(self.text, token.end)
+            if token.kind is Kind.STRING:
+                written = StringToken.of(token)
                 self.strings[unescape(written.written)].append(written)
-            elif iri is not None:
-                self.names[iri].append(start)
+            elif token.kind is Kind.IRI:
+                iri = unescape(token.text[1:-1])
+                if pending is not None:
+                    prefixes[pending] = iri
+                    pending = None
+            elif token.kind is Kind.NAME and not token.text.startswith("_:"):
+                prefix, _, local = token.text.partition(":")
+                iri = prefixes.get(prefix, "") + unescape_local(local)
+                # The declaration of a prefix: its name, and the IRI behind it.
+                pending = prefix if not local and behind.kind is Kind.IRI and prefix not in prefixes else pending
+            if iri is not None:
+                self.names[iri].append(token.start)
                 if before == ".":
-                    self.subjects.setdefault(iri, start)
-            before = token
+                    self.subjects.setdefault(iri, token.start)
+            before, token = token.text, behind
 
     def of_name(self, iri: str) -> int | None:
         """Return the offset of an IRI: as a subject if it is one, else its first occurrence."""
         found = self.subjects.get(iri)
         return found if found is not None else next(iter(self.names.get(iri, ())), None)
-
-
-def _tokens(text: str) -> Iterator[tuple[str | None, StringToken | None, int, str]]:
-    """Yield each token of Turtle with the IRI or the string that it stands for."""
-    prefixes: dict[str, str] = {}
-    pending: str | None = None
-    token = token_at(text, 0)
-    while token.text != END:
-        iri, written = None, None
-        if token.kind is Kind.STRING:
-            written = StringToken.of(token)
-        elif token.kind is Kind.IRI:
-            iri = unescape(token.text[1:-1])
-            if pending is not None:
-                prefixes[pending] = iri
-                pending = None
-        elif token.kind is Kind.NAME and not token.text.startswith("_:"):
-            prefix, _, local = token.text.partition(":")
-            iri = prefixes.get(prefix, "") + unescape_local(local)
-            behind = token_at(text, token.end)
-            pending = prefix if not local and behind.kind is Kind.IRI and prefix not in prefixes else pending
-        yield iri, written, token.start, token.text
-        token = token_at(text, token.end)
 
 
 def prefixes(text: str) -> dict[str, str]:
@@ -127,16 +121,11 @@ class ShapesGraph:
         except SyntaxError as error:
             what = str(error.msg or error).partition(": ")[2] or str(error)
             place = place_of(self.text, error.lineno or 1, error.offset or 1, self.path)
-            fixes = self._declaring(place)
+            token = token_at(place.excerpt or "", (place.column or 1) - 1)
+            prefix = token.text.partition(":")[0]
+            missing = token.kind is Kind.NAME and prefix not in declared(self.text)
+            fixes = declaring(self.text, [prefix] if missing else [], self.path, turtle=True)
             raise RuleError("KG201", f"the file is not Turtle: {what}", place=place, fixes=fixes) from None
-
-    def _declaring(self, place: Place) -> Iterator[Fix]:
-        """Yield the declaration of the prefix at a place if only that is missing and it has a usual namespace."""
-        token = token_at(place.excerpt or "", (place.column or 1) - 1)
-        prefix, usual = token.text.partition(":")[0], {**WELL_KNOWN, **PREFIXES}
-        if token.kind is Kind.NAME and prefix in usual and prefix not in declared(self.text):
-            at, line = declaration(self.text, {prefix: usual[prefix]}, turtle=True)
-            yield Fix(line, place_at(self.text, at, self.path, at), f"Declare `{prefix}:`")
 
     def _check_names(self) -> None:
         for triple in self._triples:

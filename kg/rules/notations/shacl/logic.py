@@ -53,6 +53,11 @@ def none(pattern: str, cases: Cases) -> Cases:
     return [[f"FILTER NOT EXISTS {{ {group(pattern, case)} }}" for case in cases]]
 
 
+def matched(pattern: str, *, wanted: bool) -> Cases:
+    """Return that the pattern has a solution, or that it has none."""
+    return (exists if wanted else none)(pattern, TRUE)
+
+
 def for_all(values: Iterable[Branch], each: Callable[[str, bool], Cases], *, wanted: bool) -> Cases:
     """Return that all values pass a test, or that one does not; `each` tells of a term whether it does, or does not."""
     parts = []

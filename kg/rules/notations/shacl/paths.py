@@ -112,7 +112,8 @@ class _Paths:
                 path = self.path(inner[0], inside)
                 return Path(f"{before}({path.text}){behind}" if path.text else None, path.empty or empty)
         if listed := self._graph.values(node, sh("alternativePath")):
-            return _alternatives([self.path(member, inside) for member in self._members(listed[0])])
+            parts = [self.path(member, inside) for member in self._members(listed[0])]
+            return Path(_any([part.text for part in parts if part.text]), any(part.empty for part in parts))
         raise self._malformed()
 
     def _members(self, node: Term) -> list[Term]:
@@ -145,7 +146,3 @@ def _sequence(parts: list[Path]) -> Path:
             _any([f"({text})" if text == joined else text for text in texts if text]), first.empty and part.empty
         )
     return first
-
-
-def _alternatives(parts: list[Path]) -> Path:
-    return Path(_any([part.text for part in parts if part.text]), any(part.empty for part in parts))

@@ -20,7 +20,7 @@ from kg.syntax.lexer import Kind, Token, normalise, tokens, unescape, unescape_l
 from kg.syntax.names import PREFIXES, is_absolute
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Mapping
+    from collections.abc import Collection, Iterable, Mapping
 
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
@@ -108,14 +108,16 @@ def variables(words: Words) -> set[str]:
     return {word.text[1:] for word in words if word.kind is Kind.VARIABLE}
 
 
-def rename(words: Words, names: Mapping[str, str] | Callable[[str], str | None]) -> Words:
+def rename(words: Words, names: Mapping[str, str]) -> Words:
     """Put texts in place of variables, by their names."""
-    find = names if callable(names) else names.get
     found = []
     for word in words:
-        text = find(word.text[1:]) if word.kind is Kind.VARIABLE else None
-        kind = Kind.VARIABLE if text is not None and text.startswith("?") else Kind.SIGN
-        found.append(word if text is None else replace(word, text=text, kind=kind, joined=False))
+        text = names.get(word.text[1:]) if word.kind is Kind.VARIABLE else None
+        if text is None:
+            found.append(word)
+        else:
+            kind = Kind.VARIABLE if text.startswith("?") else Kind.SIGN
+            found.append(replace(word, text=text, kind=kind, joined=False))
     return found
 
 

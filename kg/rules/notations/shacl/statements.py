@@ -14,6 +14,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass, fields, is_dataclass, replace
 from itertools import pairwise, product
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import Literal, NamedNode
@@ -30,7 +31,7 @@ from kg.rules.notations.shacl.targets import targets
 from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, TYPE, sh
 from kg.syntax.lexer import Kind
 from kg.syntax.parser import parse_rq
-from kg.syntax.position import place_at
+from kg.syntax.position import offset_of, place_at
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -73,7 +74,7 @@ def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule
     """Return the rules of one query."""
 
     def moved(place: Place) -> Place:
-        offset = _offset(statement.text, place)
+        offset = offset_of(statement.text, place.line or 1, place.column or 1)
         return place_at(graph.text, statement.source(offset), graph.path)
 
     try:
@@ -84,14 +85,6 @@ def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule
         fixes = [each for each in error.fixes if each.place is None]
         raise RuleError(error.code, error.message, place=where, hint=error.hint, fixes=fixes) from None
     return tuple(replace(_with_places(rule, moved), order=statement.order) for rule in found)
-
-
-def _offset(text: str, place: Place) -> int:
-    """Return the offset of a place in a text."""
-    start = 0
-    for _ in range((place.line or 1) - 1):
-        start = text.find("\n", start) + 1
-    return start + (place.column or 1) - 1
 
 
 def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
@@ -106,15 +99,9 @@ def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
     return part
 
 
-def bind_inside(graph: ShapesGraph, owner: Term, words: Words, binder: str) -> Words:
-    """Return the inside of a group with `binder` at the beginning of each inner group that needs `$this`.
-
-    Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it.
-    """
-    return _Groups(graph, owner, binder).inside(words)
-
-
 class _Groups:
+    """Puts `binder` at the beginning of each inner group that needs `$this`."""
+
     def __init__(self, graph: ShapesGraph, owner: Term, binder: str) -> None:
         self._graph = graph
         self._owner = owner
@@ -122,7 +109,10 @@ class _Groups:
         self._once = plain(f"{{ SELECT DISTINCT ?this WHERE {{ {binder} }} }}")
 
     def inside(self, words: Words) -> Words:
-        """Handle the groups in `words`, which are between braces."""
+        """Return words, which are between braces, with the binder in their inner groups.
+
+        Raises `RuleError` KG201 for a sub-SELECT that uses `$this` and does not project it.
+        """
         if words and words[0].text.upper() == "SELECT":
             return self._select(words)
         found: Words = []
@@ -136,13 +126,13 @@ class _Groups:
             inner = words[index + 1 : end]
             before = words[index - 1].text.upper() if index else ""
             found.append(words[index])
-            found += inner if before == "EXISTS" else self._group(inner)
+            if before == "EXISTS":
+                found += inner
+            else:
+                found += [self._binder] * _needs(inner) + self.inside(inner)
             found += words[end : end + 1]
             index = end + 1
         return found
-
-    def _group(self, inner: Words) -> Words:
-        return [self._binder, *self.inside(inner)] if _needs(inner) else self.inside(inner)
 
     def _select(self, words: Words) -> Words:
         opening = next((index for index, word in enumerate(words) if word.text == "{"), len(words))
@@ -212,7 +202,7 @@ class Statement:
 
     def source(self, offset: int) -> int:
         """Return the offset in the file of the character at `offset`."""
-        index = bisect_right(self.anchors, (offset, len(self.text) * 1000)) - 1
+        index = bisect_right(self.anchors, offset, key=itemgetter(0)) - 1
         return self.anchors[max(index, 0)][1]
 
 
@@ -222,16 +212,18 @@ def statements(graph: ShapesGraph) -> Iterator[Statement]:
     Raises `RuleError`: KG201 for what the standard calls ill-formed, KG209 for parts of SPARQL that rules cannot have,
     KG230 for what is not supported.
     """
-    found = [one for shape in graph.subjects(sh("rule")) for one in _of_shape(graph, shape)]
+    found: list[Statement] = []
+    for shape in graph.subjects(sh("rule")):
+        if not graph.flag(shape, "deactivated"):
+            binders = targets(graph, shape)
+            for rule in graph.values(shape, sh("rule")):
+                if not graph.flag(rule, "deactivated"):
+                    found += _Rule(graph, shape, rule).statements(binders)
     _check_orders(graph)
     queries, offset = entailed(graph)
     before = min((one.order for one in found), default=0.0) - 1
     yield from (Statement(text, ((0, offset),), before) for text in queries)
     yield from found
-
-
-def _order(graph: ShapesGraph, shape: Term, rule: Term) -> float:
-    return graph.order(shape) * _SHAPES_APART + graph.order(rule)
 
 
 def _check_orders(graph: ShapesGraph) -> None:
@@ -247,15 +239,6 @@ def _check_orders(graph: ShapesGraph) -> None:
         raise graph.unsupported("an order beyond half a million", rule, "Use small numbers for sh:order.")
 
 
-def _of_shape(graph: ShapesGraph, shape: Term) -> Iterator[Statement]:
-    if graph.flag(shape, "deactivated"):
-        return
-    binders = targets(graph, shape)
-    for rule in graph.values(shape, sh("rule")):
-        if not graph.flag(rule, "deactivated"):
-            yield from _Rule(graph, shape, rule).statements(binders)
-
-
 class _Rule:
     """One rule of one shape."""
 
@@ -263,7 +246,7 @@ class _Rule:
         self._graph = graph
         self._rule = rule
         self._offset = graph.offset(rule)
-        self._order = _order(graph, shape, rule)
+        self._order = graph.order(shape) * _SHAPES_APART + graph.order(rule)
         self._functions = Functions(graph)
 
     def statements(self, binders: list[str]) -> Iterator[Statement]:
@@ -312,7 +295,7 @@ class _Rule:
         target = names.fresh()
         binder = binder.replace("?target", target)
         _, cases = self._conditions(names, binder)
-        group = bind_inside(self._graph, self._rule, self._functions.inside(group, self._rule), binder)
+        group = _Groups(self._graph, self._rule, binder).inside(self._functions.inside(group, self._rule))
         if group and group[0].text.upper() == "SELECT":
             group = [plain("{"), *group, plain("}")]
         for case in cases:

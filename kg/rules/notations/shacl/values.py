@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
-from kg.rules.notations.shacl.logic import Cases, check
+from kg.rules.notations.shacl.logic import Cases, check, matched
 from kg.rules.notations.shacl.targets import INSTANCE
 from kg.rules.notations.shacl.vocabulary import RDF, SH, XSD, sh
 
@@ -39,9 +39,15 @@ def constant(graph: ShapesGraph, node: Term, shape: Term, name: str) -> str:
     return str(node)
 
 
+def whole_number(graph: ShapesGraph, shape: Term, name: str, value: Term) -> int:
+    """Return the number of a constraint; KG201 if it is none."""
+    if not isinstance(value, Literal) or not value.value.isdecimal():
+        raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}", shape, hint="It is a whole number.")
+    return int(value.value)
+
+
 def _class(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
-    pattern = f"{term} {INSTANCE} {constant(graph, value, shape, 'class')} ."
-    return [[f"FILTER {'' if wanted else 'NOT '}EXISTS {{ {pattern} }}"]]
+    return matched(f"{term} {INSTANCE} {constant(graph, value, shape, 'class')} .", wanted=wanted)
 
 
 def _datatype(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
@@ -76,9 +82,8 @@ def _compared(operator: str, name: str) -> Callable[..., Cases]:
 
 def _length(operator: str, name: str) -> Callable[..., Cases]:
     def read(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
-        if not isinstance(value, Literal) or not value.value.isdecimal():
-            raise graph.error(f"sh:{name} of {graph.called(shape)} is {value}", shape, hint="It is a whole number.")
-        return check(f"!isBlank({term}) && STRLEN(STR({term})) {operator} {value.value}", wanted=wanted)
+        length = whole_number(graph, shape, name, value)
+        return check(f"!isBlank({term}) && STRLEN(STR({term})) {operator} {length}", wanted=wanted)
 
     return read
 
@@ -100,12 +105,8 @@ def _languages(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wante
 
 
 def _in(graph: ShapesGraph, shape: Term, value: Term, term: str, *, wanted: bool) -> Cases:
+    """Test that a term is one of some constants: the term itself, and not its value."""
     members = [constant(graph, member, shape, "in") for member in graph.members(value, shape)]
-    return same_as_one(term, members, wanted=wanted)
-
-
-def same_as_one(term: str, members: list[str], *, wanted: bool) -> Cases:
-    """Return that a term is one of some constants, the term itself and not its value, or that it is none."""
     names = [member for member in members if member.startswith("<")]
     others = [f"sameTerm({term}, {member})" for member in members if not member.startswith("<")]
     listed = [f"{term} IN ({', '.join(names)})"] if names else []

@@ -20,8 +20,7 @@ REST: Final = NamedNode(f"{RDF}rest")
 NIL: Final = NamedNode(f"{RDF}nil")
 SUBCLASS: Final = NamedNode(f"{RDFS}subClassOf")
 IMPORTS: Final = NamedNode("http://www.w3.org/2002/07/owl#imports")
-OWL_CLASS: Final = NamedNode("http://www.w3.org/2002/07/owl#Class")
-CLASSES: Final = (NamedNode(f"{RDFS}Class"), OWL_CLASS)
+CLASSES: Final = (NamedNode(f"{RDFS}Class"), NamedNode("http://www.w3.org/2002/07/owl#Class"))
 """A shape that is an instance of one of these is its own target class (SHACL, section 2.1.3.3)."""
 
 _NAMES: Final = """

@@ -65,17 +65,13 @@ def value_of(name: LaunchText, value: Value, location: Location) -> ParameterVal
             return ParameterValue(name, launch_text(inner), location, as_text=is_text)
         return value_of(name, inner, location)
     if isinstance(value, Number | Truth):
-        return ParameterValue(name, _plain(value), location)
+        found = plain(value)
+        return ParameterValue(name, found if isinstance(found, bool | int | float) else 0, location)
     if isinstance(value, Text):
         return ParameterValue(name, launch_text(value), location, as_text=value.known is not None)
     if isinstance(value, Sequence):
         return _list_value(name, list(value.items), location)
     return ParameterValue(name, launch_text(value), location)
-
-
-def _plain(value: Value) -> bool | float:
-    found = plain(value)
-    return found if isinstance(found, bool | int | float) else 0
 
 
 def _is_later(value: Value) -> bool:
@@ -106,8 +102,7 @@ def sources_of(reading: Reading, made: Made) -> tuple[ParameterSource, ...]:
     sources: list[ParameterSource] = []
     for (item, terms), place in zip(found, places, strict=True):
         if terms:
-            words = terms[0].lstrip("!?")
-            sources.append(ParameterFile(unknown_text(f"it depends on `{words}`"), place))
+            sources.append(ParameterFile(_dependent(terms), place))
         else:
             sources += _sources(reading, item, place)
     return tuple(sources)
@@ -234,11 +229,12 @@ def _words(reading: Reading, made: Made, name: str) -> tuple[LaunchText, ...]:
     found = reading.machine.items(value)
     if found is None:
         return (unknown_text(reason_of(value)),)
-    return tuple(launch_text(item) if not terms else unknown_text(_depends(terms)) for item, terms in found)
+    return tuple(_dependent(terms) if terms else launch_text(item) for item, terms in found)
 
 
-def _depends(terms: tuple[str, ...]) -> str:
-    return f"it depends on `{terms[0].lstrip('!?')}`"
+def _dependent(terms: tuple[str, ...]) -> LaunchText:
+    """Return the text that is unknown because of a condition."""
+    return unknown_text(f"it depends on `{terms[0].lstrip('!?')}`")
 
 
 def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText, Location], ...]:
@@ -456,8 +452,7 @@ def _arguments(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchTe
             reason = f"arguments of an include are not known: {reason_of(item)}"
             reading.unresolved(reason, made.place("launch_arguments"))
             continue
-        given = unknown_text(f"it depends on `{terms[0].lstrip('!?')}`") if terms else launch_text(pair[1])
-        found.append((launch_text(pair[0]), given))
+        found.append((launch_text(pair[0]), _dependent(terms) if terms else launch_text(pair[1])))
     return tuple(found)
 
 

@@ -109,7 +109,7 @@ class LaunchCalls(Calls):
             return library.PATH_METHODS[name](self._language, of)
         if isinstance(of, Text) and name not in ("join", "format"):
             of = self._language.settled(of)
-            if isinstance(of, Text) and of.known is None and not self._is_path(name):
+            if isinstance(of, Text) and of.known is None and name not in METHODS:
                 return Unknown(reason_of(of))
         if isinstance(of, Unknown):
             return Unknown(of.reason)
@@ -119,10 +119,6 @@ class LaunchCalls(Calls):
         if isinstance(found, Unknown) and found.reason.endswith("in the sources that were read"):
             return Unknown(reason_of(of) if isinstance(of, Text | Made) else f"`{name}()`: {reason_of(of)}")
         return found
-
-    @staticmethod
-    def _is_path(name: str) -> bool:
-        return name in METHODS
 
     def outside_method(self, of: Object, name: str, given: Arguments) -> Value:
         """Call a method of an object that is not of the build."""

@@ -65,11 +65,7 @@ def _value(machine: LaunchMachine, node: yaml.Node, file: FilePath | None, loade
     if isinstance(node, yaml.SequenceNode):
         return Sequence(tuple(_value(machine, each, file, loader) for each in node.value))
     found: object = loader.construct_object(node)
-    return _constructed(machine, found if found is None or isinstance(found, str | bool | int | float) else node.value)
-
-
-def _constructed(machine: LaunchMachine, value: object) -> Value:
-    """Return plain values of Python as those of the interpreter."""
+    value = found if found is None or isinstance(found, str | bool | int | float) else node.value
     machine.step()
     if isinstance(value, bool):
         return Truth(value)
@@ -298,7 +294,8 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
         return _evaluated(language, of)
     if of.name == "LaunchDescription" and name in ("add_action", "add_entity"):
         added = _bound(("action" if name == "add_action" else "entity",), given)
-        file, line = _site(given)
+        assert given.call is not None and given.frame is not None  # noqa: PT018, S101 - methods are called by code
+        file, line = given.frame.unit.key, given.call.line
         held = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
         entities = of.fields.get("entities", Sequence(()))
         if not isinstance(entities, Sequence):
@@ -306,7 +303,11 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
         machine.write(of.fields, "entities", machine.computed("+", (entities, held)))
         return NULL
     if of.name == "LaunchDescription" and name in ("describe_sub_entities", "get_launch_arguments"):
-        return _entities(of, declarations=name == "get_launch_arguments")
+        entities = of.fields.get("entities", Sequence(()))
+        if name == "describe_sub_entities" or not isinstance(entities, Sequence):
+            return entities
+        listed = [one for one in entities.items if isinstance(one, Made) and one.name == "DeclareLaunchArgument"]
+        return replace(entities, items=tuple(listed))
     if of.name == CONFIGURATIONS and name == "get":
         fields = _bound(("key", "default"), given)
         found = language.configuration(of, language.settled(_first(fields)))
@@ -317,21 +318,6 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
     if of.name == _FILE:
         return _of_file(of, name)
     return Unknown(reason_of(of))
-
-
-def _entities(description: Made, *, declarations: bool) -> Value:
-    """Return the entities of a description, or those among them that declare arguments."""
-    entities = description.fields.get("entities", Sequence(()))
-    if not declarations or not isinstance(entities, Sequence):
-        return entities
-    listed = [one for one in entities.items if isinstance(one, Made) and one.name == "DeclareLaunchArgument"]
-    return replace(entities, items=tuple(listed))
-
-
-def _site(given: Arguments) -> tuple[FilePath, int]:
-    call_of, frame = given.call, given.frame
-    assert call_of is not None and frame is not None  # noqa: PT018, S101 - methods are called by code
-    return frame.unit.key, call_of.line
 
 
 def _of_file(of: Made, name: str) -> Value:

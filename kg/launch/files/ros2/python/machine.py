@@ -236,6 +236,7 @@ class LaunchMachine(Machine):
             terms = tuple(self.guards[height:])
             if terms:
                 written, ended = self._journal.attempt(partial(self._following, body[index + 1 :], frame))
+                # Where the function has left, nobody reads its variables again: their new values need no condition.
                 for key, (holder, name, value) in list(written.items()):
                     if holder is frame.variables and not isinstance(value, Sequence | Mapping | Enum):
                         self.write(holder, name, value)
