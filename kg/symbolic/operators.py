@@ -228,6 +228,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return Truth((left == right) == (sign == "=="))
         if isinstance(left, Sequence) and isinstance(right, Sequence):
             return _alike(left, right, sign)
+    if any(isinstance(value, Text) and value.unsure for value in (left, right)):
+        return Unknown("it depends on a comparison")
     one, other = plain(left), plain(right)
     mixed = isinstance(one, str) is not isinstance(other, str)
     if one is None or other is None or (mixed and sign not in ("==", "!=")):
