@@ -364,6 +364,9 @@ class Framework:
             changed = qos.changed_profile(self.machine, of, name, given.values)
             if changed is not None:
                 return changed
+        elapsed = durations.called(self.machine, of, name, given.values) if name in durations.METHODS else None
+        if elapsed is not None:
+            return elapsed
         for described in self.descriptions.calls.get(name, ()):
             if not self._applies(described, of):
                 continue

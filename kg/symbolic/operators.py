@@ -229,6 +229,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return Truth((left == right) == (sign == "=="))
         if isinstance(left, Sequence) and isinstance(right, Sequence):
             return _alike(left, right, sign)
+    if any(isinstance(value, Text) and value.unsure for value in (left, right)):
+        return Unknown("it depends on a comparison")
     one, other = plain(left), plain(right)
     mixed = isinstance(one, str) is not isinstance(other, str)
     if one is None or other is None or (mixed and sign not in ("==", "!=")):
@@ -242,7 +244,7 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
 
 def _numbered(value: Value) -> Value:
     """Return the number of an enumerator, and any other value as it is."""
-    return number(value.value) if isinstance(value, Enumerator) and value.value is not None else value
+    return number(value.number) if isinstance(value, Enumerator) and value.number is not None else value
 
 
 def _is_choice(value: Value, sign: str) -> bool:

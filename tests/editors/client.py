@@ -92,6 +92,12 @@ class Editor:
         document = {"uri": file.as_uri(), "version": self._next(file)}
         self.notify("textDocument/didChange", textDocument=document, contentChanges=[{"text": text}])
 
+    def close(self) -> None:
+        """Close all documents, so that the server reads the files."""
+        for uri in self.texts:
+            self.notify("textDocument/didClose", textDocument={"uri": uri})
+        self.texts.clear()
+
     def _next(self, file: Path) -> int:
         self._versions[file.as_uri()] = self._versions.get(file.as_uri(), 0) + 1
         return self._versions[file.as_uri()]

@@ -84,6 +84,13 @@ def make_editor(folder: Path) -> Iterator[Editor]:
         yield editor
 
 
+@pytest.fixture(autouse=True)
+def close_documents(editor: Editor) -> Iterator[None]:
+    """Close what a test opened: its text would be that of the file for other tests."""
+    yield
+    editor.close()
+
+
 def test_a_session(editor: Editor, folder: Path) -> None:
     """Opening reports errors; editing fixes them; completion, hover and definition respond."""
     file = folder / "rules/mine/busy.rq"

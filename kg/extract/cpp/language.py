@@ -129,9 +129,7 @@ class Cpp:
         found = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(found, Kind) and (found.cls is not None or found.names != names):
             return TypeValue(found)
-        if last == "npos":
-            return library.NPOS
-        return Unknown(f"{'::'.join(names)} {OUTSIDE}")
+        return library.CONSTANTS.get(last) or Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
         """Return a constant of a message by its name; None if it is none."""

@@ -119,10 +119,9 @@ class Linker:
         return self._macros[key]
 
     def find_enumerator(self, name: str, unit: Unit) -> Enumerator | None:
-        """Return the constant of an enumeration that is visible in a file."""
-        for one in self._holding(unit, "enumerator", name):
-            return Enumerator(name, value=one.enumerators[name])
-        return None
+        """Return the constant of a name that an enumeration defines which is visible in a file."""
+        found = self._holding(unit, "enumerator", name)
+        return Enumerator(name, number=found[0].enumerators[name]) if found else None
 
     def within(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope | None:
         """Return the full name of `msg::Type`, a message of the package whose namespace is around it or used."""
