@@ -8,6 +8,9 @@ nodes that start and the channels between them. The repository becomes a workspa
 is topic, service or action, and the source publishes, calls or sends goals. Rows: connections without and with those
 whose ends a framework makes, pairs of nodes that a connection joins, and ends (node, side, channel) of the channels
 that the truth lists.
+
+A truth that names its `partial` nodes has every end of the others: rows are its nodes and their ends. `optional` ends
+(node, kind, name) depend on what happens later, and count neither way. `systems/` has such labels.
 """
 
 from __future__ import annotations
@@ -39,6 +42,8 @@ ENDS = {
 }
 TRUTH_ENDS = {"publishers": "source", "subscribers": "sink", "clients": "source", "servers": "sink"}
 Connection = tuple[str, str, str, str, str]
+Row = tuple[str, set[Any], set[Any]]
+"""What is compared, what the truth has, and what was found."""
 
 
 @dataclass(frozen=True)
@@ -66,28 +71,32 @@ def main() -> None:
         for path in options.truth:
             truth = json.loads(path.read_text(encoding="utf-8"))
             try:
-                ends = _resolved(path.stem, truth, options.mirrors, options.workspaces or Path(scratch))
+                names, ends = _resolved(path.stem, truth, options.mirrors, options.workspaces or Path(scratch))
             except MissingError as missing:
                 print(f"{path.stem}: {missing}", file=sys.stderr)
                 continue
-            _print(path.stem, truth, ends, misses=options.misses)
+            rows = _whole_rows(truth, names, ends) if "partial" in truth else _rows(truth, ends)
+            _print(path.stem, rows, misses=options.misses)
 
 
-def _resolved(system: str, truth: dict[str, Any], mirrors: Path, folder: Path) -> list[End]:
+def _resolved(system: str, truth: dict[str, Any], mirrors: Path, folder: Path) -> tuple[set[str], list[End]]:
     workspace, store = folder / system, folder / f"{system}.kg"
     if not store.exists():
         make(Plan([(truth["repo"], truth["repo"].split("/")[1], truth["commit"])], []), mirrors, workspace)
         build(workspace, store)
     wanted = {node["name"] for node in truth["nodes"]}
+    names: set[str] = set()
     ends: list[End] = []
     for file in truth["launch"]:
         text = next(workspace.glob(f"**/{file}")).read_text(encoding="utf-8")
         declared = set(re.findall(r"DeclareLaunchArgument\(\s*[\"'](\w+)", text))
+        given = truth["arguments"] if "partial" in truth else {}
         arguments = {name: value for name, value in truth["arguments"].items() if name in declared}
-        for instance in answers("instances", Path(file), store, {}, arguments):
+        for instance in answers("instances", Path(file), store, truth.get("environment", {}), arguments or given):
+            names.add(instance["name"])
             if instance["name"] in wanted:
                 ends += _ends_of(instance)
-    return ends
+    return names, ends
 
 
 def _ends_of(instance: dict[str, Any]) -> Iterator[End]:
@@ -121,23 +130,41 @@ def _connections(ends: Iterable[End], *, framework: bool) -> set[Connection]:
     }
 
 
-def _print(system: str, truth: dict[str, Any], ends: list[End], *, misses: bool) -> None:
+def _rows(truth: dict[str, Any], ends: list[End]) -> list[Row]:
     labelled = list(_labelled(truth["channels"]))
     known, found = _connections(labelled, framework=False), _connections(ends, framework=False)
     listed = {end.channel for end in labelled if not end.implicit}
     open_known = {(end.node, end.side, *end.channel) for end in labelled if not end.implicit}
     open_found = {(end.node, end.side, *end.channel) for end in ends if not end.implicit and end.channel in listed}
-    rows: list[tuple[str, set[Any], set[Any]]] = [
+    return [
         ("connections", known, found),
         ("pairs of nodes", {row[:2] for row in known}, {row[:2] for row in found}),
         ("connections, with those of frameworks", _connections(labelled, framework=True), _all(ends)),
         ("ends of the channels listed", open_known, open_found),
     ]
+
+
+def _whole_rows(truth: dict[str, Any], names: set[str], ends: list[End]) -> list[Row]:
+    """Return the rows of a truth that has all ends of its nodes, except for those of `partial` ones."""
+    nodes = {(node["name"],) for node in truth["nodes"]}
+    labelled = {(end.node, end.side, *end.channel) for end in _labelled(truth["channels"])}
+    optional = {tuple(one) for one in truth["optional"]}
+    loose = {*truth["partial"], *(node["name"] for node in truth["nodes"] if node.get("external"))}
+    found = {
+        (end.node, end.side, *end.channel)
+        for end in ends
+        if not end.implicit and (end.node, end.kind, end.name) not in optional
+    }
+    found = {one for one in found if one in labelled or one[0] not in loose}
+    return [("nodes", nodes, {(name,) for name in names if (name,) in nodes}), ("ends", labelled, found)]
+
+
+def _print(system: str, rows: list[Row], *, misses: bool) -> None:
     for what, wanted, got in rows:
         right = len(wanted & got)
         print(f"| {system} | {what} | {len(wanted)} | {len(got)} | {_share(right, got)} | {_share(right, wanted)} |")
     if misses:
-        for what, wanted, got in (rows[0], rows[3]):
+        for what, wanted, got in (rows[0], rows[-1]):
             for sign, items in (("-", wanted - got), ("+", got - wanted)):
                 for item in sorted(items):
                     print(f"{what}: {sign} {' '.join(item)}")

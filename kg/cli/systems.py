@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -23,6 +23,7 @@ with lazily():
     from kg.pipeline.launch_names import assignments, check_given
     from kg.pipeline.launching import chosen, unread
     from kg.pipeline.variants import united, variants
+    from kg.render.text import count
     from kg.store.opening import existing, reading
     from kg.views.evidence import places
 
@@ -121,6 +122,33 @@ def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapp
     """Report given environment variables that no file of the systems reads."""
     for name in unread(settings, systems, environment):
         note(f"no file of {systems[0].configuration.name} reads the environment variable `{name}`")
+
+
+_LEFT_OUT: Final = ("the included file is unknown", "an action is not known", "a component is not known")
+"""How problems begin because of which a system lacks nodes."""
+_MOST: Final = 3
+
+
+def tell_left_out_parts(system: System) -> None:
+    """Report what a launch file includes or starts that is unknown, so that its nodes are missing."""
+    every = [
+        one
+        for one in system.configuration.problems
+        if one.kind in (LaunchProblemKind.UNKNOWN_PACKAGE, LaunchProblemKind.LIMIT) or one.message.startswith(_LEFT_OUT)
+    ]
+    for one in every[:_MOST]:
+        note(f"{one.location}: {one.message}; nodes may be missing")
+    if len(every) > _MOST:
+        note(f"{len(every) - _MOST} more parts of {system.configuration.name} are unknown")
+
+
+def tell_unknown_ends(system: System) -> None:
+    """Report nodes whose topics, services and actions are unknown, which may be at ends where `nobody` is."""
+    names = [one.name for one in system.instances if one.reason and not one.interfaces]
+    if names:
+        more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
+        listed = ", ".join(names[:_MOST])
+        note(f"{count(len(names), 'node')} with unknown topics may be where `nobody` is: {listed}{more}")
 
 
 def tell_malformed(settings: Settings, system: System) -> bool:

@@ -10,7 +10,7 @@ from kg.facts import Access, Bound, Interface, Location, Parameter, Resolution, 
 from kg.holes import PARENT, is_known
 from kg.names import normalise, resolve
 from kg.symbolic.form import Literal
-from kg.symbolic.names import namespace_of
+from kg.symbolic.names import EMPTY, NODE_NAME, below, namespace_of
 from kg.symbolic.operators import COUNT
 from kg.symbolic.values import Either, Mapping, Number, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
 
@@ -138,6 +138,8 @@ def mark_of(found: tuple[str, Object | None, tuple[Site, ...], Value | None], ho
     """Return the use of a framework as a mark."""
     key, node, stack, detail = found
     place, via = evidence(stack, home)
+    if isinstance(detail, Text) and detail.parts[:1] == (NODE_NAME,):
+        detail = below(EMPTY, detail)
     if not key.startswith("dynamic_reconfigure"):
         return Mark(key, place, "", detail.shown if isinstance(detail, Text) else None, via)
     namespace = namespace_of(node)

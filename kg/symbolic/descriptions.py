@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import tomllib
 from collections import defaultdict
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any, Final
 
@@ -209,8 +209,27 @@ class Descriptions:
         # Programs construct the same few classes many times.
         if names not in self._found:
             listed = self.classes.get(names[-1] if names else "", ())
-            self._found[names] = next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
+            found = next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
+            self._found[names] = found or self._presumed(names)
         return self._found[names]
+
+    def _presumed(self, names: tuple[str, ...]) -> ClassDescription | None:
+        """Return the description of a managed node of an unknown library: `other::RobotLifecycleNode`.
+
+        Such a library gives its node methods of its own that the transitions call: `handle_on_configure`.
+        """
+        if not names or not is_managed(names[-1]) or self.language != "cpp":
+            return None
+        known = next(iter(self.classes.get(_MANAGED, ())), None)
+        return replace(known, node_name=None, runs=tuple(f"*{name}" for name in known.runs)) if known else None
+
+
+_MANAGED: Final = "LifecycleNode"
+
+
+def is_managed(name: str) -> bool:
+    """Check whether a class is a managed node by its name."""
+    return name.endswith(_MANAGED)
 
 
 def agree(described: tuple[str, ...], names: tuple[str, ...]) -> bool:

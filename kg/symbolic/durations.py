@@ -1,14 +1,17 @@
 """Durations: `100ms`, `std::chrono::seconds(1)`, `rclcpp::Duration(1, 0)` and `rmw_time_t`, in seconds.
 
 A duration is an object with the native value `seconds`. Sources: rclcpp/duration.hpp (one number is nanoseconds, two
-are seconds and nanoseconds), rmw/time.h, rmw/types.h.
+are seconds and nanoseconds), rmw/time.h, rmw/types.h, ros/duration.h (one number is seconds).
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from kg.symbolic.values import Kind, Number, Object, Sequence, TypeValue, Value, number
+from kg.symbolic.values import Kind, Number, Object, Sequence, TypeValue, Unknown, Value, number
+
+if TYPE_CHECKING:
+    from kg.symbolic.machine import Machine
 
 DURATION: Final = Kind(("rclcpp", "Duration"))
 INFINITE: Final = 9_223_372_036.0
@@ -22,6 +25,16 @@ CONSTANTS: Final = {
     "RMW_QOS_LIVELINESS_LEASE_DURATION_DEFAULT": 0.0,
     "RMW_QOS_LIVELINESS_LEASE_DURATION_BEST_AVAILABLE": 0.0,
 }
+METHODS: Final = frozenset({"seconds", "toSec", "fromSec", "count"})
+_UNITS: Final = {
+    "nanoseconds": 1e-9,
+    "microseconds": 1e-6,
+    "milliseconds": 1e-3,
+    "seconds": 1.0,
+    "minutes": 60.0,
+    "hours": 3600.0,
+}
+"""What the classes of std::chrono count."""
 _RATIOS: Final = {"ratio": 1.0, "milli": 1e-3, "micro": 1e-6, "nano": 1e-9}
 _NANOSECOND: Final = 1e-9
 _DIGITS: Final = 9
@@ -61,6 +74,19 @@ def seconds_of(value: Value) -> float | None:
     before = held.value if isinstance(held, Number) else 0.0
     whole = value.fields.get("sec", number(before // 1))
     return _of_parts(whole, value.fields.get("nsec", number(round(before % 1 / _NANOSECOND))))
+
+
+def called(machine: Machine, of: Object, name: str, arguments: list[Value]) -> Value | None:
+    """Return the result of a method of a duration; None for other objects and methods."""
+    if name not in METHODS or "seconds" not in of.native:
+        return None
+    if name == "fromSec" and len(arguments) == 1:
+        machine.write(of.native, "seconds", arguments[0])
+        return of
+    seconds, unit = seconds_of(of), _UNITS.get(of.kind.name) if name == "count" else None
+    if seconds is None or (name == "count" and unit is None):
+        return Unknown("the duration is not known")
+    return Number(seconds, repr(seconds)) if unit is None else number(round(seconds / unit))
 
 
 def _of_parts(seconds: Value, nanoseconds: Value) -> float | None:

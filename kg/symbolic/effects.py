@@ -140,6 +140,13 @@ class Framework:
             self._described[key] = found
         return found
 
+    def presume_node(self, kind: Kind) -> None:
+        """Take a class that a container of components loads as a node, if only its unknown bases can make it one."""
+        outside = [base for base in self.machine.language.chain(kind)[1] if base.names[0] not in ("std", "boost")]
+        node = self.descriptions.class_named(("rclcpp", "Node"))
+        if kind.cls is not None and outside and node is not None and not self.described(kind):
+            self._described[kind.cls] = [replace(node, node_name=None)]
+
     def _classes(self, of: Object) -> tuple[list[ClassDescription], frozenset[str]]:
         """Return the descriptions of an object's classes and of those that these are like, and their names."""
         key = of.kind.cls or of.kind.names
@@ -261,7 +268,8 @@ class Framework:
         """Return the methods of an object whose names match: `test*`."""
         if "*" not in pattern:
             return [pattern]
-        names = dict.fromkeys(name for cls, _ in self.machine.language.chain(made.kind)[0] for name in cls.methods)
+        classes = [cls for cls, _ in self.machine.language.chain(made.kind)[0]]
+        names = dict.fromkeys(name for cls in classes for name in (*cls.methods, *cls.declared))
         return fnmatch.filter(names, pattern)
 
     def _construct(self, made: Object, kind: Kind, described: ClassDescription, given: Arguments) -> None:
@@ -356,6 +364,9 @@ class Framework:
             changed = qos.changed_profile(self.machine, of, name, given.values)
             if changed is not None:
                 return changed
+        elapsed = durations.called(self.machine, of, name, given.values) if name in durations.METHODS else None
+        if elapsed is not None:
+            return elapsed
         for described in self.descriptions.calls.get(name, ()):
             if not self._applies(described, of):
                 continue

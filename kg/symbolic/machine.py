@@ -62,6 +62,7 @@ if TYPE_CHECKING:
 DEEPEST: Final = 70
 MOST_FRUITLESS: Final = 6
 """How often a function runs that never declares anything, and returns and writes numbers, truth and unknown values."""
+MOST_BRIEF: Final = 4  # steps of a function that runs at each call whatever it returns, such as a getter
 MOST_BARREN: Final = 3_000
 """How many steps a function takes in all its runs that declare nothing; after that it does not run again."""
 MOST_IDLE: Final = 5_000
@@ -677,10 +678,9 @@ class Machine:
         if self.framework.progress() != before:
             self.fruitful.add(id(function))
         elif not written:  # a text that it finds for its caller can be a name
-            self.barren[id(function)] += self.steps - steps
-            idle = isinstance(result, _PLAIN) and self._outer_writes == writes
-            if idle and id(function) not in self.fruitful:
-                self.fruitless[id(function)] += 1
+            self.barren[id(function)] += (taken := self.steps - steps)
+            idle = taken > MOST_BRIEF and isinstance(result, _PLAIN) and self._outer_writes == writes
+            self.fruitless[id(function)] += idle and id(function) not in self.fruitful
         return result
 
     @contextmanager

@@ -206,6 +206,7 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
     if parameter == "argc" and isinstance(right, Number):
         return Guard((f"argc{sign}{right.written}",))
     if parameter is not None:
+        left, right = row = _numbered(left), _numbered(right)
         constant = next((v for v in row if isinstance(v, Truth) and v.parameter is None), None)
         if sign in ("==", "!=") and constant is not None:
             return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
@@ -228,6 +229,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return Truth((left == right) == (sign == "=="))
         if isinstance(left, Sequence) and isinstance(right, Sequence):
             return _alike(left, right, sign)
+    if any(isinstance(value, Text) and value.unsure for value in (left, right)):
+        return Unknown("it depends on a comparison")
     one, other = plain(left), plain(right)
     mixed = isinstance(one, str) is not isinstance(other, str)
     if one is None or other is None or (mixed and sign not in ("==", "!=")):
@@ -237,6 +240,11 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
     if isinstance(one, str) and isinstance(other, str):
         return Truth(_ordered(sign, (one > other) - (one < other)))
     return Truth(_ordered(sign, float(one) - float(other)))
+
+
+def _numbered(value: Value) -> Value:
+    """Return the number of an enumerator, and any other value as it is."""
+    return number(value.number) if isinstance(value, Enumerator) and value.number is not None else value
 
 
 def _is_choice(value: Value, sign: str) -> bool:

@@ -92,6 +92,8 @@ class Parameters:
             default = None
         if isinstance(default, Sequence) and _is_pair(default) and default.items[0] == name:
             default = default.items[1]  # a `rclcpp::Parameter` of that name
+        if isinstance(default, Enumerator) and default.number is not None:
+            default = number(default.number, default.parameter)
         template = call.arguments.template
         if default == Sequence(()) and template:
             default = _BEGINNINGS.get(_type(template, None, None), default)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Qos
 from kg.symbolic.durations import INFINITE, duration, seconds_of
-from kg.symbolic.values import ABSENT, Kind, Number, Object, Profile, Sequence, Text, Unknown, Value, number
+from kg.symbolic.values import ABSENT, Enumerator, Kind, Number, Object, Profile, Sequence, Text, Unknown, Value, number
 
 if TYPE_CHECKING:
     from kg.symbolic.machine import Machine
@@ -91,25 +91,22 @@ _SETTERS: Final[dict[str, dict[str, Any]]] = {
     "avoid_ros_namespace_conventions": {},
 }
 METHODS: Final = frozenset({*_SETTERS, *_FIELDS, "keep_last", "get_rmw_qos_profile"})
-_POLICY: Final = re.compile(r"RMW_QOS_POLICY_(?:HISTORY|RELIABILITY|DURABILITY|LIVELINESS)_(\w+)")
-_POLICY_CLASSES: Final = {f"{name.capitalize()}Policy" for name in _POLICIES}
+_POLICY: Final = re.compile(r"RMW_QOS_POLICY_(HISTORY|RELIABILITY|DURABILITY|LIVELINESS)_(\w+)")
+_POLICY_CLASSES: Final = {f"{name.capitalize()}Policy": name for name in _POLICIES}
 _CAPITAL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
-def policy(names: tuple[str, ...]) -> Text | None:
+def policy(names: tuple[str, ...]) -> Enumerator | None:
     """Return the policy of an enumerator: `rclcpp::DurabilityPolicy::TransientLocal`, `RMW_QOS_POLICY_...`."""
     found = _POLICY.fullmatch(names[-1])
     if found is not None:
-        return Text.of(found[1].lower())
-    if len(names) > 1 and names[-2] in _POLICY_CLASSES:
-        return Text.of(_CAPITAL.sub("_", names[-1]).lower())
-    return None
-
-
-def numbered(enumerator: Text) -> Value:
-    """Return an enumerator of a policy as the number that a variable of type `int` stores."""
-    found = {names.index(known) for names in _NUMBERED.values() if (known := enumerator.known) in names}
-    return number(found.pop(), enumerator.parameter) if len(found) == 1 else enumerator
+        of, name = found[1].lower(), found[2].lower()
+    elif len(names) > 1 and names[-2] in _POLICY_CLASSES:
+        of, name = _POLICY_CLASSES[names[-2]], _CAPITAL.sub("_", names[-1]).lower()
+    else:
+        return None
+    numbers = _NUMBERED[of]
+    return Enumerator(name, number=numbers.index(name) if name in numbers else None)
 
 
 def rmw_profile(qos: Qos) -> Object:
@@ -144,9 +141,10 @@ def _constructed(name: str, arguments: list[Value]) -> Qos | None:
 
     Of two profiles, the first has history and depth, the second all other policies.
     """
-    if name == "KeepAll" or (arguments and arguments[0] == Text.of("keep_all")):
+    history = _enumerator("history", arguments[0]) if arguments and not isinstance(arguments[0], Number) else None
+    if name == "KeepAll" or history == "keep_all":
         return replace(_DEFAULT, history="keep_all", depth=None)
-    if arguments and isinstance(arguments[0], Text):
+    if history is not None:
         arguments = arguments[1:2]
     start = profile_of(arguments[0]) if arguments else None
     if len(arguments) < 2:  # noqa: PLR2004 - two profiles
@@ -213,4 +211,6 @@ def _enumerator(name: str, value: Value) -> str | None:
     """Return the enumerator of a policy that a value is, or that has its number."""
     if isinstance(value, Number) and name in _NUMBERED:
         return dict(enumerate(_NUMBERED[name])).get(int(value.value))
-    return value.known if isinstance(value, Text) and name in _POLICIES else None
+    if name not in _POLICIES:
+        return None
+    return value.name if isinstance(value, Enumerator) else value.known if isinstance(value, Text) else None

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
+from kg.symbolic.descriptions import is_managed
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -118,7 +120,7 @@ class Reach:
                     continue
                 if not classes or any(map(self._program.mentions, classes)):
                     return True
-        return False
+        return any(map(is_managed, words))
 
 
 def _unbound(code: Code) -> tuple[str, ...]:

@@ -38,7 +38,8 @@ _ORDER: Final = {resolution: index for index, resolution in enumerate(Resolution
 class Text:
     """A string of known parts and holes; `parameter` names the parameter whose default this is.
 
-    `own` is whether it is the value of the parameter itself, and not made of it.
+    `own` is whether it is the value of the parameter itself, and not made of it; `unsure` whether it is empty unless
+    something unknown fills it.
     """
 
     parts: tuple[str | Hole, ...]
@@ -46,6 +47,7 @@ class Text:
     parameter: str | None = None
     reason: str | None = None
     own: bool = field(default=False, compare=False)
+    unsure: bool = field(default=False, compare=False)
 
     @classmethod
     def of(cls, text: str, resolution: Resolution = Resolution.LITERAL, parameter: str | None = None) -> Text:
@@ -104,6 +106,7 @@ class Enumerator:
 
     name: str
     parameter: str | None = None
+    number: int | None = field(default=None, compare=False)
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -302,7 +305,7 @@ def options(values: Iterable[Value], choice: object) -> Value:
             return first
     solid = [value for value in values if type(value) is not Unknown or value.parameter is not None]
     if len(solid) == 1 and type(solid[0]) not in _DECISIVE and not _is_nothing(solid[0]):
-        return solid[0]  # as `_any_of`, which leaves out what is not known
+        return _or_unknown(solid[0])  # as `_any_of`, which leaves out what is not known
     found: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
         option = frozenset([(choice, index)])
@@ -429,6 +432,8 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
             return filled[0]  # what it may hold decides whether loops run
     if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
         found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
+        if len(found) == 1:
+            return _or_unknown(found[0])
     united = _united(found) if len(found) > _MOST_CONTAINERS else None
     if united is not None:
         return united
@@ -440,6 +445,13 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
         return Either(tuple(found))
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
+
+
+def _or_unknown(value: Value) -> Value:
+    """Return a value that can also be unknown: comparisons with a text that is empty at first decide nothing."""
+    if isinstance(value, Text) and value.parameter is None and value.known == "":
+        return replace(value, unsure=True)
+    return value
 
 
 def _is_nothing(value: Value) -> bool:

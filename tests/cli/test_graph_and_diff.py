@@ -100,6 +100,26 @@ def test_graph_lists_each_end_with_who_is_at_the_other_side(stored: Program) -> 
     assert "/listener\tsubscribes\t/chat\tstd_msgs/String\t(nobody publishes)" in run.out.splitlines()
 
 
+def test_unknown_includes_are_reported(tmp_path: Path) -> None:
+    """`kg graph` and `kg lint` name the parts of a launch file whose nodes are missing."""
+    (tmp_path / "package.xml").write_text(MANIFEST)
+    (tmp_path / "CMakeLists.txt").write_text(CMAKE)
+    for name, text in {"talker.py": TALKER, "listener.py": LISTENER}.items():
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755)
+    nowhere = '<include file="$(find elsewhere)/launch/x.launch"/>'
+    foreign = '<node pkg="elsewhere" type="x" name="x"/>'
+    (tmp_path / "outer.launch").write_text(LAUNCH.replace("</launch>", f"  {nowhere}\n  {foreign}\n</launch>"))
+    program = Program(tmp_path)
+    assert program("build", ".").code == 0
+    words = "note: outer.launch:4: the package 'elsewhere' is neither in the build nor installed; nodes may be missing"
+    drawn = program("graph")
+    assert words in drawn.err
+    assert "note: 1 node with unknown topics may be where `nobody` is: /x" in drawn.err
+    assert words in program("lint", "--launch", "outer.launch").err
+    assert "may be missing" not in program("lint").err
+
+
 def test_depth_limits_the_distance_from_the_focus(stored: Program) -> None:
     """`--depth` is a whole number of at least 0."""
     near = json.loads(stored("graph", "--json", "--focus", "talker", "--depth", "0").out)

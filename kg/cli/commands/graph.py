@@ -18,7 +18,9 @@ from kg.cli.systems import (
     Variants,
     chosen_systems,
     named,
+    tell_left_out_parts,
     tell_malformed,
+    tell_unknown_ends,
     with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
@@ -108,6 +110,10 @@ def graph(  # noqa: PLR0913 - the options of a command
         listing(_COLUMNS, rows)
     else:
         deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
+    if form == "text" or output is not None:
+        tell_left_out_parts(system)
+    if form == "text" and any(not (sources and targets) for sources, targets in found.ends().values()):
+        tell_unknown_ends(system)
     if tell_malformed(settings, system):
         raise typer.Exit(Exit.FOUND)
     if form == "text" and not found.members:

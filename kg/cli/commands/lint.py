@@ -12,7 +12,16 @@ from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Json, PackageName, takes, with_settings
 from kg.cli.output import json_lines, write
 from kg.cli.remarks import Form, require_known
-from kg.cli.systems import Arguments, Environment, Launch, Variants, given, tell_left_out
+from kg.cli.systems import (
+    Arguments,
+    Environment,
+    Launch,
+    Variants,
+    chosen_systems,
+    given,
+    tell_left_out,
+    tell_left_out_parts,
+)
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.lint.question import DECLARED, Question
@@ -107,6 +116,9 @@ def lint(  # noqa: PLR0913 - the options of a command
     for words in summary(checked):
         say(words)
     tell_left_out(checked.left_out)
+    if launch is not None and form == "text":
+        for system in chosen_systems(settings, launch, (), ()):
+            tell_left_out_parts(system)
     for finding in checked.report.findings if why else ():
         write("")
         prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)

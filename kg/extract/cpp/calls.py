@@ -11,6 +11,7 @@ from kg.extract.cpp.kinds import frame_of, inside, this_of
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
+from kg.symbolic.messages import GENERATED
 from kg.symbolic.operators import NULL
 from kg.symbolic.state import Arguments, Frame
 from kg.symbolic.values import (
@@ -211,7 +212,7 @@ class Calls:
             kind.cls is not None
             or is_pointer(kind)
             or language.machine.framework.constructs(kind)
-            or (not given.values and (kind.names != names or names[-2:-1] == ("msg",)))
+            or (not given.values and (kind.names != names or self._is_generated(names, frame)))
         ):
             return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
@@ -219,6 +220,11 @@ class Calls:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
         return outside(last, given.values)
+
+    def _is_generated(self, names: tuple[str, ...], frame: Frame) -> bool:
+        """Return whether a name is a class that the build generates of a message or service."""
+        in_package = len(names) > 1 and names[-1][:1].isupper()
+        return in_package and (names[-2] in GENERATED or self._linker.generated(names[-1], frame.unit) == names)
 
     def _with_defaults(self, defined: list[Function], declared: list[Function], given: Arguments) -> Arguments:
         """Return the arguments of a call of a function, with the default ones that only its declaration has."""

@@ -101,11 +101,11 @@ class Constructions:
         arguments: list[Value],
         *,
         listed: bool = False,
-        without: Function | None = None,
+        without: tuple[Function, ...] = (),
     ) -> None:
         """Run the constructor of one class of an object: its bases, its members, its body.
 
-        `without` is a constructor that delegates to another one.
+        `without` are the constructors that delegated to this one.
         """
         cls, machine = kind.cls, self._language.machine
         if cls is None:
@@ -117,7 +117,7 @@ class Constructions:
         bound = self._kinds.bound(cls, kind.arguments)
         own = inside(cls, bound, made)
         constructors = self._language.linker.methods(cls).get(cls.name, ())
-        candidates = [(f, bound) for f in constructors if fits(f, len(arguments)) and f is not without]
+        candidates = [(f, bound) for f in constructors if fits(f, len(arguments)) and f not in without]
         if not candidates:
             self._aggregate(made, cls, own, arguments, listed=listed)
             return
@@ -130,7 +130,7 @@ class Constructions:
         bind(machine, chosen, frame, arguments)
         given = {one.name: one for one in chosen.initialisers}
         if cls.name in given:
-            self.initialise(made, kind, machine.arguments(given[cls.name].arguments, frame), without=chosen)
+            self.initialise(made, kind, machine.arguments(given[cls.name].arguments, frame), without=(*without, chosen))
         else:
             self._bases(made, cls, own, frame, given)
             self._members(made, cls, own, frame, given)

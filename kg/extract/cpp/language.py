@@ -21,7 +21,6 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
-    Enumerator,
     Kind,
     Number,
     Object,
@@ -120,8 +119,9 @@ class Cpp:
         known = self.machine.framework.constant(names) or self._of_message(names, frame)
         if known is not None:
             return known
-        if self.linker.is_enumerator(last, frame.unit):
-            return Enumerator(last)
+        enumerator = self.linker.find_enumerator(last, frame.unit)
+        if enumerator is not None:
+            return enumerator
         if len(names) == 1:
             macro = self.linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is None:
@@ -129,9 +129,7 @@ class Cpp:
         found = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(found, Kind) and (found.cls is not None or found.names != names):
             return TypeValue(found)
-        if last == "npos":
-            return library.NPOS
-        return Unknown(f"{'::'.join(names)} {OUTSIDE}")
+        return library.CONSTANTS.get(last) or Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
         """Return a constant of a message by its name; None if it is none."""

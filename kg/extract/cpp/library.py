@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from kg.extract.cpp import tokens
 from kg.facts import Resolution
 from kg.holes import label_of
-from kg.symbolic import form, qos
+from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
@@ -22,6 +22,7 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
+    Enumerator,
     Guard,
     Kind,
     Mapping,
@@ -55,6 +56,13 @@ TEXTS: Final[frozenset[str]] = frozenset({"string", "basic_string", "string_view
 STREAMS: Final = tokens.STREAMS
 NPOS: Final = number(float(2**64 - 1))
 """What a search in a text returns that finds nothing: `std::string::npos`."""
+CONSTANTS: Final = {
+    "npos": NPOS,
+    "M_PI": Number(math.pi, repr(math.pi)),
+    "M_PI_2": Number(math.pi / 2, repr(math.pi / 2)),
+    "M_PI_4": Number(math.pi / 4, repr(math.pi / 4)),
+}
+"""Constants of the standard library, by their last name."""
 _SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
     "find": str.find,
     "rfind": str.rfind,
@@ -204,8 +212,8 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
 
 def stored(kind: Kind, value: Value) -> Value:
     """Return a number as a variable of a type stores it: without its fraction, or with one."""
-    if isinstance(value, Text) and kind.name in NUMBERS:
-        return qos.numbered(value)
+    if isinstance(value, Enumerator) and value.number is not None and kind.name in NUMBERS:
+        return number(value.number, value.parameter)
     if not isinstance(value, Number) or not math.isfinite(value.value):
         return value
     if kind.name in _FLOATING:

@@ -7,6 +7,7 @@ from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
 from kg.symbolic.kinds import POINTER_NAME
+from kg.symbolic.values import Enumerator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -117,9 +118,10 @@ class Linker:
             self._macros[key] = next((u.macros[name] for u in self._holding(unit, "macro", name)), None)
         return self._macros[key]
 
-    def is_enumerator(self, name: str, unit: Unit) -> bool:
-        """Return whether a name is one of an enumeration that is visible in a file."""
-        return bool(self._holding(unit, "enumerator", name))
+    def find_enumerator(self, name: str, unit: Unit) -> Enumerator | None:
+        """Return the constant of a name that an enumeration defines which is visible in a file."""
+        found = self._holding(unit, "enumerator", name)
+        return Enumerator(name, number=found[0].enumerators[name]) if found else None
 
     def within(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope | None:
         """Return the full name of `msg::Type`, a message of the package whose namespace is around it or used."""

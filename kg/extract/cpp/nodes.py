@@ -344,6 +344,8 @@ class _Nodes:
         constructors = language.linker.methods(cls).get(cls.name, [])
         machine.stack.append(Site(cls.unit, cls.line))
         root = Object(kind, line=cls.line)
+        if registration is Registration.COMPONENT:
+            framework.presume_node(kind)
         if any(d.is_a == "node" for d in framework.described(kind)):
             framework.host = root
         chosen = min(constructors, key=lambda f: len(f.parameters), default=None)

@@ -53,6 +53,7 @@ def assigned_in(code: str) -> frozenset[str]:
 
 _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
+_INTEGER: Final = re.compile(r"(-?(?:0[xX][0-9a-fA-F]+|0|[1-9]\d*))[uUlL]*")
 _CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
 _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _POINTERS: Final = frozenset({"SharedPtr", "UniquePtr", "WeakPtr", "ConstSharedPtr", "Ptr", "ConstPtr"})
@@ -215,7 +216,8 @@ class CppUnit(Unit):
         self.macros: dict[str, Macro] = {}
         self.namespaces: dict[str, list[tuple[_Scope, _Scope]]] = defaultdict(list)
         """Other names of namespaces: the scope of each alias, and the namespace as written."""
-        self.enumerators: set[str] = set()
+        self.enumerators: dict[str, int | None] = {}
+        """The constants of enumerations with their numbers, None if unknown or several of that name differ."""
         self._declared: frozenset[bytes] | None = None
         self.registrations: list[Node] = []
         self.adapted: dict[str, list[tuple[_Scope, Type]]] = defaultdict(list)
@@ -342,7 +344,7 @@ class CppUnit(Unit):
         named = syntax.of_type(node, "identifier", "qualified_identifier", "namespace_identifier")
         if not named:
             return
-        names = tuple(name for name in syntax.text(named[0]).replace(" ", "").split("::") if name)
+        names = tuple(part.name for part in syntax.parts(named[0]) if part.name)
         if any(c.type == "namespace" for c in node.children):
             self.uses = (*self.uses, names)
         elif len(names) > 1 and names[-1] != names[-2]:
@@ -381,8 +383,8 @@ class CppUnit(Unit):
         if body is None:
             return
         if node.type == "enum_specifier":
-            names = (one.child_by_field_name("name") for one in syntax.of_type(body, "enumerator"))
-            self.enumerators.update(syntax.text(name) for name in names if name is not None)
+            for enumerator, number in _enumerated(body).items():
+                self.enumerators[enumerator] = number if self.enumerators.get(enumerator, number) == number else None
             return
         named = syntax.parts(name) if name is not None else []
         shown = named[-1].name if named else ""
@@ -584,6 +586,24 @@ def _template_names(node: Node) -> tuple[str, ...]:
             name = syntax.declared_name(child.child_by_field_name("declarator"))
         found.append(syntax.text(name) if name is not None else "")
     return tuple(found)
+
+
+def _enumerated(body: Node) -> dict[str, int | None]:
+    """Return the constants of an enumeration with their numbers, None where its text does not give the number."""
+    found: dict[str, int | None] = {}
+    following: int | None = 0
+    for child in body.named_children:
+        name = child.child_by_field_name("name") if child.type == "enumerator" else None
+        if name is None:
+            following = following if child.type == "comment" else None
+            continue
+        value = child.child_by_field_name("value")
+        if value is not None:
+            written = _INTEGER.fullmatch(syntax.text(value).replace("'", ""))
+            following = int(written[1], 0) if written is not None else None
+        found[syntax.text(name)] = following
+        following = following + 1 if following is not None else None
+    return found
 
 
 def _is_virtual(node: Node) -> bool:

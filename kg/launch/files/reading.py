@@ -11,7 +11,7 @@ from kg.corpus.files import FilePath, PackageFolder
 from kg.facts import FileKind, LaunchConfiguration, LaunchDialect, LaunchProblem, LaunchProblemKind, Location
 from kg.launch.files.access import Files
 from kg.launch.files.ros1.evaluate import evaluate as evaluate_roslaunch
-from kg.launch.files.ros2.execute import dialect_by_ending
+from kg.launch.files.ros2.execute import dialect_of
 from kg.launch.files.ros2.execute import evaluate as evaluate_ros2
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def _configuration(
 
 def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
     """Return the language of a launch file by its ending, its content and its package's version of ROS."""
-    dialect = dialect_by_ending(file)
+    dialect = dialect_of(file, text)
     if dialect is LaunchDialect.ROS2_PYTHON:
         test = file.path.rpartition("/")[2].startswith("test_")  # often calls the function of another file
         wanted = b"def generate_" if test else b"generate_launch_description"

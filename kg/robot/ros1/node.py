@@ -195,6 +195,11 @@ class Node:
             await subscription.aclose()
         for service in list(self.services.values()):
             await service.aclose()
+        if not self.lost.done():
+            # What was withdrawn just before is no longer listed, but the master may not know it yet.
+            for turn in list(self._turns.values()):
+                async with turn:
+                    pass
         self.lose("it was closed")
         self._tasks.cancel()
         await self._http.aclose()

@@ -243,3 +243,32 @@ def test_things_come_and_go_while_a_master_is_told_anew(monkeypatch: pytest.Monk
 
     asyncio.run(scene())
     assert not reported
+
+
+def test_a_node_that_leaves_waits_for_what_it_withdrew() -> None:
+    """A node closes only when the master has answered what was withdrawn before; else the topic could stay."""
+    reached, go = asyncio.Event(), asyncio.Event()
+
+    async def scene() -> None:
+        async with Master() as master:
+
+            async def slow(method: str, arguments: list[Any]) -> Any:
+                if method == "unregisterPublisher" and arguments[1] == "/topic":
+                    reached.set()
+                    await go.wait()
+                return [1, "", await ask(master.uri, method, *arguments)]
+
+            server = XmlRpcServer(slow)
+            port = await server.start("127.0.0.1")
+            connection = await connect(f"ros1://127.0.0.1:{port}", name="/kg")
+            publication = await connection.advertise("/topic", "std_msgs/String")
+            withdrawing = asyncio.ensure_future(publication.aclose())
+            await asyncio.wait_for(reached.wait(), patient(5))
+            closing = asyncio.ensure_future(connection.aclose())
+            assert not (await asyncio.wait((closing,), timeout=0.3))[0]
+            go.set()
+            await asyncio.wait_for(closing, patient(5))
+            await withdrawing
+            await server.aclose()
+
+    asyncio.run(scene())

@@ -6,6 +6,7 @@ a scoped group is around it.
 
 from __future__ import annotations
 
+import re
 from contextlib import contextmanager
 from dataclasses import replace
 from hashlib import blake2b
@@ -56,16 +57,33 @@ The trees hold on to that reader, so no other is kept.
 """
 
 
-def dialect_by_ending(file: FilePath) -> LaunchDialect:
-    """Return the language of a file by its ending, as `AnyLaunchDescriptionSource` distinguishes them."""
+_PYTHON_FUNCTION: Final = re.compile(rb"^def generate_launch_description\b", re.MULTILINE)
+_YAML_ROOT: Final = re.compile(rb"^['\"]?launch['\"]?\s*:", re.MULTILINE)
+
+
+def dialect_of(file: FilePath, text: bytes) -> LaunchDialect:
+    """Return the language of a launch file by its ending, otherwise by its text.
+
+    Like `AnyLaunchDescriptionSource`, which tries each language on a file such as `robot.launch`.
+    """
     ending = file.path.rpartition(".")[2]
-    if ending == "py":
+    if ending in ("py", "yaml", "yml", "xml"):
+        return _BY_ENDING.get(ending, LaunchDialect.ROS2_YAML)
+    if text.lstrip().startswith(b"<"):
+        return LaunchDialect.ROS2_XML
+    if _PYTHON_FUNCTION.search(text):
         return LaunchDialect.ROS2_PYTHON
-    return LaunchDialect.ROS2_YAML if ending in ("yaml", "yml") else LaunchDialect.ROS2_XML
+    return LaunchDialect.ROS2_YAML if _YAML_ROOT.search(text) else LaunchDialect.ROS2_XML
 
 
-def read_actions(context: Context, file: FilePath, dialect: LaunchDialect) -> Sequence[Action]:
-    """Return the actions of a launch file; none, and problems, for a file that cannot be read or does not parse."""
+_BY_ENDING: Final = {"py": LaunchDialect.ROS2_PYTHON, "xml": LaunchDialect.ROS2_XML}
+
+
+def read_actions(context: Context, file: FilePath, dialect: LaunchDialect | None = None) -> Sequence[Action]:
+    """Return the actions of a launch file; none, and problems, for a file that cannot be read or does not parse.
+
+    `dialect` is its language; None to find it.
+    """
     content = context.files.read(file)
     if content is None:
         unreadable(context, file)
@@ -73,6 +91,7 @@ def read_actions(context: Context, file: FilePath, dialect: LaunchDialect) -> Se
     context.found.files.setdefault(file)
     if not context.allows("bytes of files", len(content)):
         return ()
+    dialect = dialect or dialect_of(file, content)
     actions, problems = (
         _python(context, file, content)
         if dialect is LaunchDialect.ROS2_PYTHON
@@ -145,7 +164,7 @@ def _may_enter(context: Context, file: FilePath) -> bool:
 
 def _enter(context: Context, action: Include, file: FilePath, run: Callable[[Sequence[Action]], None]) -> None:
     arguments = _arguments(context, action, file)
-    actions = read_actions(context, file, dialect_by_ending(file))
+    actions = read_actions(context, file)
     given = {name for name, _ in arguments}
     context.scope.configurations.update(arguments)
     for inner in actions:

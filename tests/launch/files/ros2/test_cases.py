@@ -18,7 +18,7 @@ from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.facts import Repository
 from kg.launch.files.access import Files
-from kg.launch.files.ros2.execute import dialect_by_ending, evaluate
+from kg.launch.files.ros2.execute import dialect_of, evaluate
 
 if TYPE_CHECKING:
     from kg.facts import LaunchConfiguration, LaunchParameter, LaunchProblem, StartedNode
@@ -37,7 +37,7 @@ def evaluated(case: Path, path: str, given: dict[str, str], environment: dict[st
     source = scan(case, Repository(f"local/{case.name}", str(case)))
     files = Files(Reader(Workspace([source]), source, source.packages[0]))
     file = FilePath(source.repository.name, path)
-    return evaluate(files, file, dialect_by_ending(file), given, environment)
+    return evaluate(files, file, dialect_of(file, (case / path).read_bytes()), given, environment)
 
 
 def node_record(node: StartedNode) -> Record:

@@ -11,7 +11,7 @@ from kg.corpus.reading import Reader
 from kg.corpus.workspace import Workspace, scan
 from kg.facts import LaunchProblemKind, Repository
 from kg.launch.files.access import MOST, Files
-from kg.launch.files.ros2.execute import dialect_by_ending, evaluate
+from kg.launch.files.ros2.execute import dialect_of, evaluate
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,9 +30,8 @@ def evaluated(folder: Path, files: dict[str, str]) -> LaunchConfiguration:
         (folder / name).write_text(text)
     source = scan(folder, Repository("local/demo", str(folder)))
     file = FilePath("local/demo", next(iter(files)))
-    return evaluate(
-        Files(Reader(Workspace([source]), source, source.packages[0])), file, dialect_by_ending(file), {}, {}
-    )
+    dialect = dialect_of(file, next(iter(files.values())).encode())
+    return evaluate(Files(Reader(Workspace([source]), source, source.packages[0])), file, dialect, {}, {})
 
 
 def include(number: int) -> str:

@@ -531,7 +531,7 @@ def _spawner(reading: Reading, made: Made) -> list[Action]:
 _NOTHING: Final = (
     "LogInfo", "Log", "LogDebug", "LogWarning", "LogError", "EmitEvent", "Shutdown", "ShutdownAction",
     "LifecycleTransition", "ChangeState", "SetROSLogDir", "UnregisterEventHandler", "ReadyToTest", "PushEnvironment",
-    "PopEnvironment", "PushLaunchConfigurations", "PopLaunchConfigurations", "OnShutdown",
+    "PopEnvironment", "PushLaunchConfigurations", "PopLaunchConfigurations", "OnShutdown", "OpaqueCoroutine",
 )  # fmt: skip
 """Actions and handlers that start nothing."""
 _SPAWNERS: Final = "generate_controllers_spawner_launch_description"

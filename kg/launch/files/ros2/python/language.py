@@ -19,9 +19,11 @@ from kg.extract.python.paths import METHODS
 from kg.launch.files.ros2.context import HOLE
 from kg.launch.files.ros2.python import library
 from kg.launch.files.ros2.python.values import Made, later, launch_text, reason_of, text_of
-from kg.symbolic.operators import plain
+from kg.symbolic.operators import NULL, plain
+from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
     Bound,
+    Closure,
     Kind,
     Mapping,
     Number,
@@ -44,7 +46,7 @@ if TYPE_CHECKING:
     from kg.launch.files.ros2.python.reading import Reading
     from kg.symbolic import form
     from kg.symbolic.form import Expression
-    from kg.symbolic.state import Arguments, Frame
+    from kg.symbolic.state import Frame
 
 _REMEMBERED = 256
 
@@ -123,6 +125,9 @@ class LaunchCalls(Calls):
     def outside_method(self, of: Object, name: str, given: Arguments) -> Value:
         """Call a method of an object that is not of the build."""
         if isinstance(of, Made):
+            if name == "__init__" and of.kind.cls is not None:
+                library.initialise(of, given)
+                return NULL
             return library.method(self._language, of, name, given)
         return super().outside_method(of, name, given)
 
@@ -137,11 +142,33 @@ class LaunchCalls(Calls):
         """Do nothing: code outside of the build calls no functions that matter."""
 
     def construct(self, kind: Kind, given: Arguments, *, hosted: bool = False) -> Object:
-        """Return a new object of a class of the build; one with a base outside is not known."""
-        base = next((one for one in self._language.chain(kind)[1] if one.names[0] not in _PLAIN_BASES), None)
-        if base is not None:
+        """Return a new object of a class of the build, also of one that extends a class of launch.
+
+        With another base outside of the build it is unknown.
+        """
+        bases = [one for one in self._language.chain(kind)[1] if one.names[0] not in _PLAIN_BASES]
+        if not bases:
+            return super().construct(kind, given, hosted=hosted)
+        base = next((one for one in bases if one.names[0] in _OUTSIDE and one.name in library.EXTENDED), None)
+        if base is None:
             return Unknown(f"the class `{kind.name}` has a base that is not in the build")  # type: ignore[return-value]  # as any value
-        return super().construct(kind, given, hosted=hosted)
+        return self._extending(kind, base, given)
+
+    def _extending(self, kind: Kind, base: Kind, given: Arguments) -> Made:
+        """Return an object of a class of the build that extends `base`, a class of launch."""
+        language = self._language
+        made = library.made_of(language, base.name, {}, given)
+        made.kind = replace(made.kind, cls=kind.cls)
+        owner = next((one for one, _ in language.chain(kind)[0] if "__init__" in one.methods), None)
+        if owner is None:
+            library.initialise(made, given)
+        else:
+            self._initialise(Closure(owner.methods["__init__"][0], language.around[owner], (made,)), given)
+        made.given = Arguments(made.given.values, named=made.given.named)  # the words of the call are not its own
+        if base.name == "Action":
+            made.kind = replace(made.kind, names=("launch", "OpaqueFunction"))
+            made.fields["function"] = language.of_object(made, "execute")
+        return made
 
 
 class LaunchPython(Python):
@@ -175,7 +202,7 @@ class LaunchPython(Python):
         """Return a member of a value."""
         if isinstance(of, Unknown):
             return of
-        if isinstance(of, Made):
+        if isinstance(of, Made) and of.kind.cls is None:
             return of.fields[name] if name in of.fields else Bound(name, of)
         if isinstance(of, Object | TypeValue | Text):
             return super().member(of, name)

@@ -90,6 +90,8 @@ _CLASSES: Final[Names[str, tuple[str, ...]]] = {
     "Parameter": ("name", "value"),
 }
 """Classes, and functions that make actions: the names of their parameters in order."""
+EXTENDED: Final = frozenset({*_CLASSES, "Action", "OpaqueCoroutine", "Substitution"})
+"""Classes that others may extend."""
 
 
 # Calls
@@ -135,6 +137,12 @@ def made_of(language: LaunchPython, name: str, fields: dict[str, Value], given: 
         location=location,
         names=_CLASSES.get(name, ()),
     )
+
+
+def initialise(made: Made, given: Arguments) -> None:
+    """Run the `__init__` that an object of a class of the build has from the class of launch that it extends."""
+    made.fields.update(_bound(made.names, given))
+    made.given = given
 
 
 # Functions

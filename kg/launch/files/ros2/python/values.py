@@ -295,6 +295,8 @@ PLAIN: Final[dict[str, tuple[str, ...]]] = {
     "EnvironmentVariable": ("env", "name", "default_value"),
 }
 """Substitutions whose operands are their arguments, by class: the kind, and the arguments in order."""
+_OWN: Final = frozenset({"Substitution"})
+"""The class that substitutions of the sources extend."""
 _UNKNOWN: Final[dict[str, str]] = {
     "LaunchLogDir": "the folder of the log files",
     "LaunchConfigurationContext": "a configuration of another file",
@@ -313,13 +315,15 @@ def substituted(made: Made) -> LaunchText:
         return (Substitution(kind, tuple(operand for operand in operands if operand is not None)),)
     if name in _UNKNOWN:
         return unknown_text(_UNKNOWN[name])
+    if name in _OWN and made.kind.cls is not None:
+        return unknown_text(f"the code of the substitution `{made.kind.cls.name}` is not run")
     read = SUBSTITUTIONS.get(name)
     return read[1](made) if read is not None else unknown_text(f"a `{name}` is not allowed here")
 
 
 def is_substitution(value: Value) -> bool:
     """Return whether a value is an object that is substituted later."""
-    return isinstance(value, Made) and (value.name in PLAIN or value.name in SUBSTITUTIONS or value.name in _UNKNOWN)
+    return isinstance(value, Made) and any(value.name in names for names in (PLAIN, SUBSTITUTIONS, _UNKNOWN, _OWN))
 
 
 def _text(made: Made) -> LaunchText:

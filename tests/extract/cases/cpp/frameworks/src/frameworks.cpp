@@ -15,6 +15,7 @@
 #include <nav_msgs/Odometry.h>
 #include <pcl_ros/point_cloud.h>
 #include <pcl_ros/publisher.h>
+#include <polled_camera/publication_server.h>
 #include <realtime_tools/realtime_publisher.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
@@ -55,6 +56,7 @@ public:
     , tuner_(own_)
   {
     image_ = transport_.advertise("image", 1);
+    poll_ = polled_camera::advertise(nh_, "request_image", &Frameworks::poll, this);
     camera_ = transport_.advertiseCamera("stereo/image_raw", 1);
     image_transport::ImageTransport shared(nh_);
     subscriber_ = shared.subscribe("camera/image", 1, &Frameworks::image, this);
@@ -100,6 +102,7 @@ private:
   ros::Publisher points_;
   pcl_ros::Publisher<pcl::PointXYZ> filtered_;
   ros::Subscriber cloud_;
+  polled_camera::PublicationServer poll_;
 };
 
 void onSync(const std_msgs::EmptyConstPtr& message) {}

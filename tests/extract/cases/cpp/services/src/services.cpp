@@ -37,6 +37,8 @@ public:
     {
       ros::service::call("asked", trigger);
     }
+    auto switched = std_srvs::SetBool();
+    ros::service::call("switch", switched);
   }
 
 private:

@@ -52,12 +52,18 @@ public:
       scan_ = nh_.advertise<std_msgs::String>("of_rest", 1);
     if ("my_" + mode == "my_scan")
       scan_ = nh_.advertise<std_msgs::String>("of_part", 1);
+    int target = pnh.param("target", -1);
+    if (target == Target::PRESET)
+      scan_ = nh_.advertise<std_msgs::String>("of_preset", 1);
+    else if (target == COMPUTED)
+      scan_ = nh_.advertise<std_msgs::String>("of_computed", 1);
     if (quiet_ || debug)
       either_ = nh_.advertise<std_msgs::String>("either", 1);
   }
   void map(const nav_msgs::OccupancyGrid::ConstPtr& grid) {}
 
 private:
+  enum Target { MANUAL = 1, PRESET, COMPUTED = MANUAL << 4 };
   ros::NodeHandle nh_;
   ros::Subscriber map_, grid_;
   ros::Publisher words_, more_, either_, scan_;
