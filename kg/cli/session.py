@@ -18,6 +18,7 @@ REMOTE: Final = frozenset(
         "export",
         "graph",
         "impact",
+        "import",
         "instances",
         "lint",
         "mcp",

@@ -25,12 +25,14 @@ _FEW: Final = 20
 _HELD_BYTES: Final = 4 << 20
 """Descriptions of starts beyond this size are moved to a file."""
 _PIECE_BYTES: Final = 1 << 20
+_KNOWN: Final = 1 << 15
+"""Number of starts or lines that are remembered; later ones may be written again, which the store ignores."""
 _STARTED: Final = f"SELECT DISTINCT ?start WHERE {{ ?instance {v.STARTED_WITH} ?start }}"
 _START: Final = re.compile(f" {re.escape(v.STARTED_WITH)} <([^>]*)> ".encode())
 
 
 class Described:
-    """N-Triples lines about starts, each start once; if there are many, they are in a file of the folder `cache`."""
+    """N-Triples lines about starts, each start once, or seldom again; many are in a file of the folder `cache`."""
 
     def __init__(self, cache: Path) -> None:
         self._cache = str(cache)
@@ -43,6 +45,8 @@ class Described:
         Raises StoreError KG304 if the disk is full.
         """
         new = {line: start for line in lines if (start := start_of(line)) not in self._known}
+        if len(self._known) > _KNOWN:
+            self._known.clear()
         self._known.update(new.values())
         with translated(self._cache):
             self._file.writelines(new)
@@ -89,6 +93,9 @@ def keep_shared(
     If the store has other sources, whose contents are unknown, nothing is removed.
     """
     graph = NamedNode(iris.graph(SHARED))
+    if graph not in transaction.graphs():
+        transaction.load(graph, _without_recent(contents))
+        return
     wanted = {line for content in contents for line in content.splitlines(keepends=True)}
     present = set(transaction.content(graph).splitlines(keepends=True))
     removed, added = present - wanted, wanted - present
@@ -97,6 +104,17 @@ def keep_shared(
     if any(other.value.startswith(others) and other.value not in known for other in transaction.graphs()):
         removed = set()
     _change(transaction, graph, present, removed, added)
+
+
+def _without_recent(contents: Iterable[bytes]) -> Iterator[bytes]:
+    """Yield N-Triples without most of the lines that occurred before."""
+    recent: set[bytes] = set()
+    for content in contents:
+        new = [line for line in dict.fromkeys(content.splitlines(keepends=True)) if line not in recent]
+        if len(recent) > _KNOWN:
+            recent.clear()
+        recent.update(new)
+        yield b"".join(new)
 
 
 def keep_starts(

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 _SMALL: Final = 2
 """A graph is patched if less than this fraction of its triples change (1/n)."""
-_BATCH_BYTES: Final = 16 << 20
+_BATCH_BYTES: Final = 8 << 20
 """Size of content after which graphs are written together."""
 _STARTED_WITH: Final = f" {v.STARTED_WITH} ".encode()
 
@@ -104,8 +104,8 @@ class _Writing:
         self._iris = iris
         self._present = present
         self._intact = intact
-        self._read = bool(intact)
-        """Whether all replaced graphs had the content of the last build."""
+        self._read = bool(intact) and iris.graph(STARTS) in present
+        """Whether all replaced graphs, and that of starts, had the content of the last build."""
         self._waiting: dict[NamedNode, bytes] = {}
         self._bytes = 0
         self._starts = Described(transaction.layout.cache)

@@ -32,9 +32,8 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction
 
-_FLUSH_BYTES: Final = 16 << 20
-_MOST_BYTES: Final = 64 << 20
-"""Limit of waiting content of all sources in bytes; a build of many small ones would otherwise hold all of them."""
+_FLUSH_BYTES: Final = 8 << 20
+"""Size of the waiting content of all sources after which it is written."""
 _OWN: Final = re.compile(f" (?:{re.escape(v.BYTES)}|{re.escape(v.DIGEST)}) ".encode())
 """Properties of a file stated only by its own package."""
 _SMALL: Final = 10
@@ -71,7 +70,7 @@ class Writing:
         self._shared_intact = shared_intact
         self._patched: set[str] = set()
         self._dropped: set[str] = set()
-        self._waiting: dict[str, list[bytes]] = {}
+        self._waiting: dict[NamedNode, list[bytes]] = {}
         self._waiting_bytes = 0
         self.triples = 0
 
@@ -105,15 +104,17 @@ class Writing:
         self, changed: list[Source], results: Mapping[Key, PackageState], started: datetime
     ) -> dict[str, Written]:
         """Write the rest of each source, and the record of its build; return the resulting content."""
+        heads = [repository_triples(source.repository, self._iris, source.problems) for source in changed]
+        for source, head in zip(changed, heads, strict=True):
+            if source.repository.name not in self._patched:
+                self._take(source.repository.name, head)
+        self._flush()
         written = {}
-        for source in changed:
+        for source, head in zip(changed, heads, strict=True):
             name = source.repository.name
-            head = repository_triples(source.repository, self._iris, source.problems)
             if name in self._patched:
                 quads = self._state.sources[name].quads + self._patch(source, head, results)
             else:
-                self._take(name, head)
-                self._flush(name)
                 quads = self._transaction.count(self._graph(name))
             written[name] = Written(head.decode(), quads)
             packages = [results[name, package.path] for package in source.packages]
@@ -187,20 +188,17 @@ class Writing:
         return tuple(map(str.encode, starts))
 
     def _take(self, name: str, content: bytes) -> None:
-        waiting = self._waiting.setdefault(name, [])
-        waiting.append(content)
+        self._waiting.setdefault(self._graph(name), []).append(content)
         self.triples += content.count(b"\n")
         self._waiting_bytes += len(content)
-        if sum(map(len, waiting)) > _FLUSH_BYTES:
-            self._flush(name)
-        elif self._waiting_bytes > _MOST_BYTES:
-            for one in list(self._waiting):
-                self._flush(one)
+        if self._waiting_bytes > _FLUSH_BYTES:
+            self._flush()
 
-    def _flush(self, name: str) -> None:
-        waiting = self._waiting.pop(name, [])
-        self._waiting_bytes -= sum(map(len, waiting))
-        self._transaction.load(self._graph(name), waiting)
+    def _flush(self) -> None:
+        """Write the waiting content, in few large pieces: the engine writes files for each index at every load."""
+        if self._waiting:
+            self._transaction.load_graphs(self._waiting)
+        self._waiting, self._waiting_bytes = {}, 0
 
     def _content(self, package: PackageState) -> bytes:
         return _sound(self._folder, package, cache.triples(self._folder, package.result))

@@ -12,8 +12,11 @@ from functools import cache
 from typing import Any, Final
 
 _ARENA_MAX: Final = -8
-"""Number of the glibc parameter `M_ARENA_MAX`."""
+"""Number of the glibc parameter `M_ARENA_MAX`; below, that of `M_MMAP_THRESHOLD`."""
+_MMAP_THRESHOLD: Final = -3
 _POOLS: Final = 2
+_LARGE_BYTES: Final = 1 << 18
+"""Blocks of this size are returned to the system when they are freed, instead of leaving a gap in a pool."""
 
 
 @cache
@@ -32,6 +35,7 @@ def give_back() -> None:
 
 
 def share_pools() -> None:
-    """Make new threads share a few memory pools, if supported."""
+    """Make new threads share a few memory pools, and keep large blocks out of them, if supported."""
     if library := _library():
         library.mallopt(_ARENA_MAX, _POOLS)
+        library.mallopt(_MMAP_THRESHOLD, _LARGE_BYTES)  # glibc raises it up to 32 MB unless it is set

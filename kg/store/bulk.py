@@ -32,7 +32,7 @@ from kg.store.allocator import give_back
 from kg.store.terms import BLANK_MARK
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Collection, Iterable, Iterator
     from typing import TypeAlias
 
     Engine: TypeAlias = Callable[[], Store]
@@ -75,6 +75,27 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
         else:
             engine().bulk_load(batch, RdfFormat.N_TRIPLES, to_graph=graph, lenient=True)
 
+    return _load_all(chunks, one)
+
+
+def load_quads(engine: Engine, graphs: Iterable[tuple[NamedNode, bytes]]) -> int:
+    """Add chunks of N-Triples, each of whole lines, to the graphs given with them; return their size as N-Quads.
+
+    Blank nodes keep their labels.
+    """
+
+    def one(batch: bytes) -> None:
+        if BLANK_MARK in batch:
+            engine().bulk_extend(parse(batch, RdfFormat.N_QUADS, lenient=True))
+        else:
+            engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
+
+    # Line ends in literals are escaped, so no line is split.
+    return _load_all((content.replace(b" .\n", f" {graph} .\n".encode()) for graph, content in graphs), one)
+
+
+def _load_all(chunks: Iterable[bytes], one: Callable[[bytes], None]) -> int:
+    """Load chunks of whole lines, several batches at a time, by the function `one`; return their size in bytes."""
     size = 0
     with ThreadPoolExecutor(_THREADS) as pool:
         waiting = []
@@ -85,25 +106,6 @@ def load(engine: Engine, graph: Graph, chunks: Iterable[bytes]) -> int:
                 waiting.pop(0).result()
         for future in waiting:
             future.result()
-    if size > _LEAST_BYTES:
-        give_back()
-    return size
-
-
-def load_quads(engine: Engine, graphs: Mapping[NamedNode, bytes]) -> int:
-    """Add N-Triples to many graphs, as a few large batches of N-Quads; return their size in bytes.
-
-    Blank nodes keep their labels.
-    """
-    # As N-Quads; line ends in literals are escaped, so no line is split.
-    quads = (content.replace(b" .\n", f" {graph} .\n".encode()) for graph, content in graphs.items())
-    size = 0
-    for batch in _batches(quads):
-        size += len(batch)
-        if BLANK_MARK in batch:
-            engine().bulk_extend(parse(batch, RdfFormat.N_QUADS, lenient=True))
-        else:
-            engine().bulk_load(batch, RdfFormat.N_QUADS, lenient=True)
     if size > _LEAST_BYTES:
         give_back()
     return size
@@ -152,8 +154,9 @@ def _batches(chunks: Iterable[bytes]) -> Iterator[bytes]:
         batch.append(chunk)
         size += len(chunk)
         if size >= _THREADS * _MOST_BYTES:
-            yield from _split(b"".join(batch))
+            text = b"".join(batch)
             batch, size = [], 0
+            yield from _split(text)
     if batch:
         yield from _split(b"".join(batch))
 

@@ -14,17 +14,21 @@ import time
 import urllib.request
 from contextlib import suppress
 from dataclasses import dataclass
+from http import HTTPStatus
 from http.client import HTTPException, HTTPResponse, IncompleteRead
+from io import BufferedIOBase
 from tempfile import SpooledTemporaryFile
 from typing import IO, TYPE_CHECKING, Final, cast
 from urllib.error import HTTPError, URLError
 from urllib.parse import unquote, urlencode, urlsplit, urlunsplit
+from urllib.request import HTTPDigestAuthHandler, HTTPPasswordMgrWithDefaultRealm, parse_http_list, parse_keqv_list
 
 from kg.errors import Place, StoreError
 from kg.store.failure import shown
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from email.message import Message
 
 _ATTEMPTS: Final = 4
 _FIRST_PAUSE: Final = 0.1
@@ -60,8 +64,40 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
         return None
 
 
+class _Login:
+    """User name and password, as Basic authentication, or as Digest authentication after the server requested it.
+
+    Digest authentication (RFC 7616) needs a challenge of the server, which holds for further requests until it expires.
+    """
+
+    def __init__(self, user: str, password: str, url: str) -> None:
+        self._basic = _basic(user, password)
+        passwords = HTTPPasswordMgrWithDefaultRealm()
+        passwords.add_password(None, url, user, password)
+        self._digest = HTTPDigestAuthHandler(passwords)
+        self._challenge: dict[str, str] = {}
+
+    def authorize(self, request: urllib.request.Request) -> None:
+        """Add the header of authentication to a request."""
+        digest = self._digest.get_authorization(request, self._challenge) if self._challenge else None
+        request.add_header("Authorization", f"Digest {digest}" if digest else self._basic)
+
+    def accepts(self, headers: Message) -> bool:
+        """Store the challenge for Digest authentication in the headers of a response; return whether there is one."""
+        scheme, _, rest = headers.get("WWW-Authenticate", "").partition(" ")
+        if scheme.lower() != "digest":
+            return False
+        challenge = parse_keqv_list(parse_http_list(rest))
+        if challenge.get("algorithm", "MD5") != "MD5":  # the others differ between versions of Python
+            return False
+        self._challenge = challenge
+        return True
+
+
 class Endpoint:
-    """Address of a server; its user name and password are sent as Basic authentication and never shown.
+    """Address of a server; its user name and password are never shown.
+
+    They are sent as Basic authentication, or as Digest authentication if the server requests it.
 
     Raises:
         StoreError: KG225 if the scheme of the address is not http or https.
@@ -82,10 +118,13 @@ class Endpoint:
             raise StoreError("KG225", "this is not the address of a server", place=Place(self.shown), hint=hint)
         self._url = urlunsplit((parts.scheme, host, parts.path, parts.query, ""))
         self._headers = {"User-Agent": "kg"}
+        user, password = "", ""
         if parts.username is not None:
-            self._headers["Authorization"] = _basic(unquote(parts.username), unquote(parts.password or ""))
+            user, password = unquote(parts.username), unquote(parts.password or "")
         elif from_environment:
-            self._headers |= _credentials(parts.scheme, parts.hostname or "")
+            token, user, password = _credentials(parts.scheme, parts.hostname or "")
+            self._headers |= {"Authorization": f"Bearer {token}"} if token else {}
+        self._login = _Login(user, password, self._url) if user else None
         self._opener = urllib.request.build_opener(_NoRedirects)
 
     def get(self, target: IO[bytes], limit: int) -> None:
@@ -96,7 +135,7 @@ class Endpoint:
         """
         request = urllib.request.Request(self._url, headers=self._headers)  # noqa: S310 - http or https, see __init__
         try:
-            with self._opener.open(request, timeout=self.timeout) as response:
+            with self._open(request, self.timeout) as response:
                 while chunk := response.read(1 << 16):
                     limit -= len(chunk)
                     if limit < 0:
@@ -113,7 +152,7 @@ class Endpoint:
         headers = {**self._headers, "Content-Type": "application/octet-stream", "Content-Length": str(size)}
         request = urllib.request.Request(self._url, content, headers, method="PUT")  # noqa: S310 - http or https, see __init__
         try:
-            self._opener.open(request, timeout=self.timeout).close()
+            self._open(request, self.timeout).close()
         except HTTPError as error:
             raise self._refused(error) from error
         except (OSError, HTTPException) as error:
@@ -147,12 +186,41 @@ class Endpoint:
         raise AssertionError
 
     def _send(self, request: urllib.request.Request, timeout: float) -> Answer:
-        with self._opener.open(request, timeout=timeout) as response:
+        with self._open(request, timeout) as response:
             body = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
             shutil.copyfileobj(response, body)
             _check_complete(response)
             body.seek(0)
             return Answer(response.headers.get_content_type(), cast("IO[bytes]", body))
+
+    def _open(self, request: urllib.request.Request, timeout: float) -> HTTPResponse:
+        """Send a request; once more if the server requests Digest authentication."""
+        if self._login is None:
+            return cast("HTTPResponse", self._opener.open(request, timeout=timeout))
+        self._login.authorize(request)
+        try:
+            return cast("HTTPResponse", self._opener.open(request, timeout=timeout))
+        except HTTPError as error:
+            # Virtuoso sends no challenge if a request has a header of Basic authentication.
+            if error.code != HTTPStatus.UNAUTHORIZED or not (
+                self._login.accepts(error.headers) or self._login.accepts(self._headers_without_login(timeout))
+            ):
+                raise
+            error.close()
+        if isinstance(request.data, BufferedIOBase):
+            request.data.seek(0)
+        self._login.authorize(request)
+        return cast("HTTPResponse", self._opener.open(request, timeout=timeout))
+
+    def _headers_without_login(self, timeout: float) -> Message:
+        """Return the headers of the response to an empty request without credentials."""
+        request = urllib.request.Request(self._url, headers=self._headers)  # noqa: S310 - http or https, see __init__
+        try:
+            with self._opener.open(request, timeout=timeout) as response:
+                return cast("Message", response.headers)
+        except HTTPError as error:
+            with error:
+                return error.headers
 
     def _refused(self, error: HTTPError) -> RefusedError:
         with error:
@@ -184,21 +252,21 @@ class Endpoint:
         return StoreError("KG225", message, place=Place(self.shown), hint=hint)
 
 
-def _credentials(scheme: str, host: str) -> dict[str, str]:
-    """Return the authorization header from the environment, for the server that the user named.
+def _credentials(scheme: str, host: str) -> tuple[str, str, str]:
+    """Return token, user and password from the environment, for the server that the user named; empty if not set.
 
     Credentials are not sent unencrypted to another machine.
     """
     token = os.environ.get("KG_REMOTE_TOKEN")
     user = os.environ.get("KG_REMOTE_USER")
     if not token and not user:
-        return {}
+        return "", "", ""
     if scheme != "https" and host not in {"localhost", "127.0.0.1", "::1"}:
         hint = "Use an address of https, or unset KG_REMOTE_TOKEN and KG_REMOTE_USER."
         raise StoreError("KG225", "credentials are not sent without encryption", place=Place(host), hint=hint)
     if token:
-        return {"Authorization": f"Bearer {token}"}
-    return {"Authorization": _basic(user or "", os.environ.get("KG_REMOTE_PASSWORD", ""))}
+        return token, "", ""
+    return "", user or "", os.environ.get("KG_REMOTE_PASSWORD", "")
 
 
 def _check_complete(response: HTTPResponse) -> None:

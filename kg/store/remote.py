@@ -107,11 +107,27 @@ def _stated(quad: Quad, graph: NamedNode | None) -> str:
 
 _NO_UPDATES: Final = frozenset({400, 404, 405, 415, 501})
 """Statuses of responses to an update at an address for queries. Oxigraph and kg respond 400, as to invalid updates."""
+SYSTEM_GRAPHS: Final = tuple(
+    map(
+        NamedNode,
+        (
+            "http://www.openlinksw.com/schemas/virtrdf#",
+            "http://localuriqaserver/sparql",
+            "http://www.w3.org/ns/ldp#",
+        ),
+    )
+)
+"""System graphs of every Virtuoso database."""
 _VIRTUOSO_ASK: Final = Variable("__ASK_RETVAL")
 """Variable of Virtuoso's result of ASK, a row with 0 or 1."""
 _VIRTUOSO: Final = b'\n{ "head": { "link": ['
 """Beginning of Virtuoso's rows in JSON."""
-_VIRTUOSO_BOOLEAN: Final = re.compile(rb'("http://www\.w3\.org/2001/XMLSchema#boolean", "value": ")([01])(?=")')
+_VIRTUOSO_VALUES: Final = re.compile(
+    rb'(XMLSchema#boolean", "value": ")([01])(?=")'
+    rb'|("type": "bnode", "value": ")nodeID://'
+    rb'|(XMLSchema#dateTime", "value": "[^".]+\.\d*?[1-9])0+(?=\D)'
+)
+"""Matches Virtuoso's booleans, which are 1 and 0, its labels of blank nodes, and fractions of seconds that end in 0."""
 _IN_MEMORY: Final = 16 << 20
 """Largest result in memory, in bytes; a larger one goes to a temporary file."""
 _ROWS: Final = "application/sparql-results+json"
@@ -174,6 +190,8 @@ class RemoteSnapshot:
     def __init__(self, endpoint: Endpoint) -> None:
         self._endpoint = endpoint
         self._identity = str(uuid4())
+        self.is_virtuoso = False
+        """Whether the last response with rows came from Virtuoso."""
 
     @property
     def identity(self) -> str:
@@ -212,10 +230,11 @@ class RemoteSnapshot:
         return cast("QuerySolutions", self.query(text, union=False))
 
     def graphs(self) -> list[NamedNode]:
-        """Return the names of all named graphs that are not empty, sorted."""
+        """Return the names of all named graphs that are not empty, sorted, without system graphs of the server."""
         # Virtuoso 7 needs seconds for SELECT DISTINCT ?g over a small store, and milliseconds to group.
         found = (row["g"] for row in self.rows("SELECT ?g WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"))
-        return sorted((graph for graph in found if isinstance(graph, NamedNode)), key=lambda graph: graph.value)
+        named = (graph for graph in found if isinstance(graph, NamedNode) and graph not in SYSTEM_GRAPHS)
+        return sorted(named, key=lambda graph: graph.value)
 
     def count(self, graph: NamedNode | None = None) -> int:
         """Return the number of quads in a graph, or in the whole store."""
@@ -250,7 +269,9 @@ class RemoteSnapshot:
         place = Place(self._endpoint.shown)
         try:
             if results := QueryResultsFormat.from_media_type(answer.media_type):
-                return parse_query_results(_with_booleans(answer.body), format=results)
+                self.is_virtuoso = _is_virtuoso(answer.body)
+                body = _standard(answer.body) if self.is_virtuoso else answer.body
+                return parse_query_results(body, format=results)
             if triples := RdfFormat.from_media_type(answer.media_type):
                 # Only a query can create a result of triples.
                 store = Store()
@@ -267,14 +288,23 @@ def _everything(graph: NamedNode | None) -> str:
     return f"GRAPH {graph} {{ ?s ?p ?o }}" if graph else "{ ?s ?p ?o } UNION { GRAPH ?g { ?s ?p ?o } }"
 
 
-def _with_booleans(body: IO[bytes]) -> IO[bytes]:
-    """Return rows with the booleans of Virtuoso, 1 and 0, replaced by true and false."""
+def _is_virtuoso(body: IO[bytes]) -> bool:
+    """Return whether rows come from Virtuoso."""
     start = body.read(len(_VIRTUOSO))
     body.seek(0)
-    if start != _VIRTUOSO:
-        return body
+    return start == _VIRTUOSO
+
+
+def _standard(body: IO[bytes]) -> IO[bytes]:
+    """Return Virtuoso's rows with values in their usual form."""
     mended = SpooledTemporaryFile(_IN_MEMORY)  # noqa: SIM115 - closed with the response
     for line in body:  # quotes in values are escaped, so values cannot match
-        mended.write(_VIRTUOSO_BOOLEAN.sub(lambda match: match[1] + (b"true", b"false")[match[2] == b"0"], line))
+        mended.write(_VIRTUOSO_VALUES.sub(_standard_value, line))
     mended.seek(0)
     return cast("IO[bytes]", mended)
+
+
+def _standard_value(match: re.Match[bytes]) -> bytes:
+    if match[2]:
+        return match[1] + (b"true" if match[2] == b"1" else b"false")
+    return match[3] or match[4]

@@ -140,7 +140,14 @@ class EmbeddedTransaction:
             for graph, content in graphs.items():
                 self._engine.clear_graph(graph)
                 self.changes.load(graph.value, content)
-            self._loaded += bulk.load_quads(lambda: self._engine, graphs)
+            self._loaded += bulk.load_quads(lambda: self._engine, graphs.items())
+
+    def load_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
+        """Add chunks of N-Triples, each of whole lines, to graphs; all of them are loaded together."""
+        chunks = ((graph, chunk) for graph, content in graphs.items() for chunk in self._noted(graph, content))
+        with translated(str(self._layout.root)):
+            self._begin(frozenset())
+            self._loaded += bulk.load_quads(lambda: self._engine, chunks)
 
     def patch_graph(self, graph: NamedNode, removed: bytes, added: bytes) -> None:
         """Remove the N-Triples `removed` from a graph and add `added`: for changes small compared with the graph.

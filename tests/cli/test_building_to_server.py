@@ -1,12 +1,13 @@
-"""`kg build --store ADDRESS` builds as usual, and then replaces the changed graphs of a server."""
+"""`kg build --store ADDRESS` and `kg import` work as usual, and then replace the changed graphs of a server."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import pytest
-from store.servers import oxigraph_server
+from store.servers import oxigraph_server, virtuoso_server
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -25,27 +26,54 @@ rospy.Publisher("{topic}", String, queue_size=1)
 """
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[str]:
-    """The address of an Oxigraph server."""
-    with oxigraph_server() as found:
-        yield found
+FILE = """@prefix e: <https://example.org/> .
+e:rover e:part [ e:name "arm" ; e:length 1.50 ; e:tested true ] .
+"""
+
+
+@dataclass(frozen=True)
+class Server:
+    """Addresses of a server, and the environment with a login for updates."""
+
+    query: str
+    update: str
+    login: dict[str, str]
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The options of commands that write."""
+        return "--store", self.query, "--update-url", self.update
+
+
+@pytest.fixture(scope="module", params=["oxigraph", pytest.param("virtuoso", marks=pytest.mark.virtuoso)])
+def server(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """An Oxigraph server, and a Virtuoso server whose address for updates requires Digest authentication."""
+    if request.param == "oxigraph":
+        with oxigraph_server() as found:
+            yield Server(f"{found}/query", f"{found}/update", {})
+    else:
+        with virtuoso_server(tmp_path_factory.mktemp("virtuoso")) as found:
+            yield Server(found, f"{found}-auth", {"KG_REMOTE_USER": "dba", "KG_REMOTE_PASSWORD": "dba"})
 
 
 @pytest.fixture
-def build(kg: Program, server: str) -> Callable[..., Run]:
+def build(kg: Program, server: Server) -> Callable[..., Run]:
     """Return a function that builds a package with a publisher to the server, by default with its update address."""
 
-    def run(topic: str, addresses: tuple[str, ...] = ()) -> Run:
+    def run(topic: str, addresses: tuple[str, ...] = (), **environment: str) -> Run:
         folder = kg.folder / "ws" / "talk"
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "package.xml").write_text(MANIFEST)
         (folder / "talker.py").write_text(SCRIPT.format(topic=topic))
         (folder / "talker.py").chmod(0o755)
-        named = addresses or ("--store", f"{server}/query", "--update-url", f"{server}/update")
-        return kg("build", "--no-rules", *named, "ws", XDG_CACHE_HOME=str(kg.folder / "cache"))
+        used = {**_environment(kg, server), **environment}
+        return kg("build", "--no-rules", *(addresses or server.options), "ws", folder=kg.folder, **used)
 
     return run
+
+
+def _environment(kg: Program, server: Server) -> dict[str, str]:
+    return {"XDG_CACHE_HOME": str(kg.folder / "cache"), **server.login}
 
 
 def _digest(kg: Program, store: str, folder: str) -> str:
@@ -59,24 +87,51 @@ def _mirror(folder: Path) -> str:
     return str(found)
 
 
-def test_the_server_has_what_was_built(kg: Program, server: str, build: Callable[..., Run]) -> None:
+def test_the_server_has_what_was_built(kg: Program, server: Server, build: Callable[..., Run]) -> None:
     """Digests are equal after the first build, and after one that changes a graph."""
     wrote = []
     for number, topic in enumerate(["chatter", "chatter", "news"]):
         run = build(topic)
         assert run.code == 0, run.err
         wrote.append(int(re.findall(r"wrote (\d+) graph", run.err)[0]))
-        assert _digest(kg, f"{server}/query", f"a{number}") == _digest(kg, _mirror(kg.folder), f"b{number}")
+        assert _digest(kg, server.query, f"a{number}") == _digest(kg, _mirror(kg.folder), f"b{number}")
     assert wrote[1] == 0
     assert 0 < wrote[2] < wrote[0]
-    assert "news" in kg("node", "talker", "--store", f"{server}/query").out
+    assert "news" in kg("node", "talker", "--store", server.query).out
 
 
-def test_an_address_for_queries_alone_is_named(server: str, build: Callable[..., Run]) -> None:
+def test_the_server_has_what_was_imported(kg: Program, server: Server, build: Callable[..., Run]) -> None:
+    """Blank nodes and values are those of the file; a file that was imported before is replaced by its new content."""
+    build("chatter")
+    for text in (FILE, FILE.replace("arm", "leg")):
+        (kg.folder / "rover.ttl").write_text(text)
+        run = kg("import", "rover.ttl", "--no-rules", *server.options, folder=kg.folder, **_environment(kg, server))
+        assert run.code == 0, run.err
+        assert "wrote 2 graphs" in run.err
+    assert _digest(kg, server.query, "a") == _digest(kg, _mirror(kg.folder), "b")
+    rows = kg("query", "SELECT ?name { ?x <https://example.org/name> ?name }", "--store", server.query).out
+    assert "arm" in rows
+    assert "leg" in rows
+
+
+def test_an_address_for_queries_alone_is_named(server: Server, build: Callable[..., Run]) -> None:
     """The hint names the missing option."""
-    run = build("rumours", ("--store", f"{server}/query"))
+    if server.login:
+        pytest.skip("Virtuoso accepts updates at its address for queries")
+    run = build("rumours", ("--store", server.query))
     assert run.code == 4
     assert "--update-url" in run.err
+
+
+def test_a_wrong_password_is_reported(server: Server, build: Callable[..., Run]) -> None:
+    """The hint names the variables, and the password is not shown."""
+    if not server.login:
+        pytest.skip("Oxigraph requires no login")
+    run = build("rumours", KG_REMOTE_PASSWORD="secret")  # noqa: S106 - a wrong one
+    assert run.code == 4
+    assert "the server answered 401" in run.err
+    assert "KG_REMOTE_PASSWORD" in run.err
+    assert "secret" not in run.err
 
 
 def test_an_address_for_updates_needs_a_server(kg: Program) -> None:

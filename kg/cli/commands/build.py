@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from kg.cli.copying import copy_to, server_of
 from kg.cli.diagnostics import note, say
 from kg.cli.options import Json, NoRules, UpdateUrl, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.cli.supervising import supervise
-from kg.errors import Exit, UsageError
+from kg.errors import Exit
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -20,6 +21,7 @@ from kg.store.opening import layout_of, mirrored, writable
 if TYPE_CHECKING:
     from kg.corpus.files import Pin
     from kg.graph.source_states import SourceState
+    from kg.store.remote import RemoteStore
 
 with lazily():
     from kg.cli import fetching_view
@@ -32,12 +34,7 @@ with lazily():
     from kg.pipeline.estimating import estimate
     from kg.pipeline.pending import pending, rules_changed
     from kg.store.embedded import EmbeddedStore
-    from kg.store.remote import RemoteStore
-    from kg.store.remote_reading import without_credentials
-    from kg.store.replacing import replace_on
 
-_SERVER_SECONDS: Final = 3600.0
-"""Seconds for a server to replace graphs."""
 _WATCH_SECONDS: Final = 1.0
 
 Sources = Annotated[
@@ -105,7 +102,7 @@ def build(  # noqa: PLR0913 - the options of a command
     """
     if settings.memory:
         supervise(settings.memory)
-    server = _server(settings, update_url)
+    server = server_of(settings, update_url)
     if server is not None:
         settings = mirrored(settings)
     elsewhere = bool(settings.cluster) and not dry_run
@@ -133,19 +130,6 @@ def _checkouts(corpus: str, *, elsewhere: bool) -> "tuple[dict[str, Pin | None],
     return checkouts(lock, found), not found.missing and not found.drifted
 
 
-def _server(settings: Settings, update_url: str | None) -> "RemoteStore | None":
-    """Return the server that the settings name as the store, None if that is a folder."""
-    if not isinstance(settings.store, str):
-        if update_url:
-            raise UsageError("KG003", "--update-url needs a server, but the store is a folder")
-        return None
-    layout_of(settings)  # refuses a server that a file of settings names
-
-    for address in filter(None, (settings.store, update_url)):
-        without_credentials(address)
-    return RemoteStore(settings.store, update_url, timeout=_SERVER_SECONDS, from_environment=True)
-
-
 def _build(  # noqa: PLR0913 - the options of the command
     named: list[str],
     settings: Settings,
@@ -162,9 +146,7 @@ def _build(  # noqa: PLR0913 - the options of the command
     for line in summary(report, target.layout.root, every=problems):
         say(line)
     if server is not None:
-        sent = replace_on(target.layout, server)
-        removed = f", removed {sent.removed:,}" if sent.removed else ""
-        say(f"wrote {count(sent.graphs, 'graph')} with {count(sent.triples, 'triple')}{removed} to {server.address}")
+        copy_to(server, target)
     if json:
         json_lines([report_object(report)])
     rules_left_out, repositories_left_out = left_out(report.inferred), fetching_view.left_out(report.unfetched)

@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from kg.cli.copying import copy_to, server_of
 from kg.cli.diagnostics import note, say
-from kg.cli.options import NoRules, OutputFile, with_settings
+from kg.cli.options import NoRules, OutputFile, UpdateUrl, with_settings
 from kg.cli.output import save, terminal, write_bytes
 from kg.errors import Exit, QueryError, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import did_you_mean, unknown
-from kg.store.opening import existing, reading, writable
+from kg.store.opening import existing, mirrored, reading, writable
 
 if TYPE_CHECKING:
     from kg.pipeline.report import Inferred
@@ -105,13 +106,14 @@ def _table(snapshot: "EmbeddedSnapshot", graph: "NamedNode | None") -> bytes:
 
 
 @with_settings("base", "store")
-def import_files(
+def import_files(  # noqa: PLR0913 - the options of a command
     files: Files,
     *,
     settings: Settings,
     format_name: FormatName = None,
     graph: GraphName = None,
     no_rules: NoRules = False,
+    update_url: UpdateUrl = None,
 ) -> None:
     """Add RDF files to the store.
 
@@ -122,7 +124,11 @@ def import_files(
 
         kg import everything.nq
         kg import my-robot.ttl --graph https://example.org/my-robot
+        kg import my-robot.ttl --store http://localhost:7878/query --update-url http://localhost:7878/update
     """
+    server = server_of(settings, update_url)
+    if server is not None:
+        settings = mirrored(settings)
     iris = Iris(settings.base)
     named = _named(settings.base, graph) if graph is not None else None
     if named in protected_graphs(settings):
@@ -140,6 +146,8 @@ def import_files(
             inference.remember(transaction.commit())
         with target.read() as snapshot:
             say(f"the store now holds {count(snapshot.count(), 'quad')}")
+    if server is not None:
+        copy_to(server, target)
     if inferred and inferred.removed:
         note(f"{count(inferred.removed, 'inferred triple')} removed: the rules do not infer them from this data")
     _end(inferred)

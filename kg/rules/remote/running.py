@@ -49,6 +49,7 @@ from kg.rules.form import (
 )
 from kg.rules.sparql import Placed, distinct_solutions, group, triple
 from kg.rules.stratify import Stratum, stratify
+from kg.store.remote import SYSTEM_GRAPHS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -60,12 +61,6 @@ _GRACE_SECONDS: Final = 2.0
 """Seconds for a server to finish the current update after the deadline, before the clean-up."""
 
 _ANY: Final = "?s ?p ?o"
-_OF_VIRTUOSO: Final = (
-    "<http://www.openlinksw.com/schemas/virtrdf#>",
-    "<http://localuriqaserver/sparql>",
-    "<http://www.w3.org/ns/ldp#>",
-)
-"""System graphs of every Virtuoso database."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +207,7 @@ class Sources:
     def all_but(cls, inferred: NamedNode, snapshot: RemoteSnapshot) -> Sources:
         """Return all graphs but `inferred`, those below it, its sibling `builds`, and the server's system graphs."""
         builds = f"<{inferred.value.rpartition('/')[0]}/builds>"
-        left = ", ".join([str(inferred), builds, *_OF_VIRTUOSO])
+        left = ", ".join([str(inferred), builds, *map(str, SYSTEM_GRAPHS)])
         condition = f'?g NOT IN ({left}) && !STRSTARTS(STR(?g), "{inferred.value}/")'
         # Grouped, since Virtuoso 7 needs seconds for SELECT DISTINCT.
         asked = f"SELECT ?g WHERE {{ GRAPH ?g {{ {_ANY} }} FILTER({condition}) }} GROUP BY ?g"

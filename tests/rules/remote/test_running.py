@@ -19,7 +19,6 @@ from kg.errors import RuleError, StoreError
 from kg.rules.engine.limits import Limits
 from kg.rules.form import AUXILIARY, Aggregate, Assignment, Column, EngineBlock, Exists, Values, Variable
 from kg.rules.remote import run
-from kg.rules.remote.running import _OF_VIRTUOSO
 from kg.store.remote import RemoteStore
 
 if TYPE_CHECKING:
@@ -67,8 +66,8 @@ def is_virtuoso(store: RemoteStore) -> bool:
 
 
 def graphs(store: RemoteStore) -> list[NamedNode]:
-    """Return the graphs of a server, except those always present in Virtuoso."""
-    return [graph for graph in store.read().graphs() if str(graph) not in _OF_VIRTUOSO]
+    """Return the graphs of a server."""
+    return store.read().graphs()
 
 
 def put(store: RemoteStore, text: str, graph: NamedNode = SOURCE) -> None:
