@@ -238,7 +238,7 @@ class Tools:
         except KgError as error:
             if error.code == _TOO_LONG:
                 raise ToolError(f"{error}. Narrow the patterns, or start from a name or a LIMIT.") from error
-            raise _told(error) from error
+            raise tool_error(error) from error
         if answer.head.kind == "boolean":
             return "yes" if json.loads(body)["boolean"] else "no"
         found = body.splitlines()
@@ -267,7 +267,7 @@ class Tools:
             found = await self._answer("why", fact)
         except KgError as error:
             if error.code != _DOES_NOT_HOLD:
-                raise _told(error) from error
+                raise tool_error(error) from error
             return await self._lines("why_not", fact, lines.lacking, detail=detail, page=page)
         return _text(found, lines.proofs, detail=detail, page=page)
 
@@ -343,7 +343,7 @@ class Tools:
         try:
             found = await self._answer("rule", {"name": name})
         except KgError as error:
-            raise _told(error) from error
+            raise tool_error(error) from error
         return lines.paged(str(found["text"]).splitlines(), [], page, PAGE, further=_further("rule", name))
 
     async def node(self, name: str, page: int = 1) -> str:
@@ -369,7 +369,7 @@ class Tools:
         try:
             found = await self._answer(view, arguments)
         except KgError as error:
-            raise _told(error) from error
+            raise tool_error(error) from error
         return _text(found, written, none=none, detail=detail, page=page, further=further)
 
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
@@ -418,6 +418,6 @@ def _document(name: str, shown: Iterable[str], page: int) -> str:
     return lines.paged(shown, [], page, PAGE, further=f"kg://{name}/{{}}")
 
 
-def _told(error: KgError) -> ToolError:
+def tool_error(error: KgError) -> ToolError:
     """Return an error as the assistant reads it, with the way out."""
     return ToolError(lines.paged([f"{error}. {error.hint}" if error.hint else str(error)], [], 1, PAGE))
