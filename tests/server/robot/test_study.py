@@ -50,3 +50,46 @@ def test_a_study_gives_results(browser: Chromium, robot_site: str, tmp_path: Pat
         "participant": 'Ada "A"', "robot": "office", "exercise": "1", "title": "Single command",
         "attempts": "2", "ended": "done", "blocks": "2", "capabilities": "0",
     }  # fmt: skip
+
+
+@needs_blocks
+def test_a_study_is_begun_by_keyboard(browser: Chromium, robot_site: str) -> None:
+    """Enter in the dialog shows the task and focuses the button that starts the clock."""
+
+    async def start(visit: Visit) -> str:
+        page = visit.page
+        await page.locator("#examples").click()
+        await page.locator("#study").click()
+        await page.get_by_label("Participant").press("Enter")
+        await said(page, "#study-task", "^1")
+        await page.locator("#study-read:focus").wait_for()
+        await page.keyboard.press("Enter")
+        return await said(page, "#study-clock", "0 attempts")
+
+    assert visited(browser, robot_site, start).startswith("0:0")
+
+
+@needs_blocks
+def test_the_end_of_a_program_counts_for_its_task(browser: Chromium, robot_site: str) -> None:
+    """A program that ends after the next task was shown is recorded with the task that it was run for."""
+
+    async def hurry(visit: Visit) -> tuple[str, str]:
+        page = visit.page
+        await page.locator("#examples").click()
+        await page.locator("#study").click()
+        await page.get_by_role("button", name="Start", exact=True).click()
+        await page.locator("#study-read").click()
+        await wrote(page, "wait 2 s\n")
+        await page.locator("#run:not([disabled])").click()
+        await said(page, "#study-clock", "1 attempt")
+        await page.locator("#study-next").click()
+        await said(page, "#log", "is done")
+        await page.locator("#study-end").click()
+        kept = str(
+            await page.evaluate("JSON.parse(localStorage.getItem('kg-robot-study')).map((row) => row.ended).join()")
+        )
+        return kept, await page.inner_text("#study-found")
+
+    kept, found = visited(browser, robot_site, hurry)
+    assert kept == "done"
+    assert found == "1 result is kept in this browser."
