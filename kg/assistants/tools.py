@@ -216,7 +216,10 @@ class Tools:
         if not folder:
             roots = [one["root"] for one in (await self._answer("overview", {}))["sources"]]
             folder = roots[0] if len(roots) == 1 and roots[0] else "."  # else the folder of the server
-        return await self._command("diff", commits, "--repository", folder, seconds=_DIFF_SECONDS, page=page)
+        advice = f"Commits that were read are kept: call again, or run `kg diff {commits}` in a terminal"
+        return await self._command(
+            *("diff", commits, "--repository", folder), seconds=_DIFF_SECONDS, page=page, advice=advice
+        )
 
     async def query(
         self,
@@ -376,11 +379,12 @@ class Tools:
         found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
         return found
 
-    async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "") -> str:
+    async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "", advice: str = "") -> str:
         try:
             code, text = await run_command(*arguments, seconds=seconds)
         except TimeoutError:
-            raise ToolError(f"it took longer than {seconds:.0f} seconds and was ended") from None
+            problem = f"it took longer than {seconds:.0f} seconds and was ended"
+            raise ToolError(f"{problem}. {advice}" if advice else problem) from None
         text = text.replace(hidden, "") if hidden else text
         answer = lines.paged(text.splitlines() or ["done"], [], page, PAGE)
         if code and "error[" in text:

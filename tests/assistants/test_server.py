@@ -190,6 +190,14 @@ def test_changes_are_looked_up_in_the_source_of_the_store(connected: Connected, 
     assert f"--> {store.parent}" in text
 
 
+def test_a_slow_comparison_says_how_to_go_on(connected: Connected, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A comparison that takes too long is ended, and the error advises what to do."""
+    monkeypatch.setattr("kg.assistants.tools._DIFF_SECONDS", 0.01)
+    failed, message = asked(connected, "diff", commits="main..HEAD")
+    assert failed
+    assert "call again, or run `kg diff main..HEAD` in a terminal" in message
+
+
 def test_a_program_is_checked_with_hints(connected: Connected) -> None:
     """The error has the line and the suggested capability, and no path of this machine."""
     failed, message = asked(connected, "check_program", program="goingToPse x: 1 m", system=ROVER)
