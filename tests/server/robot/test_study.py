@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from browsing import Chromium, Visit
 
 
+_GAP = 8
+"""Pixels between the task and the columns below it."""
+
+
 @needs_blocks
 def test_a_study_gives_results(browser: Chromium, robot_site: str, tmp_path: Path) -> None:
     """The clock starts after reading the task; each run counts; the saved results have the program and its size."""
@@ -63,6 +67,11 @@ def test_a_study_is_begun_by_keyboard(browser: Chromium, robot_site: str) -> Non
         await page.get_by_label("Participant").press("Enter")
         await said(page, "#study-task", "^1")
         await page.locator("#study-read:focus").wait_for()
+        gap = await page.evaluate(
+            """() => document.querySelector('.robot-columns').getBoundingClientRect().top
+              - document.getElementById('study-panel').getBoundingClientRect().bottom"""
+        )
+        assert gap >= _GAP
         await page.keyboard.press("Enter")
         return await said(page, "#study-clock", "0 attempts")
 
