@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from contextlib import asynccontextmanager
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote
 
 from mcp.server.mcpserver import MCPServer
+from mcp.server.mcpserver.exceptions import ToolError, UnexpectedToolError
 from mcp.types import ToolAnnotations
+from pydantic import ValidationError
 
-from kg.assistants.tools import Tools
+from kg.assistants.arguments import names_error, unknown_tool, values_error
+from kg.assistants.tools import Tools, tool_error
 from kg.lazily import lazily
 from kg.query.readers.pool import Readers
 from kg.store.opening import layout_of
@@ -33,6 +36,26 @@ _SECONDS: Final = 30.0
 """How long an answer may take, where nothing else is set; queries of an assistant end after 10 s."""
 
 
+class _Server(MCPServer):
+    """The server of the SDK, with errors about arguments in the form of the errors of `kg`."""
+
+    async def call_tool(self, name: str, arguments: dict[str, Any], context: Any = None) -> Any:
+        """Return the result of a tool; ToolError where it fails, or does not take these arguments."""
+        schemas = {tool.name: tool.input_schema for tool in await self.list_tools()}
+        if name not in schemas:
+            raise tool_error(unknown_tool(name, schemas))
+        if problem := names_error(name, schemas[name], arguments):
+            raise tool_error(problem)
+        try:
+            return await super().call_tool(name, arguments, context)
+        except UnexpectedToolError:
+            raise
+        except ToolError as error:
+            if isinstance(error.__cause__, ValidationError):
+                raise tool_error(values_error(name, schemas[name], error.__cause__)) from None
+            raise ToolError(str(error).removeprefix(f"Error executing tool {name}: ")) from error
+
+
 def create_server(settings: Settings) -> MCPServer:
     """Return the server of the store of the settings; StoreError KG301 when there is none."""
     layout = layout_of(settings)
@@ -49,7 +72,7 @@ def create_server(settings: Settings) -> MCPServer:
             finally:
                 tools.readers = None
 
-    server = MCPServer(
+    server = _Server(
         "kg", version=version("kg-ros"), instructions=_INSTRUCTIONS, lifespan=lifespan, log_level="WARNING"
     )
     for tool in tools.reading:

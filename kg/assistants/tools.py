@@ -216,7 +216,10 @@ class Tools:
         if not folder:
             roots = [one["root"] for one in (await self._answer("overview", {}))["sources"]]
             folder = roots[0] if len(roots) == 1 and roots[0] else "."  # else the folder of the server
-        return await self._command("diff", commits, "--repository", folder, seconds=_DIFF_SECONDS, page=page)
+        advice = f"Commits that were read are kept: call again, or run `kg diff {commits}` in a terminal"
+        return await self._command(
+            *("diff", commits, "--repository", folder), seconds=_DIFF_SECONDS, page=page, advice=advice
+        )
 
     async def query(
         self,
@@ -238,7 +241,7 @@ class Tools:
         except KgError as error:
             if error.code == _TOO_LONG:
                 raise ToolError(f"{error}. Narrow the patterns, or start from a name or a LIMIT.") from error
-            raise _told(error) from error
+            raise tool_error(error) from error
         if answer.head.kind == "boolean":
             return "yes" if json.loads(body)["boolean"] else "no"
         found = body.splitlines()
@@ -267,7 +270,7 @@ class Tools:
             found = await self._answer("why", fact)
         except KgError as error:
             if error.code != _DOES_NOT_HOLD:
-                raise _told(error) from error
+                raise tool_error(error) from error
             return await self._lines("why_not", fact, lines.lacking, detail=detail, page=page)
         return _text(found, lines.proofs, detail=detail, page=page)
 
@@ -343,7 +346,7 @@ class Tools:
         try:
             found = await self._answer("rule", {"name": name})
         except KgError as error:
-            raise _told(error) from error
+            raise tool_error(error) from error
         return lines.paged(str(found["text"]).splitlines(), [], page, PAGE, further=_further("rule", name))
 
     async def node(self, name: str, page: int = 1) -> str:
@@ -369,18 +372,19 @@ class Tools:
         try:
             found = await self._answer(view, arguments)
         except KgError as error:
-            raise _told(error) from error
+            raise tool_error(error) from error
         return _text(found, written, none=none, detail=detail, page=page, further=further)
 
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
         return found
 
-    async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "") -> str:
+    async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "", advice: str = "") -> str:
         try:
             code, text = await run_command(*arguments, seconds=seconds)
         except TimeoutError:
-            raise ToolError(f"it took longer than {seconds:.0f} seconds and was ended") from None
+            problem = f"it took longer than {seconds:.0f} seconds and was ended"
+            raise ToolError(f"{problem}. {advice}" if advice else problem) from None
         text = text.replace(hidden, "") if hidden else text
         answer = lines.paged(text.splitlines() or ["done"], [], page, PAGE)
         if code and "error[" in text:
@@ -418,6 +422,6 @@ def _document(name: str, shown: Iterable[str], page: int) -> str:
     return lines.paged(shown, [], page, PAGE, further=f"kg://{name}/{{}}")
 
 
-def _told(error: KgError) -> ToolError:
+def tool_error(error: KgError) -> ToolError:
     """Return an error as the assistant reads it, with the way out."""
     return ToolError(lines.paged([f"{error}. {error.hint}" if error.hint else str(error)], [], 1, PAGE))

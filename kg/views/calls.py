@@ -78,6 +78,8 @@ CALLS: Final[dict[str, View]] = {
     "prepare": View("prepare", "prepare"),
     "resource": View("resource", "resource"),
     "rule": View("rules", "rule"),
+    "rule_feeds": View("rules", "rule_feeds"),
+    "rule_index": View("rule_index", "rule_index"),
     "rules": View("rules", "rules"),
     "stored": View("stored", "stored"),
     "system": View("system", "system"),

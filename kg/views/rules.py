@@ -26,7 +26,7 @@ from kg.syntax.names import PREFIXES, shorten
 from kg.views.evidence import Places
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
     from kg.graph.reading import Queryable
@@ -50,13 +50,14 @@ class _Known:
     errors: tuple[RuleError, ...]
 
 
+_LIBRARIES: Final[dict[str, Library]] = {}  # what was listed last, by the digest of the rules
 _LAST: Final[dict[str, _Known]] = {}  # what was read last, by the digest of the rules
 
 
 def _load(settings: Settings, mark: str) -> _Known:
     """Return the rules of the settings; they are read again when the digest of their files is another."""
     if mark not in _LAST:
-        library = Library.of(settings)
+        library = listed(settings, mark)
         files, errors = library.read_all()
         try:
             graph = rule_graph(files, ontology_schema(settings))
@@ -65,6 +66,15 @@ def _load(settings: Settings, mark: str) -> _Known:
         _LAST.clear()
         _LAST[mark] = _Known(library, graph, tuple(errors))
     return _LAST[mark]
+
+
+def listed(settings: Settings, mark: str) -> Library:
+    """Return the rules of the settings, of which few need to be parsed; `mark` is the digest of their files."""
+    if mark not in _LIBRARIES:
+        found = Library.of(settings)
+        _LIBRARIES.clear()
+        _LIBRARIES[mark] = found
+    return _LIBRARIES[mark]
 
 
 def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
@@ -79,19 +89,31 @@ def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     errors as texts.
     """
     known = _load(settings, digest(settings))
-    library, costs = known.library, _costs(settings)
+    library, costs = known.library, costs_of(settings)
     families: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for entry in library.entries.values():
-        families[entry.family].append(_listed(library, entry, costs))
+        families[entry.family].append(rule_object(library, entry, costs))
     return {
         "families": [
             {"family": name, "in_force": any(one["in_force"] for one in found), "rules": found}
             for name, found in sorted(families.items())
         ],
         "graph": _graph_object(known.graph),
-        "run": _run(snapshot, settings, costs, len(library.in_force)),
-        "problems": [f"{error.code}: {error.message} ({error.place})" for error in known.errors],
+        "run": run_object(snapshot, settings, costs, len(library.in_force)),
+        "problems": problem_texts(known.errors),
     }
+
+
+def rule_feeds(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
+    """Return which rules feed which: the `graph` and the `problems` of `rules`."""
+    del snapshot
+    known = _load(settings, digest(settings))
+    return {"graph": _graph_object(known.graph), "problems": problem_texts(known.errors)}
+
+
+def problem_texts(errors: Iterable[RuleError]) -> list[str]:
+    """Return errors as texts with code and place."""
+    return [f"{error.code}: {error.message} ({error.place})" for error in errors]
 
 
 def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str, Any]:
@@ -117,7 +139,7 @@ def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str,
         found.append({"kind": kind, "triples": int(next(_rows(snapshot, query))["n"].value)})
     return {
         **manual_object(entry, known),
-        **_cost(entry.name, _costs(settings)),
+        **_cost(entry.name, costs_of(settings)),
         "place": _place(entry, entry.path),
         "examples_place": _place(entry, entry.examples) if entry.examples.is_file() else None,
         "around": _graph_object(every.graph.around({entry.name})),
@@ -132,7 +154,8 @@ def _place(entry: Entry, path: Path) -> dict[str, Any]:
     return {**Places.own(path, 1), "path": f"{entry.name}{path.suffix}"}
 
 
-def _listed(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[str, Any]:
+def rule_object(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a rule in a list, with its `sections`, its cost, and the error that it cannot be read."""
     error = None
     try:
         told = library.read(entry.name).documentation
@@ -143,7 +166,8 @@ def _listed(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[st
     return {**entry_object(entry, told, error), "sections": dict(told.sections), **_cost(entry.name, costs)}
 
 
-def _costs(settings: Settings) -> Mapping[str, Any]:
+def costs_of(settings: Settings) -> Mapping[str, Any]:
+    """Return seconds, derived triples and rounds of each rule in the last run of all; empty if not known."""
     found = last_run(layout_of(settings).cache)
     return found.costs if found else {}
 
@@ -153,7 +177,7 @@ def _cost(name: str, costs: Mapping[str, Any]) -> dict[str, Any]:
     return {"seconds": seconds, "derived": derived, "rounds": rounds}
 
 
-def _run(
+def run_object(
     snapshot: EmbeddedSnapshot, settings: Settings, costs: Mapping[str, Any], in_force: int
 ) -> dict[str, Any] | None:
     """Return the record of the last run; None if rules never ran."""

@@ -131,6 +131,28 @@ def test_an_unknown_node_is_told_with_the_one_meant(connected: Connected) -> Non
     assert "scan_filter" in message
 
 
+@pytest.mark.parametrize(
+    ("tool", "arguments", "expected"),
+    [
+        ("describe_node", {}, "KG003: describe_node: missing argument `name`. Arguments: `name`: string, required; "),
+        ("find_nodes", {"need": "scan", "hardwar": ["camera"]}, "unknown argument `hardwar`. Did you mean `hardware`"),
+        ("find_nodes", {"publishes": "/scan"}, "`publishes` is '/scan': input should be a valid list. Arguments: "),
+        ("find_nodes", {"limit": 1000}, "`limit`: integer from 1 to 50"),
+        ("topic", {"name": "/scan", "kind": "topics"}, "`kind`: 'topic' or 'service'"),
+        ("describe_nod", {"name": "scan_filter"}, "KG001: unknown tool `describe_nod`. Did you mean `describe_node`"),
+    ],
+)
+def test_wrong_arguments_are_answered_with_those_of_the_tool(
+    connected: Connected, tool: str, arguments: dict[str, Any], expected: str
+) -> None:
+    """A missing, misspelt or wrong argument is an error with a code and the arguments of the tool."""
+    failed, message = asked(connected, tool, **arguments)
+    assert failed
+    assert expected in message
+    assert message.startswith("KG00")
+    assert "pydantic" not in message
+
+
 def test_queries_are_read_only_and_bounded(connected: Connected) -> None:
     """A query returns at most the requested rows, with a note about further ones; an update is rejected."""
     failed, text = asked(connected, "query", sparql="SELECT ?node { ?node a rnkg:NodeType }", limit=2)
@@ -166,6 +188,14 @@ def test_changes_are_looked_up_in_the_source_of_the_store(connected: Connected, 
     assert failed
     assert "not a git repository" in text
     assert f"--> {store.parent}" in text
+
+
+def test_a_slow_comparison_says_how_to_go_on(connected: Connected, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A comparison that takes too long is ended, and the error advises what to do."""
+    monkeypatch.setattr("kg.assistants.tools._DIFF_SECONDS", 0.01)
+    failed, message = asked(connected, "diff", commits="main..HEAD")
+    assert failed
+    assert "call again, or run `kg diff main..HEAD` in a terminal" in message
 
 
 def test_a_program_is_checked_with_hints(connected: Connected) -> None:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UnknownNameError
-from kg.views.rules import rule, rules
+from kg.views.rule_index import rule_index
+from kg.views.rules import rule, rule_feeds, rules
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -81,3 +82,36 @@ def test_a_broken_rule_hides_no_other(snapshot: EmbeddedSnapshot, settings: Sett
     assert mine["rules"][0]["error"]["code"].startswith("KG2")
     assert found["problems"]
     assert len(found["families"]) > 5
+
+
+def test_the_index_counts_what_families_have(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """The counts of the index are those of the rules, which it returns only for a family or words."""
+    found, every = rule_index(snapshot, settings), rules(snapshot, settings)
+    assert found["rules"] == []
+    assert found["run"] == every["run"]
+    for one, other in zip(found["families"], every["families"], strict=True):
+        assert (one["family"], one["rules"]) == (other["family"], len(other["rules"]))
+        assert one["report"] == sum(1 for rule in other["rules"] if rule["severity"])
+        assert (one["derived"] or 0) == sum(rule["derived"] or 0 for rule in other["rules"])
+
+
+def test_the_index_selects_by_family_and_words(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """All words must be in the name, title or documentation; without a family those of all families are returned."""
+    found = [one["rule"] for one in rule_index(snapshot, settings, text="FEEDS subscribers")["rules"]]
+    assert "communication/feeds" in found
+    within = [one["rule"] for one in rule_index(snapshot, settings, family="communication", text="feeds")["rules"]]
+    assert "communication/feeds" in within
+    assert all(name.startswith("communication/") for name in within)
+    with pytest.raises(UnknownNameError) as caught:
+        rule_index(snapshot, settings, family="comunication")
+    assert "communication" in str(caught.value.hint)
+
+
+def test_the_index_reports_broken_rules(snapshot: EmbeddedSnapshot, settings: Settings, tmp_path: Path) -> None:
+    """A rule that cannot be read is a problem of the index, and the error is next to it in its family."""
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "broken.rq").write_text("# Broken\nCONSTRUCT { ?a ?b } WHERE", "utf-8")
+    changed = replace(settings, rules=(tmp_path,))
+    found = rule_index(snapshot, changed, family="mine")
+    assert found["problems"] == rule_feeds(snapshot, changed)["problems"] != []
+    assert found["rules"][0]["error"]["code"].startswith("KG2")

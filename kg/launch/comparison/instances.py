@@ -91,7 +91,8 @@ class Instances:
                 yield self._change(level, kind, owner, one, other)
 
     def _same(self, before: str, after: str) -> bool:
-        return canonical(self._renames.neutral(before)) == canonical(self._renames.neutral(after))
+        one, other = self._renames.neutral(before), self._renames.neutral(after)
+        return one == other or canonical(one) == canonical(other)
 
     def _setting(self, number: int, name: str, value: LaunchParameter) -> Side:
         return self.side(number, name, "?" if value.value is None else value.value, value.location)

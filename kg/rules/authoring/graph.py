@@ -92,9 +92,10 @@ def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> Rule
     derives: dict[tuple[str, str], None] = {}
     readers: dict[tuple[str, str], bool] = {}
     for reader, needs in zip(rules, edges(rules), strict=True):
+        read_by = tuple(reads(reader))
         for number in needs:
             writer = rules[number]
-            for head, read in _joined(writer, reader):
+            for head, read in _joined(writer, read_by):
                 auxiliary = is_auxiliary(head.predicate)
                 term = f"steps of {writer.name}" if auxiliary else _passed(head, read.atom, prefixes)
                 derives[writer.name, term] = None
@@ -118,11 +119,14 @@ def _nodes(files: Sequence[RuleFile], rules: Sequence[Rule]) -> tuple[RuleNode, 
     return tuple(sorted(nodes, key=lambda node: node.name))
 
 
-def _joined(writer: Rule, reader: Rule) -> Iterator[tuple[Atom, Read]]:
-    """Yield the heads of a rule that another rule reads, with their readers."""
+def _joined(writer: Rule, read_by: Sequence[Read]) -> Iterator[tuple[Atom, Read]]:
+    """Yield the heads of a rule that another rule reads, with what that rule reads."""
     for head in writer.head:
-        for read in reads(reader):
-            if depends(read.atom, head):
+        for read in read_by:
+            # Most pairs differ in the predicate, which is far cheaper to test than the whole atom.
+            predicates = (read.atom.predicate, head.predicate)
+            same = predicates[0] == predicates[1] or not all(isinstance(one, NamedNode) for one in predicates)
+            if same and depends(read.atom, head):
                 yield head, read
 
 

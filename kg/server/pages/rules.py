@@ -1,4 +1,4 @@
-"""`/rules`, `/rule?name=`: rules by family with their documentation, dependencies and last run.
+"""`/rules`, `/rules?family=&q=`, `/rule?name=`: families of rules, rules of a family or with words, and one rule.
 
 `/rule-blocks` is the editor that composes rules from blocks.
 """
@@ -22,7 +22,17 @@ _SEE_OTHER: Final = 303
 
 
 async def _rules(request: Request) -> Response:
-    return page(request, "rules.html", title="Rules", twin=url("/api/rules"), rules=await view(request, "rules"))
+    family, text = request.query_params.get("family", ""), request.query_params.get("q", "").strip()
+    chosen = {key: value for key, value in (("family", family), ("text", text)) if value}
+    try:
+        found = await view(request, "rule_index", **chosen)
+    except KgError as error:
+        if error.code not in ABSENT:
+            raise
+        return missing(request, error, f"Rules of {family}", family, lambda known: url("/rules", family=known))
+    title = f"Rules of {family}" if family else "Rules"
+    twin = url("/api/rule_index", **chosen)
+    return page(request, "rules.html", title=title, twin=twin, rules=found, family=family, text=text)
 
 
 async def _rule(request: Request) -> Response:

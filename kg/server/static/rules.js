@@ -1,4 +1,4 @@
-// The pages of rules: searching in the list, and the picture of which rules feed which.
+// The pages of rules: the picture of which rules feed which.
 
 import { url } from "./address.js";
 import { draw } from "./graph.js";
@@ -25,10 +25,10 @@ function asGraph({ nodes, edges }) {
   };
 }
 
-/** Draw the picture of all rules, or of those around the one that the page is about. */
-async function picture(host) {
+/** Draw a picture of rules: of all with closed families, or of those around the rule that the page is about. */
+async function picture(host, graph) {
   const rule = host.dataset.rule;
-  const data = asGraph(JSON.parse(document.getElementById("rules-data").textContent));
+  const data = asGraph(graph);
   const drawn = await draw(host, data, {
     name: rule ? rule.replace("/", "-") : "rules",
     height: host.dataset.height,
@@ -37,29 +37,25 @@ async function picture(host) {
   if (rule) drawn.select(rule);
 }
 
-/** Let the search field show the rules that hold all its words in their name, title or documentation. */
-function search(field, words) {
-  const rows = [...document.querySelectorAll("tr[data-text]")];
-  const update = () => {
-    const wanted = field.value.trim().toLowerCase().split(/\s+/);
-    let shown = 0;
-    for (const row of rows) {
-      const text = row.dataset.text.toLowerCase();
-      row.hidden = !wanted.every((word) => text.includes(word));
-      shown += row.hidden ? 0 : 1;
-    }
-    for (const family of document.querySelectorAll(".family")) {
-      family.hidden = !family.querySelector("tr[data-text]:not([hidden])");
-      if (wanted[0]) family.open = true;
-    }
-    words.textContent = `${shown} of ${rows.length} rules`;
-  };
-  field.hidden = false;
-  field.addEventListener("input", update);
-  update();
+/** Request all rules and draw them; computing who feeds whom takes a second or two after a start of the server. */
+async function request(host) {
+  host.setAttribute("aria-busy", "true");
+  host.textContent = "Computing which rules feed which …";
+  try {
+    const response = await fetch(url("/api/rule_feeds"));
+    if (!response.ok) throw new Error((await response.json()).message ?? response.statusText);
+    await picture(host, (await response.json()).graph);
+  } catch (error) {
+    host.textContent = `The picture cannot be drawn: ${error.message}`;
+  } finally {
+    host.setAttribute("aria-busy", "false");
+  }
 }
 
 const host = document.getElementById("rules-graph");
-if (host) picture(host);
-const field = document.getElementById("rules-filter");
-if (field) search(field, document.getElementById("rules-count"));
+const folded = document.getElementById("rules-picture");
+const data = document.getElementById("rules-data");
+if (folded) {
+  folded.hidden = false;
+  folded.addEventListener("toggle", () => request(host), { once: true });
+} else if (host && data) picture(host, JSON.parse(data.textContent));

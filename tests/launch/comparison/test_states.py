@@ -71,6 +71,18 @@ def wired(*instances: NodeInstance) -> Sources:
     return Sources(systems=[system(instances)])
 
 
+def test_equal_values_are_compared_without_reading_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values equal as texts are not parsed; these are nearly all values of two commits."""
+
+    def refuse(text: str) -> str:
+        raise AssertionError(text)
+
+    monkeypatch.setattr("kg.launch.comparison.instances.canonical", refuse)
+    rates = InstanceParameter("/a/rates", LaunchParameter("rates", "[1, 2]", PLACE))
+    same = wired(replace(instance("/a"), parameters=(rates,)))
+    assert told(same, same) == []
+
+
 def test_a_node_type_that_came_or_went_is_one_change() -> None:
     """Its content is not reported again."""
     full = Sources(nodes=[node("n", interface(Role.PUBLISHES, "a"))])

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     Examine = Callable[[str], Examined]
 
-_MISSING = {"node, misspelt", "rule, missing", "address, missing"}
+_MISSING = {"node, misspelt", "rule, missing", "rules, no such family", "address, missing"}
 _REFUSED = {"search, wrong filter": 400} | dict.fromkeys(_MISSING, 404)
 _WITHOUT_TWIN = {"search, empty", "login"} | _MISSING
 _EVERY = pytest.mark.parametrize("name", PAGES)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING
 
+import httpx
 import pytest
+from patience import patient
 
 from kg.server.libraries import HELP, libraries
 
@@ -17,26 +19,56 @@ if TYPE_CHECKING:
 _NEEDS_LIBRARIES = pytest.mark.skipif(not libraries(), reason=HELP)
 
 
-def test_rules_can_be_searched(browser: Chromium, site: str) -> None:
-    """The field finds rules by words of their documentation, also in collapsed families."""
+_MOST = 40_000
+"""Bytes of the index of rules."""
 
-    async def search() -> tuple[str, int]:
-        async with browser.visit(f"{site}/rules") as visit:
-            await visit.page.fill("#rules-filter", "wiring robot node")
-            return await visit.page.inner_text("#rules-count"), await visit.page.locator(
-                "tr[data-text]:visible"
-            ).count()
+
+def test_the_index_of_rules_is_light(site: str) -> None:
+    """The index lists families with counts, and leaves rules and their dependencies to other requests."""
+    text = httpx.get(f"{site}/rules", timeout=patient(30)).text
+    assert len(text) < _MOST
+    assert "/rules?family=communication" in text
+    assert "/rule?name=" not in text
+
+
+def test_rules_can_be_searched(browser: Chromium, site: str) -> None:
+    """The form finds rules by words of their documentation in all families, by keyboard and without JavaScript."""
+
+    async def search() -> tuple[str, list[str]]:
+        async with browser.visit(f"{site}/rules", java_script_enabled=False) as visit:
+            await visit.page.get_by_label("Words").fill("wiring robot node")
+            await visit.page.keyboard.press("Enter")
+            await visit.page.wait_for_url("**/rules?q=*")
+            names = await visit.page.locator("tbody th").all_inner_texts()
+            return await visit.page.inner_text("#rules-count"), names
 
     words, shown = browser.run(search())
-    assert 0 < shown < 20
-    assert words.startswith(f"{shown} of ")
+    assert 0 < len(shown) < 20
+    assert words.startswith(f"{len(shown)} of ")
+    assert all("/" in name for name in shown)
+
+
+def test_families_lead_to_their_rules(browser: Chromium, site: str) -> None:
+    """The name of a family opens the list of its rules, and of these the page of one rule; both lead back."""
+
+    async def follow() -> tuple[str, str]:
+        async with browser.visit(f"{site}/rules") as visit:
+            await visit.page.get_by_role("link", name="communication", exact=True).click()
+            await visit.page.get_by_role("link", name="feeds", exact=True).click()
+            rule = await visit.page.inner_text("h1")
+            await visit.page.get_by_role("link", name="communication", exact=True).click()
+            return rule, await visit.page.inner_text("h2 >> nth=0")
+
+    rule, family = browser.run(follow())
+    assert rule.replace("\u200b", "") == "communication/feeds"
+    assert family == "communication"
 
 
 def test_tables_sort(browser: Chromium, site: str) -> None:
     """The heading of a column sorts by it, numerically for numbers, and shows the direction."""
 
     async def sort() -> tuple[list[str], str | None]:
-        async with browser.visit(f"{site}/rules") as visit:
+        async with browser.visit(f"{site}/rules?family=architecture") as visit:
             table = visit.page.locator("table").first
             for _ in range(2):
                 await table.get_by_role("button", name="Derived").click()
@@ -72,6 +104,7 @@ def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> 
     async def use() -> tuple[str, str, list[Path]]:
         async with browser.visit(f"{site}/rules") as visit:
             page = visit.page
+            await page.get_by_text("Show the picture").click()
             closed = await page.get_attribute(".graph-canvas", "aria-label")
             await page.focus(".graph-canvas")
             for key in ("ArrowLeft", "+", "0"):

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from browsing import Chromium, Visit
 
 
+_GAP = 8
+"""Pixels between the task and the columns below it."""
+
+
 @needs_blocks
 def test_a_study_gives_results(browser: Chromium, robot_site: str, tmp_path: Path) -> None:
     """The clock starts after reading the task; each run counts; the saved results have the program and its size."""
@@ -50,3 +54,51 @@ def test_a_study_gives_results(browser: Chromium, robot_site: str, tmp_path: Pat
         "participant": 'Ada "A"', "robot": "office", "exercise": "1", "title": "Single command",
         "attempts": "2", "ended": "done", "blocks": "2", "capabilities": "0",
     }  # fmt: skip
+
+
+@needs_blocks
+def test_a_study_is_begun_by_keyboard(browser: Chromium, robot_site: str) -> None:
+    """Enter in the dialog shows the task and focuses the button that starts the clock."""
+
+    async def start(visit: Visit) -> str:
+        page = visit.page
+        await page.locator("#examples").click()
+        await page.locator("#study").click()
+        await page.get_by_label("Participant").press("Enter")
+        await said(page, "#study-task", "^1")
+        await page.locator("#study-read:focus").wait_for()
+        gap = await page.evaluate(
+            """() => document.querySelector('.robot-columns').getBoundingClientRect().top
+              - document.getElementById('study-panel').getBoundingClientRect().bottom"""
+        )
+        assert gap >= _GAP
+        await page.keyboard.press("Enter")
+        return await said(page, "#study-clock", "0 attempts")
+
+    assert visited(browser, robot_site, start).startswith("0:0")
+
+
+@needs_blocks
+def test_the_end_of_a_program_counts_for_its_task(browser: Chromium, robot_site: str) -> None:
+    """A program that ends after the next task was shown is recorded with the task that it was run for."""
+
+    async def hurry(visit: Visit) -> tuple[str, str]:
+        page = visit.page
+        await page.locator("#examples").click()
+        await page.locator("#study").click()
+        await page.get_by_role("button", name="Start", exact=True).click()
+        await page.locator("#study-read").click()
+        await wrote(page, "wait 2 s\n")
+        await page.locator("#run:not([disabled])").click()
+        await said(page, "#study-clock", "1 attempt")
+        await page.locator("#study-next").click()
+        await said(page, "#log", "is done")
+        await page.locator("#study-end").click()
+        kept = str(
+            await page.evaluate("JSON.parse(localStorage.getItem('kg-robot-study')).map((row) => row.ended).join()")
+        )
+        return kept, await page.inner_text("#study-found")
+
+    kept, found = visited(browser, robot_site, hurry)
+    assert kept == "done"
+    assert found == "1 result is kept in this browser."

@@ -73,7 +73,7 @@ function named(name, { x, y }, before) {
 }
 
 const study = new Study({
-  start: $("study-start"), participant: $("study-participant"), robot: $("study-robot"), panel: $("study-panel"), task: $("study-task"),
+  dialog: $("study-dialog"), start: $("study-start"), participant: $("study-participant"), robot: $("study-robot"), panel: $("study-panel"), task: $("study-task"),
   clock: $("study-clock"), read: $("study-read"), next: $("study-next"), end: $("study-end"), found: $("study-found"),
   download: $("study-download"), again: $("study-again"), open: () => $("study-dialog").showModal(),
 }, data.exercises, () => replace(`program "program"\n`));
@@ -225,7 +225,9 @@ async function run() {
   await settled();
   if (!moving.isReady) return;
   said.clearProblem();
+  const undo = study.starts();
   if (await tried(() => ask("/robot/run", { program }))) study.ran(program, $("text").value);
+  else undo();
 }
 
 // What the server tells

@@ -30,9 +30,11 @@ export function csv(rows) {
 export class Study {
   /** `parts` are the elements of the page, `exercises` those of the server; `clear` empties the program. */
   constructor(parts, exercises, clear) {
-    Object.assign(this, { parts, exercises, clear, row: null, begun: 0, ticking: 0 });
+    Object.assign(this, { parts, exercises, clear, row: null, running: null, begun: 0, ticking: 0 });
     this.rows = this.kept();
     parts.start.addEventListener("submit", () => this.begin());
+    // A dialog that closes moves the focus back to the button that opened it.
+    parts.dialog.addEventListener("close", () => { if (this.row && !this.begun) parts.read.focus(); });
     parts.read.addEventListener("click", () => this.clock());
     parts.next.addEventListener("click", () => this.next());
     parts.end.addEventListener("click", () => this.end());
@@ -67,7 +69,7 @@ export class Study {
     read.hidden = false;
     next.disabled = true;
     next.textContent = this.at + 1 < this.exercises.length ? "Next task" : "Finish";
-    read.focus();
+    if (!this.parts.dialog.open) read.focus();
   }
 
   /** Start the clock: the task was read. */
@@ -84,18 +86,35 @@ export class Study {
     this.parts.clock.textContent = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}, ${tries}`;
   }
 
+  /** Note that a program is about to run: it may end before the server has answered. Returns how to take that back. */
+  starts() {
+    const row = this.begun ? this.row : null;
+    if (!row) return () => {};
+    const { ended } = row;
+    row.ended = "";
+    this.running = row;
+    return () => {
+      row.ended = ended;
+      this.running = null;
+    };
+  }
+
   /** Note that a program was run: the time of a task ends with its last execution. */
   ran(program, text) {
     if (!this.row || !this.begun) return;
     this.row.attempts += 1;
-    Object.assign(this.row, { seconds: ((performance.now() - this.begun) / 1000).toFixed(1), ended: "", program: text, ...counted(program) });
+    Object.assign(this.row, { seconds: ((performance.now() - this.begun) / 1000).toFixed(1), program: text, ...counted(program) });
     this.tick();
     this.parts.next.disabled = false;
   }
 
-  /** Note how the program ended. */
+  /** Note how the program ended, for the task that it was run for, which may be over. */
   ended(state) {
-    if (this.row?.attempts && !this.row.ended) this.row.ended = state;
+    if (!this.running) return;
+    this.running.ended = state;
+    this.running = null;
+    this.keep();
+    this.results();
   }
 
   put() {
@@ -114,7 +133,7 @@ export class Study {
 
   results() {
     const { download, found, again } = this.parts;
-    found.textContent = this.rows.length ? `${this.rows.length} results are kept in this browser.` : "No results yet.";
+    found.textContent = this.rows.length ? `${this.rows.length} ${this.rows.length === 1 ? "result is" : "results are"} kept in this browser.` : "No results yet.";
     again.hidden = !this.rows.length;
     download.replaceChildren(...(this.rows.length ? [Object.assign(file("study.csv", csv(this.rows), "text/csv"), { textContent: "Save results as CSV" })] : []));
   }
