@@ -23,6 +23,7 @@ from kg.cli.systems import (
 )
 from kg.errors import Exit, UnknownNameError, UsageError
 from kg.lazily import lazily
+from kg.render.text import count
 from kg.settings import Settings
 from kg.similar import unknown
 from kg.store.opening import reading
@@ -110,8 +111,18 @@ def graph(  # noqa: PLR0913 - the options of a command
         deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
     if tell_malformed(settings, system):
         raise typer.Exit(Exit.FOUND)
-    if form == "text" and not found.members:
-        note(f"{system.configuration.name} starts no nodes")
+    if form == "text":
+        _note_unknown(found, system.configuration.name)
+
+
+def _note_unknown(graph: "SystemGraph", name: str) -> None:
+    """Write a note if there are no nodes, or nodes of unknown interfaces: an end without partner may have one there."""
+    unknown_nodes = [one for one in graph.members if one.reason and one.kind != "host"]
+    if not graph.members:
+        note(f"{name} starts no nodes")
+    elif unknown_nodes:
+        few = count(len(unknown_nodes), "node")
+        note(f"{few} with unknown interfaces (`kg instances {name}` shows why); `nobody` may be one of them")
 
 
 def _written(graph: "SystemGraph", form: str) -> str:
