@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, TypeVar
 from kg.codes import CATALOGUE, CodeEntry
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Sequence
 
 __all__ = [
     "CATALOGUE",
@@ -30,10 +30,12 @@ __all__ = [
     "StoreError",
     "UnknownNameError",
     "UsageError",
+    "choices",
     "guarded",
 ]
 
 _Result = TypeVar("_Result")
+_MOST_CHOICES: Final = 8
 _NAME_OR_SIGN: Final = re.compile(r"[?$]?[\w:.-]+|\S")
 
 
@@ -188,6 +190,12 @@ class RuleError(KgError):
     """Unusable rule or set of rules."""
 
     exit_code = Exit.FOUND
+
+
+def choices(lines: Sequence[str]) -> str:
+    """Return a hint with one line for each choice: the first ones, and the number of the others."""
+    more = [f"... and {len(lines) - _MOST_CHOICES} more"] if len(lines) > _MOST_CHOICES else []
+    return "\n".join([*lines[:_MOST_CHOICES], *more])
 
 
 def guarded(do: Callable[[], _Result], instead: Callable[[str], _Result]) -> _Result:

@@ -57,6 +57,8 @@ def fault_of(error: yaml.YAMLError) -> YamlFault:
     """Return an error of the parser, or of a constructor of values, as a `YamlFault`."""
     mark = getattr(error, "problem_mark", None)
     problem = str(getattr(error, "problem", None) or error).partition("\n")[0]
+    if problem.startswith("but ") and (context := getattr(error, "context", None)):
+        problem = f"{context}, {problem}"  # the beginning of the sentence
     return YamlFault(f"is not YAML: {problem}", mark.line + 1 if mark else None)
 
 

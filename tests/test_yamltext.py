@@ -48,3 +48,10 @@ def test_a_fault_has_its_line() -> None:
     with pytest.raises(YamlFault, match="is not YAML") as caught:
         compose_yaml("a:\n  b: [1, 2\nc: }\n")
     assert caught.value.line == 3
+
+
+def test_a_second_document_is_named() -> None:
+    """The fault of a text with two documents is a whole sentence, at the line where the second begins."""
+    with pytest.raises(YamlFault, match="expected a single document in the stream, but found another") as caught:
+        compose_yaml("a: 1\n---\nb: 2\n")
+    assert caught.value.line == 2

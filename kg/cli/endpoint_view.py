@@ -25,6 +25,12 @@ with lazily():
 _OF_FACES: Final = frozenset({"accesses", "calls", "evidence", "node_iri", "quality", "title"})
 """Fields of a row for pages only; other fields have the same data."""
 _MOST: Final = 3  # maximum number of launch files listed in a sentence
+_MOST_STARTS: Final = 3  # maximum number of rows for the starts of one node that are otherwise equal
+_SHOWN: Final = (
+    *("title", "instance", "package", "node", "plugins", "types", "quality", "evidence", "calls"),
+    *("value", "set_at"),
+)
+"""Fields of a row that are shown, apart from the launch line and the launch files."""
 
 
 def endpoint_view(
@@ -50,9 +56,12 @@ def endpoint_view(
         "in": Column("launch file") if every else Column("in", spare=1),
         "code": Column("code", "dim"),
     }
-    rows = list(_endpoints(ends, _Places(links, columns, ends, ("evidence", "launched")), every=every, via=via))
+    shown_ends = ends if every else list(_folded({**one, "set_at": None} for one in ends))
+    places = _Places(links, columns, shown_ends, ("evidence", "launched"))
+    rows = list(_endpoints(shown_ends, places, every=every, via=via))
     shown = {name: column for name, column in titles.items() if column and any(row.get(name) for row in rows)}
     yield make_table(tuple(shown.values()), [[row.get(name, "") for name in shown] for row in rows])
+    yield from _rest(ends, shown_ends)
     if found["findings"]:
         yield Text()
     for one in found["findings"]:
@@ -67,15 +76,16 @@ def parameter_view(
 ) -> Iterator[RenderableType]:
     """Yield the output for the view `parameter` at a width in columns; see `endpoint_view`."""
     yield Text.assemble((printable(found["name"]), "bold"), "  parameter")
-    place = _Places(links, columns, [*found["declared"], *found["values"]], ("evidence", "set_at", "launched"))
+    values = found["values"] if every else list(_folded(found["values"]))
+    place = _Places(links, columns, [*found["declared"], *values], ("evidence", "set_at", "launched"))
     if found["declared"]:
         yield Text()
         rows = [row for one in found["declared"] for row in _declared(one, place, via=via)]
         titles = (Column("declared by", "name"), Column("type"), Column("default"), Column("code does", spare=1))
         yield make_table((*titles, Column("code", "dim")), rows)
-    if found["values"]:
+    if values:
         yield Text()
-        rows = [row for one in found["values"] for row in _value(one, place, every=every)]
+        rows = [row for one in values for row in _value(one, place, every=every)]
         named = Column("launch file") if every else Column("in", spare=1)
         titles = (
             Column("node", "name"),
@@ -84,6 +94,7 @@ def parameter_view(
             Column("started at", "dim", spare=2),
         )
         yield make_table((*titles, named), rows)
+        yield from _rest(found["values"], values)
 
 
 def plain(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -115,13 +126,16 @@ class _Places:
         self._links = links
         self._shown: dict[str, str] = {}
         for name in names:
-            places = list(dict.fromkeys(_place(row[name]) for row in rows if row.get(name)))
+            given = [row[name] for row in rows if row.get(name) and not isinstance(row[name], str)]
+            places = list(dict.fromkeys(map(_place, given)))
             self._shown.update(zip(places, fitted(places, columns // 4), strict=True))
 
-    def cell(self, evidence: Mapping[str, Any] | None, words: str = "") -> Linked | str:
-        """Return a cell for a place, with `words` before it, or alone without a place."""
+    def cell(self, evidence: Mapping[str, Any] | str | None, words: str = "") -> Linked | str:
+        """Return a cell for a place, with `words` before it, or alone without a place; a text is returned as it is."""
         if evidence is None:
             return words
+        if isinstance(evidence, str):
+            return evidence
         address = self._links.to(evidence["repository"], Location(evidence["path"], evidence["line"] or 0))
         text = _place(evidence)
         return Linked(f"{words}{self._shown.get(text, text)}", address)
@@ -131,13 +145,36 @@ def _place(evidence: Mapping[str, Any]) -> str:
     return f"{evidence['path']}:{evidence['line']}" if evidence["line"] else str(evidence["path"])
 
 
+def _folded(rows: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    """Yield rows, where one row replaces many that look the same but for the launch line and the launch files.
+
+    Its `launched` is the number of launch lines in words.
+    """
+    groups: dict[str, list[Mapping[str, Any]]] = {}
+    for one in rows:
+        groups.setdefault(repr([one.get(name) for name in _SHOWN]), []).append(one)
+    for group in groups.values():
+        lines = {_place(one["launched"]) for one in group if one["launched"]}
+        if len(lines) <= _MOST_STARTS:
+            yield from group
+        else:
+            systems = sorted({system for one in group for system in one["systems"]})
+            yield {**group[0], "launched": count(len(lines), "launch line"), "systems": systems}
+
+
+def _rest(rows: Sequence[object], shown: Sequence[object]) -> Iterator[RenderableType]:
+    """Yield a line about the rows that are not shown, if there are any."""
+    if len(shown) < len(rows):
+        yield Text("--all shows every launch line", style="dim")
+
+
 def _endpoints(
     ends: Iterable[Mapping[str, Any]], places: _Places, *, every: bool, via: bool
 ) -> Iterator[Mapping[str, object]]:
     """Yield rows by column name; each role has a heading row above its endpoints."""
     title = None
     for one in ends:
-        head = one["title"] if one["instance"] else f"{one['title']}, by no launch file"
+        head = one["title"] if one["instance"] else f"{one['title']}, not started by a launch file"
         if head != title:
             title = head
             yield {"node": title}

@@ -9,7 +9,7 @@ from kg.facts import NodeKind, NodeType, Parameter, PluginSlot
 from kg.graph.classes_reading import Class, Classes
 from kg.graph.records import how_to_start
 from kg.lazily import lazily
-from kg.render.text import printable, some
+from kg.render.text import count, printable, some
 from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups, quoted
 
 if TYPE_CHECKING:
@@ -56,7 +56,8 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
         place = Text.assemble(("  ", "dim"), place_text(one.location, record.repository, links))
         parts += [Text(), Padding(Text(printable(one.text)), (0, 0, 0, 2)), place]
     if len(said) < len(record.descriptions):
-        parts.append(Text(f"  and {len(record.descriptions) - len(said)} more texts; --all shows them", style="dim"))
+        hidden = count(len(record.descriptions) - len(said), "more text")
+        parts.append(Text(f"  and {hidden}; --all shows all", style="dim"))
     groups = _groups(record.node, every=every, via=via)
     if record.node.slots:
         groups.append(("plugins it loads", [_slot(one, record, via=via) for one in record.node.slots]))

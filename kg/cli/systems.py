@@ -148,7 +148,8 @@ def tell_unknown_ends(system: System) -> None:
     if names:
         more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
         listed = ", ".join(names[:_MOST])
-        note(f"{count(len(names), 'node')} with unknown topics may be where `nobody` is: {listed}{more}")
+        where = f"`kg instances {system.configuration.name}` shows why"
+        note(f"{count(len(names), 'node')} with unknown topics may be where `nobody` is: {listed}{more} ({where})")
 
 
 def tell_malformed(settings: Settings, system: System) -> bool:

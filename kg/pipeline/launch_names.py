@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
-from kg.errors import Place, UnknownNameError, UsageError
+from kg.errors import Place, UnknownNameError, UsageError, choices
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.graph.systems_reading import SystemName
-
-_SHOWN: Final = 8
 
 
 def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> SystemName:
@@ -38,10 +36,8 @@ def several_launches(
     names: Sequence[SystemName], found: Sequence[SystemName], text: str, option: str = ""
 ) -> UsageError:
     """Return the error KG003: `text` matches all of `found`; the hint lists an unambiguous text for each."""
-    ways = [f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in found[:_SHOWN]]
-    if len(found) > _SHOWN:
-        ways.append(f"... and {len(found) - _SHOWN} more")
-    return UsageError("KG003", f"{len(found)} launch files are called `{text}`; choose one", hint="\n".join(ways))
+    ways = choices([f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in found])
+    return UsageError("KG003", f"{len(found)} launch files are called `{text}`; choose one", hint=ways)
 
 
 def shared_names(names: Sequence[SystemName]) -> dict[SystemName, str]:

@@ -18,7 +18,7 @@ from pyoxigraph import (
     parse,
 )
 
-from kg.errors import UnknownNameError, UsageError
+from kg.errors import UnknownNameError, UsageError, choices
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten
 
@@ -102,9 +102,10 @@ def facts(
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
     subjects, values = _exactly(snapshot, subject, subjects), _exactly(snapshot, value, values)
+    subjects, values = _beside(subjects, values), _beside(values, subjects)
     for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
         if len(found) > 1:
-            ways = "\n".join(str(term) for term in found)
+            ways = choices([str(term) for term in found])
             raise UsageError("KG003", f"{len(found)} things are called `{word}`; choose one", hint=ways)
     return _triples(subjects, predicates, values), False
 
@@ -130,6 +131,20 @@ def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
     """Return the things with exactly this name, or all if none has it."""
     named = _named(snapshot, word) if len(found) > 1 else []
     return [term for term in found if term in named] or found
+
+
+def _beside(found: list[_Term], others: list[_Term]) -> list[_Term]:
+    """Return the things in the launch configuration of the only other end (or in none, as it), or all if none is."""
+    if len(others) != 1 or not isinstance(others[0], NamedNode):
+        return found
+    near: list[_Term] = [one for one in found if isinstance(one, NamedNode) and _system(one) == _system(others[0])]
+    return near or found
+
+
+def _system(term: NamedNode) -> str:
+    """Return the IRI of the launch configuration that has a thing, or an empty text."""
+    whole, _, _ = term.value.partition("#")
+    return whole if "/configuration/" in whole else ""
 
 
 def _check_used(snapshot: Askable, predicate: _Term, prefixes: Mapping[str, str]) -> None:

@@ -48,7 +48,7 @@ def elements(of: Value) -> list[Value]:
         return [part_of(f"{of.parameter}[]")]
     if isinstance(of, Object) and not of.made:
         return [Unknown("it is an element of a container from outside the sources")]
-    return [Unknown("it is an element of a container that is not known")]
+    return [Unknown("it is an element of an unknown container")]
 
 
 def _argument_at(index: Value) -> Value:
@@ -122,7 +122,7 @@ def element(of: Value, key: Value) -> Value:
     if is_unknown_parameter(of):
         part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
         return part_of(f"{of.parameter}{part}")
-    return Unknown("the elements of the container are not known")
+    return Unknown("the elements of the container are unknown")
 
 
 def _same(key: Value, own: Value) -> bool | None:

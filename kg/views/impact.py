@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.errors import UsageError
+from kg.errors import UsageError, choices
 from kg.graph.channels_reading import channels_called
 from kg.graph.impact_nodes import nodes_called, nodes_with_parameter, qualified_names, settable_names, types_called
 from kg.graph.impact_reading import arguments, file_records, type_names
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
-_SHOWN: Final = 8
 _SECTIONS: Final = frozenset({"msg", "srv", "action"})
 
 
@@ -55,9 +54,8 @@ def impact_of(snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: s
             kind or "name", name, _known(snapshot, world, kind), otherwise="`kg search` finds nodes by words."
         )
     if len(found) > 1:
-        lines = [f"`kg impact {one.text} --kind {one.kind}`" for one in found[:_SHOWN]]
-        more = [f"... and {len(found) - _SHOWN} more"] if len(found) > _SHOWN else []
-        raise UsageError("KG003", f"`{name}` means {len(found)} things; choose one", hint="\n".join([*lines, *more]))
+        ways = choices([f"`kg impact {one.text} --kind {one.kind}`" for one in found])
+        raise UsageError("KG003", f"`{name}` means {len(found)} things; choose one", hint=ways)
     return assess(found[0], world)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.errors import UsageError
+from kg.errors import UnknownNameError, UsageError, choices
 from kg.graph.ntriples import literal
 from kg.lazily import lazily
 from kg.similar import unknown
@@ -51,11 +51,14 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
         names = node_names(graph)
         if front:
             names = [f"{one.package}/{one.node.name}" for one in node_records(graph)]
+        inside = [f"`kg node {one.package}/{one.node.name}`" for one in node_records(graph, package=name)]
+        if inside:
+            raise UnknownNameError("KG001", f"`{name}` is a package, not a node", hint=choices(inside))
         raise unknown("node", name, names, otherwise="`kg nodes` lists the nodes.")
     packages = [one.package for one in found]
     ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in found]
-    lines = "\n".join(
-        f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)
+    lines = choices(
+        [f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)]
     )
     raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; choose one", hint=lines)
 
@@ -79,6 +82,6 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
             started = {key: systems for key, systems in started.items() if not meant.isdisjoint(systems)}
         raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
     if len(found) > 1:
-        ways = "\n".join(f"`kg node {name} --launch {one}`" for one in found)
+        ways = choices([f"`kg node {name} --launch {one}`" for one in found])
         raise UsageError("KG003", f"{len(found)} launch files start `{name}`; choose one", hint=ways)
     return found[0]

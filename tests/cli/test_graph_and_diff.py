@@ -210,3 +210,16 @@ def test_a_broken_launch_file_is_no_empty_graph(tmp_path: Path) -> None:
     assert "--> ws/demo/launch/bad.launch:2" in drawn.err
     assert "help: Correct the line." in drawn.err
     assert "starts no nodes" not in drawn.err
+
+
+def test_nodes_outside_of_the_build_may_be_at_the_other_side(tmp_path: Path) -> None:
+    """A note names the nodes whose topics are unknown: they may be the ends that the graph lacks."""
+    launch = tmp_path / "ws" / "demo" / "launch" / "driver.launch"
+    launch.parent.mkdir(parents=True)
+    (tmp_path / "ws" / "demo" / "package.xml").write_text(MANIFEST)
+    launch.write_text('<launch>\n  <node pkg="elsewhere" type="driver" name="driver"/>\n</launch>')
+    program = Program(tmp_path)
+    program("build", "ws", "--store", "store")
+    drawn = program("graph", "driver.launch", "--store", "store")
+    assert drawn.code == 0
+    assert "note: 1 node with unknown topics may be where `nobody` is: /driver (`kg instances " in drawn.err

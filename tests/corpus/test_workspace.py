@@ -72,6 +72,15 @@ def test_module_of_the_own_package(tmp_path: Path) -> None:
     assert workspace.module("rospy", near=near) is None
 
 
+def test_a_source_folder_with_an_init_file_is_an_import_root(tmp_path: Path) -> None:
+    """A stray `src/__init__.py` hides no module from other packages; a folder inside of a Python package is no root."""
+    files = ("a/scripts/n.py", "b/src/__init__.py", "b/src/b/__init__.py", "b/src/b/core.py", "b/src/b/deep/own.py")
+    workspace, name = build(tmp_path, *files)
+    near = FilePath(name, "a/scripts/n.py")
+    assert workspace.module("b.core", near=near) == (name, "b/src/b/core.py")
+    assert workspace.module("core", near=near) is None
+
+
 def test_relative_module(tmp_path: Path) -> None:
     """Leading dots climb from the folder of the importing file."""
     workspace, name = build(tmp_path, "a/a/__init__.py", "a/a/sub/__init__.py", "a/a/sub/x.py", "a/a/y.py")

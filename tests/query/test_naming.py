@@ -143,3 +143,14 @@ def test_held_facts_need_no_names_that_only_end_in_words() -> None:
 
     assert facts(Told(), "talker", "publishes", "chatter")[1]
     assert not any("STRENDS" in text or "?s ?name ?o" in text for text in asked)
+
+
+def test_a_node_in_code_communicates_over_a_topic_in_code() -> None:
+    """A topic that launch files have too is the one without a launch file, if the node is in none."""
+    store = Snapshot()
+    store.store.update(f"""PREFIX rdfs: <http://www.w3.org/2000/01/rdf-schema#> INSERT DATA {{
+      <{BASE}configuration/local/ws/-/a.launch#topic/odom> rdfs:label "/odom" .
+      <{BASE}configuration/local/ws/-/b.launch#topic/odom> rdfs:label "/odom" .
+    }}""")
+    (fact,), held = facts(store, "listener", "rnkg:publishes", "odom")
+    assert (fact.object, held) == (NamedNode(BASE + "odom"), False)

@@ -23,7 +23,7 @@ with lazily():
 
 _MOST = 5  # so many names are listed in a note
 _HELP = "Name in a system (`/{0}`), name in the code (`{0}` or `~/{0}`), or a part of either."
-All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file instead of their number.")]
+All = Annotated[bool, typer.Option("--all", "-a", help="Show a row for each launch file.")]
 
 
 def _command(kind: str, example: str, text: str) -> Callable[..., None]:
@@ -70,8 +70,8 @@ topic = _command(
     """Show a topic's publishers and subscribers, by launch file and in code.
 
     Each row is one line of code in one start of a node, with its QoS, the line that starts it, and the number of
-    launch files that include that line. Incompatible types and QoS are listed below, as `kg lint` reports them. For
-    example:
+    launch files that include that line. More than three starts that differ in that line alone are one row. Incompatible
+    types and QoS are listed below, as `kg lint` reports them. For example:
 
         kg topic /cmd_vel
         kg topic cmd_vel --system rover.launch

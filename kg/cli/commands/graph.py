@@ -112,7 +112,8 @@ def graph(  # noqa: PLR0913 - the options of a command
         deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
     if form == "text" or output is not None:
         tell_left_out_parts(system)
-    if form == "text" and any(not (sources and targets) for sources, targets in found.ends().values()):
+    ends = found.ends().values()
+    if form == "text" and (not ends or any(not (sources and targets) for sources, targets in ends)):
         tell_unknown_ends(system)
     if tell_malformed(settings, system):
         raise typer.Exit(Exit.FOUND)
