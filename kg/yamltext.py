@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Final
 
 import yaml
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 
     from yaml import Node
 
-__all__ = ["LOADER", "Walk", "YamlFault", "compose_yaml", "fault_of", "load_yaml"]
+__all__ = ["LOADER", "Walk", "YamlFault", "compose_documents", "compose_yaml", "fault_of", "load_yaml"]
 
 LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -44,9 +45,23 @@ def compose_yaml(text: str, loader: Any = LOADER) -> Node | None:
 
     Raises `YamlFault` for invalid YAML, or nesting deeper than 200 levels.
     """
-    try:
+    with _faults():
         _require_shallow(text, loader)
         return yaml.compose(text, Loader=loader)
+
+
+def compose_documents(text: str, loader: Any = LOADER) -> list[Node]:
+    """Return the root nodes of all documents in `text`; raises as `compose_yaml`."""
+    with _faults():
+        _require_shallow(text, loader)
+        return [*yaml.compose_all(text, Loader=loader)]
+
+
+@contextmanager
+def _faults() -> Iterator[None]:
+    """Raise errors of the parser as `YamlFault`."""
+    try:
+        yield
     except yaml.YAMLError as error:
         raise fault_of(error) from error
     except RecursionError as error:

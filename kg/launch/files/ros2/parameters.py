@@ -21,7 +21,7 @@ from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, place, read
 from kg.launch.files.ros2.template import TemplateError, parse_template
 from kg.launch.files.ros2.values import Performed, of_object, of_text, of_yaml
 from kg.names import is_for_node
-from kg.yamltext import Walk, YamlFault, compose_yaml
+from kg.yamltext import Walk, YamlFault, compose_documents
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -87,9 +87,13 @@ def _substituted(context: Context, content: bytes) -> bytes:
 
 @lru_cache(maxsize=256)
 def _entries(content: bytes) -> tuple[Entry, ...]:
-    """Return the parameters of a file in its order; raises `YamlFault`."""
-    root, walk = compose_yaml(content.decode()), _Walk()
-    return tuple(walk.nodes(root, (), 0)) or tuple(walk.leaves(root, None, (), 0))
+    """Return the parameters of a file in its order; raises `YamlFault`.
+
+    The parser of rcl (`rcl_yaml_param_parser`) ignores where documents begin and end, so all of them count.
+    """
+    roots, walk = compose_documents(content.decode()), _Walk()
+    named = tuple(entry for root in roots for entry in walk.nodes(root, (), 0))
+    return named or tuple(entry for root in roots for entry in walk.leaves(root, None, (), 0))
 
 
 class _Walk(Walk):
