@@ -122,7 +122,10 @@ def _inner(draw: st.DrawFn, depth: int) -> tree.Node:
     group = draw(groups(depth + 1))
     kind = draw(st.sampled_from([tree.Optional, tree.Minus, tree.Union, tree.GraphBlock, tree.Exists, tree.SubSelect]))
     if kind is tree.Union:
-        return tree.Union((group, *draw(st.lists(groups(depth + 1), max_size=1))), NOWHERE)
+        others = draw(st.lists(groups(depth + 1), max_size=1))
+        if not others and len(group.nodes) == 1 and isinstance(group.nodes[0], tree.SubSelect):
+            return group.nodes[0]  # `{ SELECT ... }` is a sub-SELECT, not a group with one
+        return tree.Union((group, *others), NOWHERE)
     if kind is tree.GraphBlock:
         return tree.GraphBlock(draw(st.one_of(IRIS, NAMES)), group, NOWHERE)
     if kind is tree.Exists:
