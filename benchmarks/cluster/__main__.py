@@ -33,8 +33,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from cluster.dividing import compare
 
-from kg.corpus.fetching import Options, fetch
+from kg.corpus.fetching import fetch
 from kg.corpus.fetching_list import wanted_among
+from kg.corpus.fetching_one import Options
 from kg.corpus.files import Pin
 from kg.pipeline.build import build
 from kg.pipeline.report import Silent

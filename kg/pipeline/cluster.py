@@ -17,6 +17,7 @@ import queue
 import threading
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
+from uuid import uuid4
 
 from kg.errors import Place, SourceError
 from kg.pipeline.artifacts import Artifacts, without_extra
@@ -134,8 +135,8 @@ class Cluster:
         preferred = [one for one in self._workers if near and (machine_of(one) == machine) != other]
         some = 0 < len(preferred) < len(self._workers)
         choice = {"workers": preferred, "allow_other_workers": True} if some else {}
-        key = f"{key}-{len(self._given)}-{id(work):x}"
-        future = self._client.submit(function, *arguments, key=key, pure=False, **choice)
+        # A scheduler answers a key that it knows with the result it has, also that of a first attempt.
+        future = self._client.submit(function, *arguments, key=f"{key}-{uuid4().hex}", pure=False, **choice)
         self._given[future] = work
         future.add_done_callback(self._news.put)
 

@@ -214,6 +214,23 @@ def test_another_machine_tries_after_a_failure(remote: Remote, scheduler: str, m
     assert remote.bench.content() == remote.alone()
 
 
+def test_work_that_is_submitted_again_runs_again(scheduler: str) -> None:
+    """Its result is not that of the first attempt, which the scheduler may still hold."""
+    found = []
+    with cluster.Cluster(scheduler, Silent()) as connected:
+        connected.connect()
+        connected.submit("first", _attempt, 1, key="work")
+        for work, result in connected.results():
+            found.append((work, result))
+            if result == 1:
+                connected.submit(work, _attempt, 2, key="work")
+    assert found == [("first", 1), ("first", 2)]
+
+
+def _attempt(number: int) -> int:
+    return number
+
+
 def test_nothing_is_read_again_without_changes(remote: Remote, scheduler: str) -> None:
     """With the same commits, all packages are reused, without any file here."""
     remote.build(scheduler)
