@@ -23,7 +23,7 @@ with lazily():
     from kg.pipeline.launch_names import assignments, check_given
     from kg.pipeline.launching import chosen, unread
     from kg.pipeline.variants import united, variants
-    from kg.render.text import count
+    from kg.render.text import count, some
     from kg.store.opening import existing, reading
     from kg.views.evidence import places
 
@@ -146,10 +146,8 @@ def tell_unknown_ends(system: System) -> None:
     """Report nodes whose topics, services and actions are unknown, which may be at ends where `nobody` is."""
     names = [one.name for one in system.instances if one.reason and not one.interfaces]
     if names:
-        more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
-        listed = ", ".join(names[:_MOST])
-        where = f"`kg instances {system.configuration.name}` shows why"
-        note(f"{count(len(names), 'node')} with unknown topics may be where `nobody` is: {listed}{more} ({where})")
+        few, where = count(len(names), "node"), f"`kg instances {system.configuration.name}` shows why"
+        note(f"{few} with unknown topics may be where `nobody` is: {some(names, _MOST)} ({where})")
 
 
 def tell_malformed(settings: Settings, system: System) -> bool:

@@ -57,6 +57,12 @@ The trees hold on to that reader, so no other is kept.
 """
 
 
+_BY_ENDING: Final = {
+    "py": LaunchDialect.ROS2_PYTHON,
+    "xml": LaunchDialect.ROS2_XML,
+    "yaml": LaunchDialect.ROS2_YAML,
+    "yml": LaunchDialect.ROS2_YAML,
+}
 _PYTHON_FUNCTION: Final = re.compile(rb"^def generate_launch_description\b", re.MULTILINE)
 _YAML_ROOT: Final = re.compile(rb"^['\"]?launch['\"]?\s*:", re.MULTILINE)
 
@@ -66,17 +72,13 @@ def dialect_of(file: FilePath, text: bytes) -> LaunchDialect:
 
     Like `AnyLaunchDescriptionSource`, which tries each language on a file such as `robot.launch`.
     """
-    ending = file.path.rpartition(".")[2]
-    if ending in ("py", "yaml", "yml", "xml"):
-        return _BY_ENDING.get(ending, LaunchDialect.ROS2_YAML)
+    if known := _BY_ENDING.get(file.path.rpartition(".")[2]):
+        return known
     if text.lstrip().startswith(b"<"):
         return LaunchDialect.ROS2_XML
     if _PYTHON_FUNCTION.search(text):
         return LaunchDialect.ROS2_PYTHON
     return LaunchDialect.ROS2_YAML if _YAML_ROOT.search(text) else LaunchDialect.ROS2_XML
-
-
-_BY_ENDING: Final = {"py": LaunchDialect.ROS2_PYTHON, "xml": LaunchDialect.ROS2_XML}
 
 
 def read_actions(context: Context, file: FilePath, dialect: LaunchDialect | None = None) -> Sequence[Action]:
