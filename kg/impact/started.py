@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.facts import InstanceInterface, NodeInstance, Role, System
 from kg.holes import fits, is_known, known_letters
 from kg.impact.model import VERBS, Area, Effect, Grade, Subject
+from kg.render.text import some
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator, Sequence
@@ -110,7 +111,4 @@ def _possible(subject: Subject, systems: Sequence[System], types: set[str | None
 
 
 def _listed(names: Iterable[str]) -> str:
-    found = sorted(names)
-    shown = 4
-    more = f" and {len(found) - shown} more" if len(found) > shown else ""
-    return f"{', '.join(found[:shown])}{more}"
+    return some(sorted(names), 4)

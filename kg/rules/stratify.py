@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import RuleError
+from kg.render.text import some
 from kg.rules.dependencies import Read, depends, mints, reads
 from kg.rules.form import Atom, Rule, Variable
 from kg.syntax.names import shorten
@@ -295,5 +296,4 @@ def _round(rules: Sequence[Rule], needs: list[dict[int, Read]], start: int, comp
     members = set(component)
     ways = [_path(needs, need, start, members) for need in needs[start] if need in members]
     names = [str(rules[rule]) for rule in min(ways, key=len)]
-    more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
-    return ", ".join(names[:_FEW]) + more
+    return some(names, _FEW)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 from xml.sax.saxutils import quoteattr
 
-from kg.render.text import printable
+from kg.render.text import printable, some
 from kg.search.compose.network import grouped
 
 if TYPE_CHECKING:
@@ -199,8 +199,7 @@ def _own(name: str | None) -> str:
 
 
 def _names(names: list[str]) -> str:
-    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
-    return f" as {', '.join(names[:_MOST])}{more}" if names else ""
+    return f" as {some(names, _MOST)}" if names else ""
 
 
 def _below(name: str) -> str:
