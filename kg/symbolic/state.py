@@ -172,16 +172,16 @@ class Arguments:
         if not parameters or not self.named:
             return self
         given = dict(self.call.keywords) if self.call is not None else {}
-        values, written = list(self.values), list(self.written)
+        values, written, others = list(self.values), list(self.written), dict(self.named)
         for index, name in enumerate(parameters):
             if name not in self.named or index < len(self.values):
                 continue
             while len(values) <= index:
                 values.append(ABSENT)
-            values[index] = self.named[name]
+            values[index] = others.pop(name)
             written += [Opaque(0, "")] * (index + 1 - len(written))
             written[index] = given.get(name, written[index])
-        return replace(self, values=values, named={}, expressions=tuple(written))
+        return replace(self, values=values, named=others, expressions=tuple(written))
 
 
 @dataclass(slots=True)

@@ -18,7 +18,7 @@ from kg.holes import fits
 from kg.symbolic import form
 from kg.symbolic.containers import counted, with_element
 from kg.symbolic.qos import PROFILES, RMW_PROFILE, policy, rmw_profile
-from kg.symbolic.state import Frame, Site, Variables
+from kg.symbolic.state import Alias, Frame, Site, Variables
 from kg.symbolic.values import (
     OUTSIDE,
     Bound,
@@ -57,7 +57,6 @@ class Python:
     machine: Machine
     calls_of: type[Calls] = Calls
     counted = staticmethod(counted)
-    elements = staticmethod(elements)
 
     def __init__(self, modules: Modules, main: PythonUnit | None = None) -> None:
         self.modules = modules
@@ -274,6 +273,14 @@ class Python:
             if name in cls.methods and cls in self.around:
                 return Closure(cls.methods[name][0], self.around[cls])
         return None
+
+    def elements(self, of: Value) -> list[Value]:
+        """Return what a loop over a value gives: of an enumeration, the values of its members."""
+        cls = of.kind.cls if isinstance(of, TypeValue) else None
+        if cls is None or not any(base.name.endswith(("Enum", "Flag")) for base in self.chain(kind_of_class(cls))[1]):
+            return elements(of)
+        members = self.classes.get(cls, {}).items()
+        return [one for name, one in members if not name.startswith("_") and not isinstance(one, Alias | Closure)]
 
     # Members
 

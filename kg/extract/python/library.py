@@ -196,6 +196,14 @@ def _module(given: Arguments) -> dict[str, Value]:
     return {name: value for name, value in module.variables.items() if not isinstance(value, Alias)}
 
 
+def _field(language: Python, given: Arguments) -> Value:
+    """`dataclasses.field(default=1)` or `field(default_factory=list)`: the value that the field has by default."""
+    factory = given.named.get("default_factory", given.named.get("factory"))
+    if factory is not None:
+        return language.calls.value(factory, replace(given, values=[], named={}))
+    return given.named.get("default", next(iter(given.values), _COMPUTED))
+
+
 def _tests(language: Python, given: Arguments) -> Value:
     """`unittest.main()`: runs the test cases of the module."""
     module = _module(given)
@@ -219,6 +227,7 @@ _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
     "builtins.isinstance": lambda _, given: _is_instance(given),
     **dict.fromkeys(("builtins.globals", "builtins.vars"), lambda _, given: _globals(given)),
     "builtins.locals": lambda _, given: _locals(given),
+    **dict.fromkeys(("dataclasses.field", "attr.ib", "attr.field", "attrs.field", "pydantic.Field"), _field),
     "functools.partial": lambda _, given: _partial(given),
     "functools.wraps": lambda _, given: _COMPUTED,  # noqa: ARG005 - it calls none of its arguments
     "unittest.main": _tests,
