@@ -297,6 +297,9 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return join(*(as_text(item) for item in alternatives(values[0])))
     if name in _JOINERS:
         return concatenate(*values)
+    if name in _WRITERS and names[0] in (name, "std") and len(values) > 1 and given.frame is not None:
+        put(language.machine, given.written[0], _WRITERS[name](values), given.frame)
+        return Unknown("it is a number of letters")
     if name in ("format", "sprintf"):
         if names[0] == "boost" or (len(values) == 1 and len(names) == 1):
             return Object(Kind(("boost", "format")), native={"format": values[0]})
@@ -318,6 +321,16 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
     known = tokens.call(language, names, given)
     return known if known is not None else _command_line(language, name, given)
+
+
+_WRITERS: Final[dict[str, Callable[[list[Value]], Value]]] = {
+    "sprintf": lambda values: formatted(values[1], values[2:]),
+    "snprintf": lambda values: formatted(values[2], values[3:]) if len(values) > 2 else values[1],  # noqa: PLR2004
+    "strcpy": lambda values: values[1],
+    "strncpy": lambda values: values[1],
+    "strcat": lambda values: concatenate(values[0], values[1]),
+}
+"""Functions of C that write a text to their first argument, with that text of the values of all arguments."""
 
 
 def _cased(value: Value, change: Callable[[str], str]) -> Value:
@@ -487,6 +500,8 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
     if isinstance(of, Either):
         changed = [_changed(one, name, values) for one in of.items]
         return join(*(one for one in changed if one is not None)) if None not in changed else None
+    if name in ("insert", "push_back") and isinstance(of, Text) and not of.nothing_known and values:
+        return _inserted(of, values) if name == "insert" else concatenate(of, values[0])
     if name in _ADDERS:
         return _added(of, name, values)
     if name in ("append", "operator+=") and isinstance(of, Text):
@@ -508,6 +523,19 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
     if name in ("erase", "pop_back", "replace", "resize") and isinstance(of, Text):
         return of if name == "erase" and _of_node(of) else Text.hole(_CUT, parameter=of.parameter)
     return None
+
+
+def _inserted(of: Text, values: list[Value]) -> Value:
+    """Return a text with another inserted: at its start, or at a known place of a known text."""
+    place, more = values[0], values[-1]
+    if not isinstance(place, Number) or len(values) != _PAIR:
+        return Text.hole(_CUT, parameter=of.parameter)
+    if place.value == 0:
+        return concatenate(more, of)
+    if of.known is None:
+        return Text.hole(_CUT, parameter=of.parameter)
+    at = int(place.value)
+    return concatenate(replace(of, parts=(of.known[:at],)), more, replace(of, parts=(of.known[at:],)))
 
 
 def _resized(of: Sequence, values: list[Value]) -> Sequence:
