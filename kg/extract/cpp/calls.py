@@ -264,10 +264,17 @@ class Calls:
             known = self._language.machine.framework.call_unknown_node(name, kind, given)
         if known is None:
             known = library.method(self._language, of, name, given, written)
+        if known is None and name in ("first", "second"):
+            known = self._held(self._language.member(of, name), given)  # `found->second(value)`
         if known is not None:
             return known
         self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
+
+    def _held(self, held: Value | None, given: Arguments) -> Value | None:
+        """Call a function that a member holds; return None for other values."""
+        functions = held is not None and all(isinstance(one, Closure | Bound) for one in alternatives(held))
+        return self.value(held, given) if held is not None and functions else None
 
     def _node_of(self, given: Arguments) -> Object | None:
         """Return the node that a method of an unknown object gives, if its template argument is a class of nodes."""
@@ -291,6 +298,8 @@ class Calls:
                 return known
         if fitting and node:  # what it creates on a node that was passed in belongs to the caller
             return self._on(of, fitting, given)
+        if not fitting and name in of.fields:
+            return self._held(of.fields[name], given)
         if fitting:
             self._leave(given, name)
             chosen, bound = self.overload(fitting, given.values)
