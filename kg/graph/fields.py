@@ -9,8 +9,9 @@ Values that are things themselves (types, files, channels) and where a fact was 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, Final, TypeAlias
 
 from kg.facts import Access, LaunchProblemKind, Location, NodeKind, Resolution
@@ -63,8 +64,8 @@ class Fields:
     def __init__(self, *fields: _Field) -> None:
         self._fields = fields
         self.terms: Final = tuple(field.term for field in fields)
-        # Read for each of a hundred thousand facts.
-        self._readers = tuple((field.name, v.bare(field.term), field.several, field.parse) for field in fields)
+        # Read for each of a hundred thousand facts, which lack most properties.
+        self._readers = {v.bare(field.term): (field.name, field.several, field.parse) for field in fields}
 
     def rows(self, fact: object) -> list[tuple[str, str]]:
         """Return each property with a spelled value."""
@@ -82,15 +83,27 @@ class Fields:
         writer.lines += [f"{subject} {term} {value} .\n" for term, value in self.rows(fact)]
 
     def read(self, properties: Properties) -> dict[str, Any]:
-        """Return the values of a fact by the names of its attributes; ValueError for a word that is not known."""
+        """Return the values of a fact by the names of its attributes; ValueError for a word that is not known.
+
+        A word that is missing is not known either.
+        """
+        found = self._missing.copy()
+        for term, values in properties.items():
+            if (reader := self._readers.get(term)) and values:
+                name, several, parse = reader
+                value = values[0] if len(values) == 1 else min(values)
+                found[name] = tuple(sorted(values)) if several else value if parse is None else parse(value)
+        if len(found) < len(self._readers):
+            raise ValueError(f"missing: {', '.join(one.name for one in self._fields if one.name not in found)}")
+        return found
+
+    @cached_property
+    def _missing(self) -> dict[str, Any]:
+        """The values of attributes whose properties are missing, without those that need one."""
         found: dict[str, Any] = {}
-        for name, term, several, parse in self._readers:
-            values = properties.get(term)
-            if several:
-                found[name] = tuple(sorted(values)) if values else ()
-                continue
-            value = None if values is None else values[0] if len(values) == 1 else min(values, default=None)
-            found[name] = value if parse is None else parse(value)
+        for name, several, parse in self._readers.values():
+            with suppress(ValueError):
+                found[name] = () if several else parse and parse(None)
         return found
 
 

@@ -10,8 +10,8 @@ from kg.facts import Location, NodeReference, Parameter
 from kg.graph import vocabulary as v
 from kg.graph.fields import one, place_of
 from kg.graph.ntriples import literal
-from kg.graph.queries import among, column, one_of, select, texts
-from kg.graph.reading import Queryable, code_facts, grouped
+from kg.graph.queries import among, column, grouped, one_of, texts
+from kg.graph.reading import Queryable, code_facts
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -182,4 +182,4 @@ def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:
 
 
 def _properties(graph: Queryable, iris: Collection[str]) -> dict[str, dict[str, list[str]]]:
-    return grouped(select(graph, _PROPERTIES % among("subject", iris))) if iris else {}
+    return grouped(texts(graph, _PROPERTIES % among("subject", iris))) if iris else {}

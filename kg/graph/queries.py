@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from pyoxigraph import NamedNode
 
@@ -10,9 +10,18 @@ from kg.graph.ntriples import literal
 from kg.graph.vocabulary import PREFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.graph.reading import Queryable
+
+
+@runtime_checkable
+class Texts(Protocol):
+    """A graph that answers with texts: the columns of a store (`kg.rules.selecting`)."""
+
+    def texts(self, text: str, *, prefixes: Mapping[str, str]) -> Iterator[Any]:
+        """Yield the rows of a SELECT as `values` does."""
+        ...
 
 
 def select(graph: Queryable, text: str) -> Iterable[Any]:
@@ -22,9 +31,28 @@ def select(graph: Queryable, text: str) -> Iterable[Any]:
 
 
 def texts(graph: Queryable, text: str) -> Iterator[Any]:
-    """Yield the rows of a SELECT as tuples of IRIs and texts, with None for unbound variables."""
-    for row in select(graph, text):
+    """Yield the rows of a SELECT as `values` does."""
+    return graph.texts(text, prefixes=PREFIXES) if isinstance(graph, Texts) else values(select(graph, text))
+
+
+def values(rows: Iterable[Any]) -> Iterator[Any]:
+    """Yield rows of terms as tuples of IRIs and texts, with None for unbound variables."""
+    for row in rows:
         yield tuple(None if term is None else term.value for term in row)
+
+
+def grouped(rows: Iterable[tuple[str, str, str]]) -> dict[str, dict[str, list[str]]]:
+    """Return the properties of each subject from rows of texts; the keys of properties are IRIs."""
+    found: dict[str, dict[str, list[str]]] = {}
+    for subject, predicate, value in rows:
+        own = found.get(subject)
+        if own is None:
+            own = found[subject] = {}
+        if predicate in own:
+            own[predicate].append(value)
+        else:
+            own[predicate] = [value]
+    return found
 
 
 def column(graph: Queryable, text: str) -> set[str]:

@@ -17,7 +17,7 @@ from kg.graph.interfaces import SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
-from kg.graph.queries import among, column, one_of, select, texts
+from kg.graph.queries import among, column, grouped, one_of, texts
 from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ class Readable(Queryable, Protocol):
     """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
-        """Return the properties of each subject of a graph, as `grouped` does."""
+        """Return the properties of each subject of a graph, as `kg.graph.queries.grouped` does."""
         ...
 
 
@@ -156,7 +156,7 @@ def node_records(
     """
     those = which(package, node, packages) if iris is None else f"{among('node', iris)} {_ANY}"
     owners = {at: place for at, *place in texts(graph, _OWNERS % those)}
-    properties = grouped(select(graph, _NODES % those))
+    properties = grouped(texts(graph, _NODES % those))
     sources = _listed(texts(graph, _SOURCES % those))
     executables = _listed(texts(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
@@ -192,7 +192,7 @@ def code_facts(
     """
     owners: dict[str, str] = dict(texts(graph, _OWNED % those))
     named = references(graph, set(owners.values()))
-    found = _facts(graph, grouped(select(graph, _FACTS % those)))
+    found = _facts(graph, grouped(texts(graph, _FACTS % those)))
     return {iri: (named[owners[iri]], fact) for iri, fact in found.items() if owners.get(iri) in named}
 
 
@@ -271,14 +271,6 @@ def which(package: str | None, node: str | None = None, packages: Iterable[str] 
     return " ".join(lines)
 
 
-def grouped(rows: Iterable[Any]) -> dict[str, dict[str, list[str]]]:
-    """Return the properties of each subject; the keys of properties are IRIs."""
-    found: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    for subject, predicate, value in rows:
-        found[subject.value][predicate.value].append(value.value)
-    return {subject: dict(properties) for subject, properties in found.items()}
-
-
 def end_of(properties: Properties, types: Mapping[str, str]) -> facts.Interface | None:
     """Return the interface of an end with properties of its own; `types` are names of types by IRI."""
     roles = [_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES]
@@ -302,7 +294,7 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
     found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
-    for iri, fact in _facts(graph, grouped(select(graph, _PARTS % those))).items():
+    for iri, fact in _facts(graph, grouped(texts(graph, _PARTS % those))).items():
         interfaces, parameters = found[owner_of(iri, nodes)]
         if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
@@ -316,7 +308,7 @@ def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, facts
     ends = {
         iri: (role, type_of(properties))
         for iri, properties in parts.items()
-        if (role := next((_ROLES[kind] for kind in properties[_KIND] if kind in _ROLES), None))
+        if (role := next((_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES), None))
     }
     types = _types(graph, {kind for _, kind in ends.values() if kind})
     known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
@@ -338,7 +330,7 @@ def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
 def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, facts.Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
     few = among("subject", wanted) if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(select(graph, _QOS % few)).items()}
+    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(texts(graph, _QOS % few)).items()}
 
 
 def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:

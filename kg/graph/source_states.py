@@ -8,8 +8,7 @@ from urllib.parse import quote
 
 from kg.graph.builds import COUNTS, Counts
 from kg.graph.fields import one
-from kg.graph.queries import select
-from kg.graph.reading import grouped
+from kg.graph.queries import grouped, select, texts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -76,7 +75,7 @@ def sources(graph: Queryable, *, counted: bool = False) -> list[SourceState]:
         last = builds.setdefault(row["name"].value, row)
         if (_value(row["started"]) or "") > (_value(last["started"]) or ""):
             builds[row["name"].value] = row
-    numbers = grouped(select(graph, _COUNTED)) if counted else {}
+    numbers = grouped(texts(graph, _COUNTED)) if counted else {}
     found = [
         _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), builds.get(row["name"].value), numbers)
         for row in select(graph, _REPOSITORIES)

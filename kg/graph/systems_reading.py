@@ -17,13 +17,12 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
 from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, place_of, word
 from kg.graph.iris import RUNNING, Iris
-from kg.graph.queries import among, one_of, select, texts
+from kg.graph.queries import among, grouped, one_of, texts
 from kg.graph.reading import (
     Queryable,
     Readable,
     code_facts,
     end_of,
-    grouped,
     qualities,
     references,
     these,
@@ -210,7 +209,7 @@ def _properties(graph: Queryable, iris: Iris, parts: Iterable[tuple[str, str]]) 
     """
     starts, start = iris.graph(STARTS), f"{iris.base}start/"
     placed = {(starts if part.startswith(start) else where, part) for where, part in parts}
-    return grouped(select(graph, _OF % _pairs(placed)))
+    return grouped(texts(graph, _OF % _pairs(placed)))
 
 
 def _pairs(parts: Iterable[tuple[str, str]]) -> str:
@@ -221,7 +220,7 @@ def _content(graph: Queryable, name: str) -> _Content:
     return {
         iri: properties
         for query in (_GRAPH, _STARTS, _STARTED_PARTS)
-        for iri, properties in grouped(select(graph, query % name)).items()
+        for iri, properties in grouped(texts(graph, query % name)).items()
     }
 
 

@@ -12,12 +12,13 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.fields import Properties, one
 from kg.graph.iris import Iris
-from kg.graph.queries import among, select, texts
-from kg.graph.reading import Queryable, grouped
+from kg.graph.queries import among, grouped, texts
 from kg.lint.finding import Evidence, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
+
+    from kg.graph.reading import Queryable
 
 
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})
@@ -65,7 +66,7 @@ def read_findings(
     configurations with these IRIs.
     """
     which = _OF % NamedNode(configuration) if configuration else _ANY
-    findings = grouped(select(graph, _FINDINGS % which))
+    findings = grouped(texts(graph, _FINDINGS % which))
     return sorted(_Reading(graph, base, findings).findings(labels), key=lambda one: one.order)
 
 
@@ -83,7 +84,7 @@ class _Reading:
         self._led = self._chains({iri.partition("#")[0] for iri in self._things if f"{base}start/" in iri})
 
     def _read(self, things: Collection[str]) -> dict[str, dict[str, list[str]]]:
-        return grouped(select(self._graph, _THINGS % among("s", things))) if things else {}
+        return grouped(texts(self._graph, _THINGS % among("s", things))) if things else {}
 
     def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
         """Return the includes that led to an instance, by its configuration and start."""

@@ -15,7 +15,7 @@ from pyoxigraph import NamedNode, Triple, Variable
 from kg.errors import RobotError, UnknownNameError, UsageError
 from kg.graph import vocabulary as v
 from kg.graph.fields import Properties, one
-from kg.graph.reading import grouped
+from kg.graph.queries import grouped, values
 from kg.query.binding import bind
 from kg.query.stored import internal
 from kg.robot.capability import Capabilities, Capability, Parameter, Way, called
@@ -90,7 +90,7 @@ class Definition:
 
 def definitions(graph: Askable) -> dict[str, Definition]:
     """Return the capabilities that a graph with ontologies defines, by IRI."""
-    content = grouped(graph.query(internal("capability-definitions"), prefixes=PREFIXES))
+    content = grouped(values(graph.query(internal("capability-definitions"), prefixes=PREFIXES)))
     kinds = _Kinds(graph)
     return {
         iri: _definition(iri, properties, content, kinds)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
-from kg.rules.engine.facts import Facts, Keys, distinct, gathered, pack, unpack
+from kg.rules.engine.facts import Facts, Keys, gathered, pack, union, unpack
 from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
 
@@ -256,7 +256,7 @@ def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
         for predicate, keys in part:
             columns[predicate].append(keys)
     for predicate, pieces in columns.items():
-        found.replace(predicate, pieces[0] if len(pieces) == 1 else distinct(np.concatenate(pieces)))
+        found.replace(predicate, union(*pieces))
     return found
 
 

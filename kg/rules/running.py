@@ -45,7 +45,7 @@ from kg.rules.columns import (
     union_of,
 )
 from kg.rules.engine.evaluate import Limits, Program, RuleReport, evaluate
-from kg.rules.engine.facts import Facts, absorb, distinct, gathered, lacking
+from kg.rules.engine.facts import Facts, absorb, gathered, lacking, union
 from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.rules.maintain import Maintained
@@ -346,8 +346,7 @@ class Reasoner:
         parts, touched = _read_again(memory, source, graphs, changes)
         asserted = memory.asserted.copy()
         for predicate in touched:
-            columns = [part.keys(predicate) for part in (*parts.values(), data)]
-            asserted.replace(predicate, distinct(np.concatenate(columns)))
+            asserted.replace(predicate, union(*(part.keys(predicate) for part in (*parts.values(), data))))
         inserted, deleted = lacking(asserted, memory.asserted), lacking(memory.asserted, asserted)
         following = Memory(None, self._digest, self._names, memory.dictionary, parts, asserted, memory.inferred)
         if (len(inserted) + len(deleted)) * _LARGE > len(asserted):

@@ -82,7 +82,7 @@ class Columns:
         self.graphs = graphs
         self._snapshot = snapshot
         self._values: dict[int, _Value | None] = {0: None}
-        self._texts: dict[int, str] = {}
+        self._texts: dict[int, str | None] = {0: None}
         self._read: dict[tuple[Among, bool], Facts] = {}
 
     @cached_property
@@ -96,12 +96,25 @@ class Columns:
         A triple of several graphs, and a pair that a path connects in two ways, count once. With DISTINCT, or where
         distinct values are counted, the rows are those of the store.
         """
-        asked = question(text, prefixes or {})
-        found = None if asked is None else modified(asked, self._solutions(asked), self.dictionary)
-        if asked is None or found is None:
+        names, found = self._found(text, prefixes or {})
+        if found is None:
             return cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
-        rows = self._terms(list(asked.shown), found, self._values, _Value)
-        return map(_row_of(tuple(asked.shown)), rows)
+        return map(_row_of(names), self._terms(names, found, self._values, _Value))
+
+    def texts(self, text: str, *, prefixes: Mapping[str, str]) -> Iterator[tuple[str | None, ...]]:
+        """Yield the rows of `query` as tuples of IRIs and texts, with None for unbound variables."""
+        names, found = self._found(text, prefixes)
+        if found is not None:
+            return self._terms(names, found, self._texts, _text)
+        rows = cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
+        return (tuple(None if term is None else term.value for term in row) for row in rows)
+
+    def _found(self, text: str, prefixes: Mapping[str, str]) -> tuple[tuple[str, ...], Table | None]:
+        """Return the variables and rows of a SELECT; no rows where only the store has them."""
+        asked = question(text, prefixes)
+        if asked is None:
+            return (), None
+        return tuple(asked.shown), modified(asked, self._solutions(asked), self.dictionary)
 
     def answer(self, text: str, *, prefixes: Mapping[str, str]) -> tuple[tuple[str, ...], list[Row]] | None:
         """Return variables and rows of a SELECT, exactly as the store has them but for an order that is not asked for.
@@ -139,7 +152,8 @@ class Columns:
         for predicate, keys in self.graphs.get(graph, Facts()):
             term = _text(self.dictionary.spelling(predicate))
             pairs = Table(dict(zip("so", unpack(keys), strict=True)), keys.size)
-            for subject, value in self._terms(["s", "o"], pairs, self._texts, _text):
+            rows = cast("Iterator[tuple[str, str]]", self._terms(["s", "o"], pairs, self._texts, _text))
+            for subject, value in rows:
                 found[subject].setdefault(term, []).append(value)
         return dict(found)
 
@@ -233,4 +247,5 @@ def _row_of(names: tuple[str, ...]) -> type[tuple[_Value | None, ...]]:
 def _together(parts: Sequence[Facts]) -> Facts:
     """Return the triples of some sets, each as often as sets have it; they are only read."""
     predicates = {predicate for part in parts for predicate in part.predicates}
-    return Facts({one: np.sort(np.concatenate([part.keys(one) for part in parts])) for one in predicates})
+    every = {one: np.concatenate([part.keys(one) for part in parts]) for one in predicates}
+    return Facts({one: np.sort(keys, kind="stable") for one, keys in every.items()})

@@ -18,6 +18,7 @@ from kg.graph import vocabulary as v
 from kg.graph.fields import one as value_of
 from kg.graph.interfaces import SHAPES
 from kg.graph.iris import UNKNOWN, is_source_graph
+from kg.graph.queries import grouped
 from kg.graph.reading import owner_of
 from kg.query.rows import rows
 from kg.search.documents import Document, End, PackageDocument, Text
@@ -109,7 +110,7 @@ class _Reading:
         self.known: defaultdict[str, list[str]] = defaultdict(list)
         self.texts = self._texts()
         ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
-        self.individuals = _grouped(row for graph in ontologies for row in rows(self.snapshot, _CONCEPTS % graph))
+        self.individuals = grouped(row for graph in ontologies for row in rows(self.snapshot, _CONCEPTS % graph))
 
     def content(self) -> Content:
         owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
@@ -153,7 +154,7 @@ class _Reading:
             copies[one].add(other)
             copies[other].add(one)
         found = []
-        for iri, properties in _grouped(self._sources(_PACKAGES)).items():
+        for iri, properties in grouped(self._sources(_PACKAGES)).items():
             if iri not in sources:
                 continue
             get = partial(value_of, properties)
@@ -181,7 +182,7 @@ class _Reading:
         classes = self._classes()
         starts = self._starts()
         found = []
-        for iri, properties in _grouped(self._sources(_NODES)).items():
+        for iri, properties in grouped(self._sources(_NODES)).items():
             if iri not in owners or owners[iri][0] not in places:
                 continue
             get = partial(value_of, properties)
@@ -269,13 +270,6 @@ class _Reading:
                 found[one] = value_of(self.individuals[one], v.LABEL) or ""
                 waiting += self.individuals[one].get(_BROADER, ())
         return tuple(sorted(filter(None, found.values())))
-
-
-def _grouped(rows: Iterable[tuple[str, ...]]) -> dict[str, Mapping[str, list[str]]]:
-    found: defaultdict[str, defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
-    for subject, predicate, value in rows:
-        found[subject][predicate].append(value)
-    return dict(found)
 
 
 def _part(node: str, part: str) -> tuple[str, str | None]:

@@ -46,7 +46,7 @@ _START: Final = (
     "A-Z_a-z\xc0-\xd6\xd8-\xf6\xf8-\u02ff\u0370-\u037d\u037f-\u1fff\u200c\u200d\u2070-\u218f\u2c00-\u2fef"
     "\u3001-\ud7ff\uf900-\ufdcf\ufdf0-\ufffd\U00010000-\U000effff"
 )
-_LOCAL_NAME: Final = re.compile(f"[{_START}][{_START}\\-.0-9\xb7\u0300-\u036f\u203f\u2040]*\\Z")
+_LOCAL_NAME: Final = f"[{_START}][{_START}\\-.0-9\xb7\u0300-\u036f\u203f\u2040]*\\Z"
 """The local name of an element at the end of an IRI (NCName in Namespaces in XML 1.0, section 3)."""
 _UNWRITABLE: Final = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 """Characters that XML 1.0 does not allow, not even as a reference (section 2.2)."""
@@ -147,7 +147,7 @@ def _obstacle_to_element(iri: str) -> str | None:
     """Return why an IRI cannot be the name of an element, None if it can."""
     if iri in _RESERVED or iri.startswith(_XMLNS):
         return f"<{iri}> is reserved in RDF/XML"
-    return None if _LOCAL_NAME.search(iri) else f"<{iri}> does not end in an XML name"
+    return None if re.search(_LOCAL_NAME, iri) else f"<{iri}> does not end in an XML name"
 
 
 def _with_xml_labels(triple: Triple) -> Triple:

@@ -12,7 +12,7 @@ from kg.facts import Location
 from kg.graph import vocabulary as v
 from kg.graph.fields import one
 from kg.graph.iris import Iris
-from kg.graph.reading import grouped
+from kg.graph.queries import grouped, values
 from kg.query.rows import rows
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten
@@ -182,7 +182,7 @@ class _About:
         query = _PLACES % " ".join(str(NamedNode(iri)) for iri in sorted(iris))
         where, found = places(self.snapshot), {}
         answer: Any = self.snapshot.query(query, prefixes=PREFIXES, union=False)
-        for thing, own in grouped(answer).items():
+        for thing, own in grouped(values(answer)).items():
             path, line, file, repository = (one(own, term) for term in _PLACE)
             if path and line:
                 holder = self.iris.parse(file) if file else None

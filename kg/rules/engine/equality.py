@@ -161,7 +161,7 @@ class Closure:
         """Return the pairs of a predicate that may give others: fresh ones, and those of terms in changed classes."""
         predicates = self._replaces(_PREDICATE, predicate)
         if predicates and predicate in changed:
-            return distinct(np.concatenate([facts.keys(predicate) for facts in parts]))
+            return union(*(facts.keys(predicate) for facts in parts))
         subjects, objects = (self._replaces(position, predicate) for position in (_SUBJECT, _OBJECT))
         pieces = [EMPTY]
         for facts in fresh:

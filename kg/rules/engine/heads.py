@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from pyoxigraph import BlankNode
 
-from kg.rules.engine.facts import Facts, Keys, distinct, pack
+from kg.rules.engine.facts import Facts, Keys, distinct, pack, union
 from kg.rules.engine.plan import Fresh, Head, HeadNode, RulePlan
 from kg.rules.engine.tables import Table, distinct_rows
 from kg.rules.engine.terms import IRI, Dictionary
@@ -67,7 +67,7 @@ class Collector:
         parts = self._keys.setdefault(predicate, [])
         parts.append(distinct(keys))
         if len(parts) > 1 and sum(part.size for part in parts[1:]) > max(_PIECES, parts[0].size):
-            parts[:] = [distinct(np.concatenate(parts))]
+            parts[:] = [union(*parts)]
 
     def _column(self, node: HeadNode, table: Table) -> Keys:
         """Return a node's identifier for each row; 0 where it has none."""
@@ -105,7 +105,7 @@ class Collector:
         """Return the triples gathered."""
         found = Facts()
         for predicate, parts in self._keys.items():
-            found.replace(predicate, parts[0] if len(parts) == 1 else distinct(np.concatenate(parts)))
+            found.replace(predicate, union(*parts))
         return found
 
 
