@@ -114,16 +114,22 @@ def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
 
 
 class _Ontologies(msgspec.Struct, frozen=True):
-    """Ontologies as N-Triples, with the digest of their files."""
+    """Ontologies as compressed N-Triples, with the digest of their files."""
 
     digest: str
-    content: bytes
+    packed: bytes
+
+    def content(self) -> bytes | None:
+        """Return the N-Triples; None if they are damaged."""
+        with suppress(zlib.error):
+            return zlib.decompress(self.packed)
+        return None
 
 
 def _written_ontologies(cache: Path) -> _Ontologies | None:
     """Return the ontologies written to the store; None if unknown."""
-    with suppress(OSError, zlib.error, msgspec.DecodeError):
-        return msgspec.msgpack.decode(zlib.decompress((cache / _ONTOLOGIES).read_bytes()), type=_Ontologies)
+    with suppress(OSError, msgspec.DecodeError):
+        return msgspec.msgpack.decode((cache / _ONTOLOGIES).read_bytes(), type=_Ontologies)
     return None
 
 
@@ -196,11 +202,11 @@ class Inference:
         if present and not anew and (given is None or given.digest == digest_now):
             return
         wanted = _in_force(self._settings, problems)
-        self._ontologies = _Ontologies(digest_now, wanted)
+        self._ontologies = _Ontologies(digest_now, zlib.compress(wanted, level=1))
         if not present:
             transaction.load(graph, [wanted])
             return
-        held = transaction.content(graph) if anew or given is None else given.content
+        held = (None if anew or given is None else given.content()) or transaction.content(graph)
         old, new = (set(content.splitlines(keepends=True)) for content in (held, wanted))
         if old != new:
             transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
@@ -265,8 +271,7 @@ class Inference:
             cache = self._store.layout.cache
             with translated(str(cache)):
                 cache.mkdir(parents=True, exist_ok=True)
-                content = msgspec.msgpack.encode(self._ontologies)
-                write_atomically(cache / _ONTOLOGIES, zlib.compress(content, level=1), durable=False)
+                write_atomically(cache / _ONTOLOGIES, msgspec.msgpack.encode(self._ontologies), durable=False)
             self._ontologies = None
         if self._last is not None:
             current = generation or self._store.layout.current()
