@@ -13,11 +13,6 @@ if TYPE_CHECKING:
 
 _LARGEST: Final = 4_000_000
 """Maximum size in bytes of a source file, as by default in builds."""
-_FORGES: Final = {
-    "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
-    "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
-    "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
-}
 
 
 class SourceLines:
@@ -55,8 +50,8 @@ class SourceLines:
     def address(self, repository: str, path: str, line: int) -> str:
         """Return the address of a line: the page of its commit, else the file."""
         state = self.states.get(repository)
-        pattern = _FORGES.get(repository.partition("/")[0])
-        if state and state.commit and pattern:
-            return pattern.format(name=repository, commit=state.commit, path=path, line=line)
+        page = state.page(path, line) if state else None
+        if page is not None:
+            return page
         root = state.root if state else None
         return f"{Path(root) / path if root else path}:{line}"

@@ -186,14 +186,20 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         qos=one.qos if ros == _ROS2 else None,
         reason=reason,
         arguments=_least_arguments(one.guards),
-        switches=tuple(filter(_is_switch, one.guards)),
+        switches=tuple(switch for term in one.guards if (switch := _switch(term, parameter if name is None else None))),
         via=via,
     )
 
 
-def _is_switch(term: str) -> bool:
-    """Check whether a term of a guard is about a parameter, not about the command line or what is set."""
-    return COUNT.fullmatch(term) is None and not term.startswith(("argv[", "!argv[", "?", "!?"))
+def _switch(term: str, naming: str | None) -> str | None:
+    """Return a term of a guard as a switch; None if it is about the command line or what is set.
+
+    That the parameter is set which names an interface (`naming`) is a switch, as there is no other name.
+    """
+    if term == f"?{naming}":
+        return f"{naming} is set"
+    about_others = COUNT.fullmatch(term) is not None or term.startswith(("argv[", "!argv[", "?", "!?"))
+    return None if about_others else term
 
 
 def _resolved(name: str, one: Declared, alone: str) -> str:

@@ -133,7 +133,7 @@ class Switch(NamedTuple):
     """A parameter that decides whether a node creates an interface.
 
     Written `~/use_map` if it must be true, or a text that is not empty; `~/type == scan` or `~/cameras > 1` if it must
-    have such a value. A `!` in front negates the condition.
+    have such a value, `~/topic is set` if it must be set. A `!` in front negates the condition.
     """
 
     parameter: str

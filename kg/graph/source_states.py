@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import quote
 
 from kg.graph.builds import COUNTS, Counts
 from kg.graph.fields import one
@@ -27,6 +28,11 @@ SELECT ?name ?build ?started ?commit ?dirty ?root ?version WHERE {
   OPTIONAL { ?build rnkg:kgVersion ?version }
 }"""
 """One row for each build: most commands read all of them, for the places of what they show."""
+_FORGES: Final = {
+    "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
+    "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
+    "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
+}
 _COUNTED: Final = "SELECT ?build ?predicate ?object WHERE { ?build prov:used ?repository ; ?predicate ?object }"
 _REPOSITORIES: Final = """
 SELECT ?name ?remote ?branch WHERE {
@@ -52,6 +58,15 @@ class SourceState:
     read: str | None
     version: str | None
     counts: Counts
+
+    def page(self, path: str, line: int | None) -> str | None:
+        """Return the address of a line, or a file, at the commit that was read; None except on well-known forges."""
+        pattern = _FORGES.get(self.name.partition("/")[0])
+        if pattern is None or self.commit is None:
+            return None
+        name, commit, path = (quote(part, errors="surrogatepass") for part in (self.name, self.commit, path))
+        address = pattern.format(name=name, commit=commit, path=path, line=line)
+        return address if line else address.partition("#")[0]
 
 
 def sources(graph: Queryable, *, counted: bool = False) -> list[SourceState]:

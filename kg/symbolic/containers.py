@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeGuard
 
 from kg.facts import Resolution
-from kg.holes import Hole, label_of
+from kg.holes import Hole, fits, label_of
 from kg.symbolic import form
 from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
@@ -133,7 +133,11 @@ def _same(key: Value, own: Value) -> bool | None:
             return False
         return None if None in parts else True
     if isinstance(key, Text) and isinstance(own, Text):
-        return key.known == own.known if key.known is not None and own.known is not None else None
+        if own.known is None:
+            return None
+        if key.known is not None:
+            return key.known == own.known
+        return None if fits(key.shown, own.known, ".*") else False
     if isinstance(key, Number) and isinstance(own, Number):
         return key.value == own.value
     if isinstance(key, Enumerator) and isinstance(own, Enumerator):

@@ -324,14 +324,14 @@ def truth(value: Value) -> Truth | Guard | Unknown:
     if isinstance(value, (Guard, Unknown)):
         return Truth(False) if isinstance(value, Unknown) and value.reason == NULL.reason else value
     if isinstance(value, Number):
-        return Truth(value.value != 0) if value.parameter is None else Unknown("it depends", value.parameter)
+        return Truth(value.value != 0) if value.parameter is None else Unknown("it depends")
     if isinstance(value, Object):
         # A subscriber without a topic, for one, is an object and false.
         return Truth(True) if value.made and "empty" not in value.native else Unknown("it may be null")
     if isinstance(value, Text) and value.known is not None:
         return Truth(value.known != "") if value.parameter is None else Guard((value.parameter,))
     if isinstance(value, (Sequence, Mapping)) and not value.open:
-        return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends", value.parameter)
+        return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends")
     if isinstance(value, (Closure, Bound, TypeValue)):
         return Truth(True)
     return Unknown("it depends on a value")
@@ -343,7 +343,7 @@ def negate(condition: Truth | Guard | Unknown) -> Value:
         return Truth(not condition.value)
     if opposite := opposite_terms(condition):
         return Guard(opposite)
-    return Unknown("it depends on a condition", condition.parameter if isinstance(condition, Unknown) else None)
+    return Unknown("it depends on a condition")
 
 
 def terms_of(condition: Value) -> tuple[str, ...]:

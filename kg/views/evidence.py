@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 
 Quoted: TypeAlias = "Callable[[str, str], Mapping[int, str]]"
 
-_FORGES: Final = {
-    "github.com": "https://{name}/blob/{commit}/{path}#L{line}",
-    "gitlab.com": "https://{name}/-/blob/{commit}/{path}#L{line}",
-    "bitbucket.org": "https://{name}/src/{commit}/{path}#lines-{line}",
-}
 _STATEMENT: Final = 4  # A statement is shown with so many lines at most
 
 
@@ -83,12 +78,7 @@ class Places:
     def web(self, repository: str, location: Location) -> str | None:
         """Return the page of the line at the commit that was read, on the forges whose addresses are known."""
         source = self.sources.get(location.repository or repository)
-        pattern = _FORGES.get(source.name.partition("/")[0]) if source else None
-        if source is None or pattern is None or source.commit is None:
-            return None
-        parts = {"name": source.name, "commit": source.commit, "path": location.path}
-        address = pattern.format(**{key: _quoted(part) for key, part in parts.items()}, line=location.line)
-        return address if location.line else address.partition("#")[0]
+        return source.page(location.path, location.line or None) if source else None
 
     def find(self, path: str) -> str | None:
         """Return the only source that has a file of this path on this machine."""

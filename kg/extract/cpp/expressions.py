@@ -105,9 +105,13 @@ class Expressions:
             declarator = node.child_by_field_name("declarator")
             kind = declarator.type if declarator is not None else ""
             if kind == "abstract_function_declarator":
-                return Type(("()",), tuple(p.type for p in self.parameters(declarator) if p.type is not None))
+                return self._function(declarator)
             reference, pointer = reference or "reference" in kind, pointer or "pointer" in kind
         return Type(tuple(names), arguments, outer if arguments is not outer else (), reference, pointer, constant)
+
+    def _function(self, declarator: Node | None) -> Type:
+        """Return the type of a function, whose arguments are the types of its parameters."""
+        return Type(("()",), tuple(p.type for p in self.parameters(declarator) if p.type is not None))
 
     def _template(self, node: Node | None) -> tuple[Type | Expression, ...]:
         if node is None:
@@ -124,6 +128,8 @@ class Expressions:
             reference = reference or declarator.type in ("reference_declarator", "abstract_reference_declarator")
             pointer = pointer or declarator.type in ("pointer_declarator", "abstract_pointer_declarator")
             if declarator.type in ("function_declarator", "abstract_function_declarator"):
+                if syntax.is_function_pointer(declarator):
+                    return self._function(declarator)
                 break
             inner = declarator.child_by_field_name("declarator")
             if inner is None and declarator.type in ("reference_declarator", "parenthesized_declarator"):

@@ -140,7 +140,17 @@ def declared_name(declarator: Node | None) -> Node | None:
         declarator = inner
     if declarator is None or declarator.type.startswith("abstract_"):
         return None
+    if declarator.type == "qualified_identifier":  # a pointer to a member: `void (Node::*callback)(int)`
+        pointer = declarator.child_by_field_name("name")
+        if pointer is not None and pointer.type == "pointer_type_declarator":
+            return pointer.child_by_field_name("declarator")
     return declarator
+
+
+def is_function_pointer(declarator: Node) -> bool:
+    """Check whether a declarator with parameters declares a pointer to a function: `bool (*check)(int)`."""
+    inner = declarator.child_by_field_name("declarator")
+    return inner is not None and inner.type == "parenthesized_declarator"
 
 
 def literal(node: Node) -> str | None:

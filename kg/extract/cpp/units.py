@@ -485,7 +485,7 @@ class CppUnit(Unit):
             role = node.field_name_for_child(index)
             if role == "declarator":
                 found = _function_declarator(child)
-                if found is not None and not _is_function_pointer(found):
+                if found is not None and not syntax.is_function_pointer(found):
                     self._declare_method(node, found, cls, ())
                     continue
                 name = syntax.declared_name(child)
@@ -611,11 +611,6 @@ def _is_virtual(node: Node) -> bool:
         return True
     declarator = _function_declarator(node.child_by_field_name("declarator"))
     return bool(syntax.of_type(declarator, "virtual_specifier"))
-
-
-def _is_function_pointer(declarator: Node) -> bool:
-    inner = declarator.child_by_field_name("declarator")
-    return inner is not None and inner.type == "parenthesized_declarator"
 
 
 def _function_declarator(node: Node | None) -> Node | None:

@@ -14,6 +14,7 @@ from kg.extract.python.calls import CLASS, Calls, public
 from kg.extract.python.functions import elements
 from kg.extract.python.modules import BUILTINS, FRAMEWORKS, GENERATED, Modules, PythonUnit, mentions_ros
 from kg.extract.python.texts import percent
+from kg.holes import fits
 from kg.symbolic import form
 from kg.symbolic.containers import counted, with_element
 from kg.symbolic.qos import PROFILES, RMW_PROFILE, policy, rmw_profile
@@ -32,6 +33,7 @@ from kg.symbolic.values import (
     Unknown,
     Value,
     alternatives,
+    options,
 )
 
 if TYPE_CHECKING:
@@ -287,6 +289,16 @@ class Python:
         if known is not None:
             return known
         return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")
+
+    def member_named(self, of: Value, name: Text) -> Value:
+        """Return the member that a text names; if part of the text is unknown (`"on_" + event`), what it can be."""
+        if name.known is not None:
+            return self.member(of, name.known) if name.known else Unknown("the member has no name")
+        if not isinstance(of, Object) or name.nothing_known:
+            return Unknown("the name of the member is not known")
+        names = dict.fromkeys((*of.fields, *(one for cls, _ in self.chain(of.kind)[0] for one in cls.methods)))
+        fitting = [self.of_object(of, one) for one in names if fits(name.shown, one, ".*")]
+        return options(fitting, object()) if fitting else Unknown("no member has such a name")
 
     def of_object(self, of: Object, name: str, after: Class | None = None) -> Value:
         """Return a member of an object, a module, or of what `super()` gives."""

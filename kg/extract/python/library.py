@@ -112,7 +112,7 @@ def _attribute(language: Python, given: Arguments) -> Value:
     if len(given.values) < 2:  # noqa: PLR2004 - the value and the name
         return _COMPUTED
     found = [
-        language.member(of, name.known) if isinstance(name, Text) and name.known else _COMPUTED
+        language.member_named(of, name) if isinstance(name, Text) else _COMPUTED
         for of, name in combinations(given.values[:2])
     ]
     if isinstance(given.values[0], Unknown):
@@ -182,6 +182,12 @@ def _globals(given: Arguments) -> Value:
     return Mapping(tuple((Text.of(name), value) for name, value in _module(given).items()))
 
 
+def _locals(given: Arguments) -> Value:
+    """`locals()`: the variables of the function that makes a call as a mapping."""
+    values = {} if given.frame is None else given.frame.variables
+    return Mapping(tuple((Text.of(name), one) for name, one in values.items() if not isinstance(one, Alias)))
+
+
 def _module(given: Arguments) -> dict[str, Value]:
     """Return the variables of the module that makes a call."""
     if given.frame is None:
@@ -212,6 +218,7 @@ _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
     "builtins.next": lambda _, given: _next(given),
     "builtins.isinstance": lambda _, given: _is_instance(given),
     **dict.fromkeys(("builtins.globals", "builtins.vars"), lambda _, given: _globals(given)),
+    "builtins.locals": lambda _, given: _locals(given),
     "functools.partial": lambda _, given: _partial(given),
     "functools.wraps": lambda _, given: _COMPUTED,  # noqa: ARG005 - it calls none of its arguments
     "unittest.main": _tests,

@@ -14,7 +14,6 @@ import json
 import operator
 import re
 from dataclasses import replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Interface, LaunchParameter, NodeType, Switch
@@ -30,15 +29,14 @@ from kg.holes import (
     pattern,
     substitute,
 )
-from kg.launch.wiring.plugins import below_id
 from kg.launch.wiring.values import ARGUMENT, COMMAND_LINE, OPTION, Settings, is_text, parsed
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.launch.wiring.place import Place
+    from kg.launch.wiring.plugins import Loaded
 
-_NO_MEMBER: Final[Mapping[str, str]] = MappingProxyType({})
 _COMPARE: Final = {"==": operator.eq, "<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
 _EACH: Final = "[]"
 _KEY: Final = "[key]"
@@ -81,7 +79,8 @@ def members(
     for name, given in sorted(fitting, key=lambda pair: _natural(pair[0])):
         member = _hole_value(own_text, name)
         listed = all(_is_listed(value, label, node, settings, place) for label, value in member.items())
-        if listed and all(_may_be(one, node, settings, place, member) for one in switches):
+        named = ((one, substitute(one.parameter, member.get)) for one in switches)
+        if listed and all(_may_be(one, node, settings, asked, place) for one, asked in named):
             made.append((given, given))
     return made
 
@@ -232,29 +231,31 @@ def _natural(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdigit() else (0, part) for part in re.split(r"(\d+)", name)]
 
 
-def switched_on(node: NodeType, settings: Settings, place: Place) -> NodeType:
+def switched_on(node: NodeType, settings: Settings, place: Place, plugin: Loaded | None = None) -> NodeType:
     """Return a node type without the interfaces that parameters, as they are set or by default, keep from being made.
 
-    `place` is that of the node, or of the plugin whose type it is. Unknown values turn nothing off.
+    `place` is that of the node; `plugin` is the plugin whose type it is, if any. Unknown values turn nothing off.
     """
     if not any(one.switches for one in node.interfaces):
         return node
 
     def is_made(one: Interface) -> bool:
-        return all(_may_be(Switch.parse(switch), node, settings, place, _NO_MEMBER) for switch in one.switches)
+        switches = map(Switch.parse, one.switches)
+        return all(_may_be(switch, node, settings, *read_as(switch.parameter)) for switch in switches)
+
+    def read_as(parameter: str) -> tuple[str, Place]:
+        return (parameter, place) if plugin is None else plugin.read_as(parameter, place)
 
     return replace(node, interfaces=tuple(filter(is_made, node.interfaces)))
 
 
-def _may_be(switch: Switch, node: NodeType, settings: Settings, place: Place, member: Mapping[str, str]) -> bool:
-    """Check whether a switch is on, or its parameter unknown; `member` has the values of the holes in its name."""
-    name = substitute(switch.parameter, member.get)
-    if is_partial(name) and node.ros != 1 and place.private not in (None, place.full):  # of a plugin
-        own = below_id(name)
-        name = name if own is None else f"~/{own}"
+def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place: Place) -> bool:
+    """Check whether a switch is on, or its parameter, read as `name`, unknown."""
     if is_partial(name) and any(settings.fitting(pattern(settings.absolute(name, place)), place)):
         return True
     setting = settings.get(name, place)
+    if switch.sign == "is":  # set
+        return setting is not None
     if setting is not None:
         held = _holds(switch, setting.value)
     else:

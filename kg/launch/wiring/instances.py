@@ -291,7 +291,7 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
     for plugin in draft.plugins:
         if plugin.found is not None:
             owner, node = plugin.found
-            node = switched_on(node, ends.settings, plugin.place(draft.place))
+            node = switched_on(node, ends.settings, draft.place, plugin)
             found += ends.of_plugin(replace(plugin, found=(owner, node)))
     of_trees: dict[object, InstanceInterface] = {}
     for tree_node in draft.tree_nodes:

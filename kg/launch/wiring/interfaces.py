@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import InstanceInterface, Interface, LaunchParameter, Location, NodeReference, NodeType, Resolution
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
 from kg.launch.wiring.families import meant, members, switched_on
-from kg.launch.wiring.plugins import Framework, Loaded, below_id
 from kg.launch.wiring.values import Settings, parsed, shown
 from kg.names import join, normalise
 
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from kg.launch.wiring.behavior_trees import TreeNode
     from kg.launch.wiring.inner_nodes import Spelling
     from kg.launch.wiring.place import Place
+    from kg.launch.wiring.plugins import Framework, Loaded
     from kg.launch.wiring.qos import Overrides
     from kg.launch.wiring.remapping import Remapping
 
@@ -223,9 +223,10 @@ class Ends:
                 continue
             spelled = plugin.handed(declared)
             own = self.place if declared.name in framework.shared or spelled.name != declared.name else place
-            outside = spelled.parameter != declared.parameter  # the parameter is one of the node
-            parameter = spelled.parameter if outside else _below_id(declared.parameter, node)
-            name = self._named(spelled, node, parameter, self.place if outside else place)
+            parameter, at = declared.parameter, place
+            if parameter is not None:
+                parameter, at = plugin.read_as(parameter, self.place)
+            name = self._named(spelled, node, parameter, at)
             if name.parameter is None and node.ros != 1 and not is_known(name.name):
                 name = self._by_default(declared, parameter) or name
             yield self._placed(declared, owner, name, own)
@@ -324,12 +325,6 @@ def _ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]
     if isinstance(value, str):
         return value.split()
     return [str(item) for item in value] if isinstance(value, list) else []
-
-
-def _below_id(parameter: str | None, node: NodeType) -> str | None:
-    """Return the parameter of a plugin whose name begins with the id under which it is loaded, as one of its own."""
-    own = below_id(parameter) if node.ros != 1 else None
-    return parameter if own is None else f"~/{own}"
 
 
 def _handle(declared: Interface, node: NodeType) -> str | None:

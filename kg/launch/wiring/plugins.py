@@ -71,16 +71,22 @@ class Loaded:
         return Place(namespace, node.name, private)
 
     def handed(self, declared: Interface) -> Interface:
-        """Return an interface with the arguments that the node hands to the plugin in its name and parameter.
+        """Return an interface with the arguments that the node hands to the plugin in its name.
 
-        If they differ, they are relative to the node: the code puts the id in front, and not the framework.
+        If the name differs, it is relative to the node: the code puts the id in front, and not the framework.
         """
-        written = hole_of(declared.written or "") if declared.parameter is None else ""
-        name, parameter = self.spelled(declared.name or written), self.spelled(declared.parameter or "")
+        name = self.spelled(declared.name or (hole_of(declared.written or "") if declared.parameter is None else ""))
         if name is None:
-            return replace(declared, parameter=parameter or declared.parameter)
-        resolution = Resolution.PARTIAL if is_partial(name) else Resolution.CONSTANT
-        return replace(declared, name=name, parameter=parameter or declared.parameter, resolution=resolution)
+            return declared
+        return replace(declared, name=name, resolution=Resolution.PARTIAL if is_partial(name) else Resolution.CONSTANT)
+
+    def read_as(self, parameter: str, node: Place) -> tuple[str, Place]:
+        """Return what a parameter of the plugin's code is called in the node, and the place that it is relative to."""
+        spelled = self.spelled(parameter)
+        if spelled is not None:
+            return spelled, node
+        own = below_id(parameter) if self.found is not None and self.found[1].ros != 1 else None
+        return parameter if own is None else f"~/{own}", self.place(node)
 
     def of_element(self, parameter: str | None) -> str | None:
         """Return what a parameter is called below an element of the plugin's list (`topic`); None for others."""

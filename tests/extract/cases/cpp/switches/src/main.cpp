@@ -48,6 +48,14 @@ public:
     pnh.getParam("kind", kind);
     if (kind == "fast")
       scan_ = nh_.advertise<std_msgs::String>("of_fast", 1);
+    std::string source, sink;
+    if (pnh.getParam("source", source))
+      grid_ = nh_.subscribe(source, 1, &Localizer::map, this);
+    if (!pnh.getParam("sink", sink))
+      sink = "sink";
+    scan_ = nh_.advertise<std_msgs::String>(sink, 1);
+    if (pnh.getParam("kind", kind))
+      scan_ = nh_.advertise<std_msgs::String>("of_kind", 1);
     if (level % 2 == 1)
       scan_ = nh_.advertise<std_msgs::String>("of_rest", 1);
     if ("my_" + mode == "my_scan")
