@@ -281,9 +281,17 @@ def _same(function: Function, inside: _Scope, unit: CppUnit) -> bool:
     first, *rest = function.scope
     return (
         _ends(inside, function.scope)
+        or _repeats(function.scope, inside)
         or any((*used, *function.scope) == inside for used in unit.uses)
         or any(_ends(inside, (*target, *rest)) for _, target in unit.namespaces.get(first, ()))
     )
+
+
+def _repeats(scope: _Scope, inside: _Scope) -> bool:
+    """Return whether a scope is `inside` with a part twice: `a::Class::method` within the namespace `a`."""
+    more = len(scope) - len(inside)
+    places = range(len(inside) if more > 0 else 0)
+    return any(scope[at] == scope[at + more] and inside == (*scope[:at], *scope[at + more :]) for at in places)
 
 
 def _ends(scope: _Scope, part: _Scope) -> bool:
