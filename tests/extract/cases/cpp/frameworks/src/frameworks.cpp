@@ -23,6 +23,7 @@
 #include <std_msgs/Empty.h>
 #include <std_srvs/Empty.h>
 #include <swri_roscpp/swri_roscpp.h>
+#include <vikit/params_helper.h>
 #include <tf/transform_listener.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -116,6 +117,7 @@ int main(int argc, char** argv)
   ros::Publisher fix = swri::advertise<sensor_msgs::PointCloud2>(node, "fix", 1);
   swri::Subscriber sync(node, "sync", 10, onSync);
   swri::ServiceServer reset(node, "reset", onReset);
+  double gain = vk::getParam<double>("estimator/gain", 0.5);
   DockClient dock("dock", true);
   Arm arm("/arm/follow");
   ros::spin();
