@@ -109,7 +109,9 @@ class Linker:
     def find_variable(self, names: _Scope, unit: Unit, scope: _Scope) -> Variable | None:
         """Return the declaration of a variable at namespace scope, or of a static member."""
         found = self._named("variable", _variables, names, unit, scope)
-        return next((one for one in found if one[0].value is not None), found[0]) if found else None
+        valued = (one for one in found if one[0].value is not None)
+        defined = (one for one in found if one[0].name not in one[1].external)
+        return next(valued, None) or next(defined, None) or (found[0] if found else None)
 
     def find_macro(self, name: str, unit: Unit) -> Macro | None:
         """Return a macro that is visible in a file."""
