@@ -22,6 +22,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Empty.h>
 #include <std_srvs/Empty.h>
+#include <rosparam_shortcuts/rosparam_shortcuts.h>
 #include <swri_roscpp/swri_roscpp.h>
 #include <vikit/params_helper.h>
 #include <tf/transform_listener.h>
@@ -118,6 +119,8 @@ int main(int argc, char** argv)
   swri::Subscriber sync(node, "sync", 10, onSync);
   swri::ServiceServer reset(node, "reset", onReset);
   double gain = vk::getParam<double>("estimator/gain", 0.5);
+  std::vector<std::string> joints;
+  rosparam_shortcuts::get("driver", node, "joints", joints);
   DockClient dock("dock", true);
   Arm arm("/arm/follow");
   ros::spin();
