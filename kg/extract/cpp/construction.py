@@ -12,7 +12,7 @@ from kg.symbolic import form
 from kg.symbolic.binding import bind
 from kg.symbolic.kinds import is_pointer
 from kg.symbolic.state import Arguments, Frame, Site
-from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
+from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,6 +45,8 @@ class Constructions:
             found = found.kind
         if not isinstance(found, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
+        if not arguments and not expression.heap and (found.name in library.NUMBERS or found.name == "bool"):
+            return library.stored(found, number(0.0)) if found.name != "bool" else Truth(False)
         made = self.construct(found, arguments, frame, expression.line, listed=expression.listed)
         if expression.heap and isinstance(made, Object):
             made.heap = True
