@@ -109,5 +109,5 @@ class BuildModel:
     """The version of ROS that the package is read for."""
     absent: tuple[str, ...] = ()
     """The macros that CMake defines for C++ only under conditions that do not hold."""
-    defined: frozenset[str] = frozenset()
+    defined: tuple[str, ...] = ()
     """The macros that CMake defines for C++, for all targets or for some."""
