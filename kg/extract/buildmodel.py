@@ -27,7 +27,8 @@ class Target:
     """An executable or library of CMake.
 
     `sources` are paths relative to the root of the source, globs expanded; `links` are the names of targets
-    (and packages) it links, as written after variables were expanded.
+    (and packages) it links, as written after variables were expanded; `absent` are the macros that are defined for
+    other targets alone.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Target:
     links: tuple[str, ...]
     location: Location
     output_name: str | None = None
+    absent: tuple[str, ...] = ()
 
 
 class Registration(StrEnum):
@@ -107,3 +109,5 @@ class BuildModel:
     """The version of ROS that the package is read for."""
     absent: tuple[str, ...] = ()
     """The macros that CMake defines for C++ only under conditions that do not hold."""
+    defined: tuple[str, ...] = ()
+    """The macros that CMake defines for C++, for all targets or for some."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Final, TypeGuard
 
 from kg.facts import Resolution
@@ -11,6 +12,7 @@ from kg.symbolic import form
 from kg.symbolic.names import OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.parameters import with_parameter
 from kg.symbolic.values import (
+    Either,
     Enumerator,
     Mapping,
     Number,
@@ -22,6 +24,7 @@ from kg.symbolic.values import (
     is_foreign,
     join,
     options,
+    over,
 )
 
 if TYPE_CHECKING:
@@ -176,9 +179,16 @@ def grown(written: Written) -> Written:
     found = dict(written)
     for key, (holder, name, value) in written.items():
         before = holder.get(name)
-        if isinstance(value, Sequence) and isinstance(before, Sequence) and len(value.items) > len(before.items):
-            found[key] = (holder, name, replace(value, repeated=True))
+        held = before.items if isinstance(before, Either) else (before,)
+        lengths = [len(one.items) for one in held if isinstance(one, Sequence)]
+        if isinstance(value, Sequence | Either) and lengths:
+            found[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
     return found
+
+
+def _longer(length: int, of: Value) -> Value:
+    """Return a list that has more than some elements as one that can grow further."""
+    return replace(of, repeated=True) if isinstance(of, Sequence) and len(of.items) > length else of
 
 
 def counted(loop: form.Loop) -> list[Expression]:

@@ -111,6 +111,8 @@ class Parameters:
         if kind is None:
             declared = call.declared(effect.output, language) or call.declared(effect.default, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
+        if kind == "bool" and isinstance(default, Number | Text):  # an address of a text is true in C++
+            default = Truth(not isinstance(default, Number) or default.value != 0, default.parameter)
         descriptor = call.argument(effect.descriptor)
         if isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True):
             kind = None

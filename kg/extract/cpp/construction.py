@@ -12,7 +12,7 @@ from kg.symbolic import form
 from kg.symbolic.binding import bind
 from kg.symbolic.kinds import is_pointer
 from kg.symbolic.state import Arguments, Frame, Site
-from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value
+from kg.symbolic.values import Kind, Object, Sequence, Text, Truth, TypeValue, Unknown, Value, number
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -45,6 +45,8 @@ class Constructions:
             found = found.kind
         if not isinstance(found, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
+        if not arguments and not expression.heap and (found.name in library.NUMBERS or found.name == "bool"):
+            return library.stored(found, number(0.0)) if found.name != "bool" else Truth(False)
         made = self.construct(found, arguments, frame, expression.line, listed=expression.listed)
         if expression.heap and isinstance(made, Object):
             made.heap = True
@@ -87,12 +89,29 @@ class Constructions:
         known = self._language.machine.framework.construct(kind, Arguments(arguments))
         if known is None:
             known = library.construct(self._language, kind, arguments, listed=listed)
+        if known is None:
+            known = self._wrapped(kind, arguments, line)
         if known is not None:
             return known
         self._language.escape(arguments)
         if not arguments or kind.names[:1] not in (("std",), ("auto",)):
             return Object(kind, line=line)
         return Unknown("it is of a class that is not in the build")
+
+    def _wrapped(self, kind: Kind, arguments: list[Value], line: int) -> Value | None:
+        """Return an object of the class that a template outside of the sources, such as a state machine, derives from.
+
+        It is an argument of the template with a constructor for the arguments, one of which is a node. None for others.
+        """
+        nodes = (one for one in arguments if isinstance(one, Object) and self._language.machine.framework.is_node(one))
+        if not kind.arguments or next(nodes, None) is None:
+            return None
+        for one in kind.arguments:
+            cls = one.kind.cls if isinstance(one, TypeValue) else None
+            constructors = self._language.linker.methods(cls).get(cls.name, ()) if cls is not None else ()
+            if isinstance(one, TypeValue) and any(fits(function, len(arguments)) for function in constructors):
+                return self.construct(one.kind, arguments, None, line)
+        return None
 
     def initialise(
         self,

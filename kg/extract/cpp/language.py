@@ -103,7 +103,7 @@ class Cpp:
                 *self.kinds.template(expression.template, frame)[:2], same="is_same" in "".join(names)
             )
         variable = self.linker.find_variable(names, frame.unit, frame.scope)
-        if variable is not None:
+        if variable is not None and variable[0].value is not None:
             return self._global(variable, last)
         if len(names) == 1 and frame.scope:
             held = self._static((frame.scope[-1], last), (), Frame(frame.unit, frame.scope[:-1]))
@@ -113,6 +113,8 @@ class Cpp:
             held = self._static(names, self.kinds.template(expression.template, frame), frame)
             if held is not None:
                 return held
+        if variable is not None:  # a static member can have its value in the class
+            return self._global(variable, last)
         functions = self.linker.find_functions(names, frame.unit, frame.scope)
         if functions:
             return Bound(last, None, tuple(functions), template=self.kinds.template(expression.template, frame))

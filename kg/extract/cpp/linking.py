@@ -109,7 +109,9 @@ class Linker:
     def find_variable(self, names: _Scope, unit: Unit, scope: _Scope) -> Variable | None:
         """Return the declaration of a variable at namespace scope, or of a static member."""
         found = self._named("variable", _variables, names, unit, scope)
-        return next((one for one in found if one[0].value is not None), found[0]) if found else None
+        valued = (one for one in found if one[0].value is not None)
+        defined = (one for one in found if one[0].name not in one[1].external)
+        return next(valued, None) or next(defined, None) or (found[0] if found else None)
 
     def find_macro(self, name: str, unit: Unit) -> Macro | None:
         """Return a macro that is visible in a file."""
@@ -281,9 +283,17 @@ def _same(function: Function, inside: _Scope, unit: CppUnit) -> bool:
     first, *rest = function.scope
     return (
         _ends(inside, function.scope)
+        or _repeats(function.scope, inside)
         or any((*used, *function.scope) == inside for used in unit.uses)
         or any(_ends(inside, (*target, *rest)) for _, target in unit.namespaces.get(first, ()))
     )
+
+
+def _repeats(scope: _Scope, inside: _Scope) -> bool:
+    """Return whether a scope is `inside` with a part twice: `a::Class::method` within the namespace `a`."""
+    more = len(scope) - len(inside)
+    places = range(len(inside) if more > 0 else 0)
+    return any(scope[at] == scope[at + more] and inside == (*scope[:at], *scope[at + more :]) for at in places)
 
 
 def _ends(scope: _Scope, part: _Scope) -> bool:

@@ -102,7 +102,8 @@ class _Nodes:
         made = {plugin.executable for plugin in plugins if plugin.executable}
         for target in self.build.targets:
             if target.kind is TargetKind.EXECUTABLE and (target.output_name or target.name) not in made:
-                found += self._executable(target, plugins)
+                with self._compiled(target) as nodes:
+                    found += nodes._executable(target, plugins)  # noqa: SLF001 - of the same class
         for plugin in plugins:
             found += self.plugin(plugin)
         found += self._by_plugins
@@ -112,6 +113,18 @@ class _Nodes:
         if not found and self._package.name not in FRAMEWORKS:
             found += self._classes()
         return found
+
+    @contextmanager
+    def _compiled(self, target: Target) -> Iterator[_Nodes]:
+        """Give the reading of the package as it is compiled for one target, until the end of a `with` statement."""
+        files = [self._project.own(path) for path in target.sources]
+        absent = [name for name in target.absent if any(self._project.contains(file, name.encode()) for file in files)]
+        if not absent:
+            yield self
+            return
+        build = replace(self.build, absent=(*self.build.absent, *absent))
+        with closing(Project(self._project.reader, self._package, build, self._calls)) as project:
+            yield _Nodes(project, build, self._calls)
 
     def _classes(self) -> list[Extracted]:
         """Return the classes that declare interfaces, of a package without nodes that were understood.

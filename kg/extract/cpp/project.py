@@ -7,6 +7,7 @@ kept for the next package of the same process, within a bound.
 
 from __future__ import annotations
 
+import re
 from collections import OrderedDict, defaultdict
 from functools import lru_cache
 from itertools import chain, islice
@@ -55,6 +56,9 @@ _OF_ROS: Final = frozenset(
 )
 """Headers of the frameworks that projects copy, for builds without ROS; a copy is never read either."""
 
+_DEFINED: Final = re.compile(rb"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
+_LEFT_OUT: Final = re.compile(rb"^[ \t]*//+[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(?://.*)?\r?$", re.MULTILINE)
+"""A macro without a value whose definition is a comment: a switch that is off."""
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
@@ -115,7 +119,8 @@ class Project:
         self.package = package
         self.repository = reader.repository
         self._ros = build.ros
-        self._absent = build.absent
+        self._build = build
+        self._undefined: frozenset[str] | None = None
         self._place = Place(reader.repository, package.path, package.name)
         self._units: dict[FilePath, CppUnit | None] = {}
         self._alone: list[CppUnit] = []
@@ -167,7 +172,8 @@ class Project:
 
     def _parse(self, file: FilePath, data: bytes) -> CppUnit:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
-        absent = frozenset(name for name in self._absent if name.encode() in data)
+        undefined = self._absent() if own else self._build.absent
+        absent = frozenset(name for name in undefined if name.encode() in data)
         known = _cache.get(file, data, self._ros, absent)
         if known is not None:
             return known
@@ -177,6 +183,18 @@ class Project:
         else:
             self._alone.append(made)
         return made
+
+    def _absent(self) -> frozenset[str]:
+        """Return the macros without a definition: those of the build files, and those whose `#define` is a comment."""
+        if self._undefined is None:
+            left_out, defined = set[bytes](), set[bytes]()
+            for data in map(self._content, self.sources()):
+                if data is not None and b"define" in data:
+                    left_out.update(_LEFT_OUT.findall(data))
+                    defined.update(_DEFINED.findall(data))
+            found = {name.decode() for name in left_out - defined}
+            self._undefined = frozenset(self._build.absent) | found.difference(self._build.defined)
+        return self._undefined
 
     def contains(self, file: FilePath, word: bytes) -> bool:
         """Return whether a file contains some bytes."""

@@ -211,6 +211,8 @@ class CppUnit(Unit):
         """Methods that are defined in their class, with the names of these classes."""
         self._aliases: dict[str, list[tuple[_Scope, Node | Type, _Scope]]] = defaultdict(list)
         self._variables: dict[str, list[tuple[_Scope, Node]]] = defaultdict(list)
+        self.external: set[str] = set()
+        """Variables that it declares as defined in another file."""
         self._lowered_aliases: dict[str, list[tuple[_Scope, Type, _Scope]]] = {}
         self._lowered_variables: dict[str, list[tuple[_Scope, Declare]]] = {}
         self.macros: dict[str, Macro] = {}
@@ -374,9 +376,13 @@ class CppUnit(Unit):
                 shown = syntax.simple_name(name)
                 self.prototypes[shown].append(CppFunction(self, shown, scope, (node, found), ()))
             return
+        external = any(c.type == "storage_class_specifier" and syntax.text(c) == "extern" for c in node.children)
         names = (syntax.declared_name(one) for one in declarators)
         for shown in dict.fromkeys(syntax.text(name) for name in names if name is not None):
-            self._variables[shown.replace(" ", "").rpartition("::")[2]].append((scope, node))
+            last = shown.replace(" ", "").rpartition("::")[2]
+            self._variables[last].append((scope, node))
+            if external:
+                self.external.add(last)
 
     def _type(self, node: Node, scope: _Scope, template: _Scope) -> None:
         name, body = node.child_by_field_name("name"), node.child_by_field_name("body")

@@ -50,4 +50,5 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         reconfigure_files=tuple(dict.fromkeys([*collected.reconfigure_files, *own])),
         ros=manifest.package.ros,
         absent=collected.absent,
+        defined=tuple(sorted(collected.common.union(*(one.macros for one in collected.targets.values())))),
     )

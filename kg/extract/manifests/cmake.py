@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import posixpath
+import re
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
@@ -10,11 +11,11 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, Target, TargetKind
 from kg.extract.manifests.cmake_builtins import HANDLERS
-from kg.extract.manifests.cmake_run import BINARY, SOURCE, CMakeFiles, Run
+from kg.extract.manifests.cmake_run import BINARY, SOURCE, CMakeFiles, Run, macros_of
 from kg.extract.manifests.cmake_scope import Scope, strip_generators
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
 
     from kg.corpus.files import PackageFolder
     from kg.corpus.reading import Reader
@@ -29,6 +30,12 @@ _INSTALL_WORDS: Final = frozenset(
     {"DESTINATION", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "RENAME", "OPTIONAL", "EXCLUDE_FROM_ALL", "TYPE"}
     | {"USE_SOURCE_PERMISSIONS", "FILE_PERMISSIONS", "DIRECTORY_PERMISSIONS", "FILES_MATCHING", "PATTERN", "REGEX"}
 )
+_MACRO_PROPERTIES: Final = {
+    "COMPILE_DEFINITIONS": "target_compile_definitions",
+    "COMPILE_FLAGS": "target_compile_options",
+    "COMPILE_OPTIONS": "target_compile_options",
+}
+"""The properties that define macros, with the commands that add to them."""
 _ENDINGS: Final = "cpp cc cxx c c++ C cu h hpp hh hxx h++ ipp tpp inl cuh"
 _CODE_ENDINGS: Final = tuple(f".{ending}" for ending in _ENDINGS.split())
 
@@ -42,6 +49,8 @@ class _Target:
     output_name: str | None = None
     generated: list[str] = field(default_factory=list)
     """The texts of sources that are made while building."""
+    macros: set[str] = field(default_factory=set)
+    """The macros that are defined for this target."""
 
 
 @dataclass(slots=True)
@@ -61,6 +70,8 @@ class Collected:
     plugin_files: dict[str, None] = field(default_factory=dict)
     absent: tuple[str, ...] = ()
     """The macros that only commands define that are not run."""
+    common: frozenset[str] = frozenset()
+    """The macros that are defined for all targets."""
     installed: dict[tuple[str, str], None] = field(default_factory=dict)
     """Pairs of an installed file or folder and its source; folders end in a slash."""
 
@@ -86,17 +97,33 @@ class Collected:
 
     def finished(self) -> tuple[Target, ...]:
         """Return the targets, the names of aliases in their links replaced."""
+        links = {
+            name: tuple(dict.fromkeys(self.aliases.get(link, link) for link in target.links if link != name))
+            for name, target in self.targets.items()
+        }
+        macros = set[str]().union(*(target.macros for target in self.targets.values())) - self.common
         return tuple(
             Target(
                 name,
                 target.kind,
                 tuple(target.sources),
-                tuple(dict.fromkeys(self.aliases.get(link, link) for link in target.links if link != name)),
+                links[name],
                 target.location,
                 target.output_name,
+                tuple(sorted(macros - self._macros_of(name, links))) if macros else (),
             )
             for name, target in self.targets.items()
         )
+
+    def _macros_of(self, name: str, links: Mapping[str, tuple[str, ...]]) -> set[str]:
+        """Return the macros that are defined for a target, or for one that it links."""
+        reached = {name: None}
+        pending = [name]
+        while pending:
+            following = [link for link in links[pending.pop()] if link in links and link not in reached]
+            reached.update(dict.fromkeys(following))
+            pending += following
+        return set[str]().union(*(self.targets[one].macros for one in reached))
 
 
 class _Targets:
@@ -163,12 +190,29 @@ class _Targets:
         middle = words.index("PROPERTIES")
         pairs = dict(zip(words[middle + 1 :: 2], words[middle + 2 :: 2], strict=False))
         self._rename(words[:middle], pairs.get("OUTPUT_NAME"))
+        for name, value in pairs.items():
+            self._define_by_property(words[:middle], name, [value])
 
     def set_property(self, _: Run, words: list[str]) -> None:
         if words[:1] == ["TARGET"] and "PROPERTY" in words:
             middle = words.index("PROPERTY")
             if words[middle + 1 : middle + 2] == ["OUTPUT_NAME"]:
                 self._rename(words[1:middle], "".join(words[middle + 2 :]))
+            elif words[middle + 1 :]:
+                self._define_by_property(words[1:middle], words[middle + 1], words[middle + 2 :])
+
+    def define(self, _: Run, words: list[str], command: str) -> None:
+        """target_compile_definitions(target PRIVATE NAME=1), target_compile_options(target PRIVATE -DNAME)."""
+        target = self._known(words)
+        if target:
+            target.macros.update(macros_of(command, (word for word in words[1:] if word not in _TARGET_WORDS)))
+
+    def _define_by_property(self, names: list[str], name: str, values: list[str]) -> None:
+        command = _MACRO_PROPERTIES.get(name)
+        parts = [part for value in values for part in re.split(r"[;\s]+", value) if part]
+        for target in map(self._known, ([one] for one in names)) if command else ():
+            if target:
+                target.macros.update(macros_of(command or "", parts))
 
     def _rename(self, names: list[str], output: str | None) -> None:
         for name in names if output else ():
@@ -288,6 +332,8 @@ def target_handlers(model: Collected) -> dict[str, Callable[[Run, list[str]], No
         "target_sources": targets.target_sources,
         "target_link_libraries": targets.target_link_libraries,
         "ament_target_dependencies": targets.target_link_libraries,
+        "target_compile_definitions": partial(targets.define, command="target_compile_definitions"),
+        "target_compile_options": partial(targets.define, command="target_compile_options"),
         "set_target_properties": targets.set_target_properties,
         "set_property": targets.set_property,
         "rclcpp_components_register_node": targets.register_node,
@@ -329,7 +375,8 @@ def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Colle
         run.run_file(path, own_folder=True)
     if run.stopped:
         reader.problem("KG122", "the file computes more than is followed", run.stopped.path, run.stopped.line)
-    model.absent = tuple(sorted(run.left_out - run.macros))
+    model.common = frozenset(run.macros)
+    model.absent = tuple(sorted(run.left_out.difference(run.macros, *(one.macros for one in model.targets.values()))))
     if run.too_deep:
         reader.problem("KG114", "blocks nested deeper are left out", run.too_deep.path, run.too_deep.line)
     return model

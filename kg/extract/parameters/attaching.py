@@ -16,7 +16,7 @@ import yaml
 
 from kg.corpus.files import FilePath, PackageFolder
 from kg.extract.marks import Extracted, Mark
-from kg.extract.parameters.reconfigure import read_configuration
+from kg.extract.parameters.reconfigure import generates, read_configuration
 from kg.extract.python.syntax import argument_nodes, captures, code, parse
 from kg.facts import Access, FileKind, Location, NodeKind, NodeType, Parameter, Resolution
 from kg.holes import escape, hole_of, is_partial
@@ -219,20 +219,26 @@ def _reconfigured(
 
 
 def _configuration_file(reader: Reader, package: PackageFolder, build: BuildModel, name: str | None) -> FilePath | None:
-    """Return the `.cfg` file of the configuration `package/Name`, which bears its name by convention of the tool."""
+    """Return the `.cfg` file of the configuration `package/Name`, which has its name, or generates it.
+
+    A file also states the package that it generates for, which can be another one than its own.
+    """
     home, _, stem = (name or "").removesuffix("Config").rpartition("/")
     if not stem:
         return None
+    paths = [*build.reconfigure_files, *(entry.path for entry in package.files)]
+    own = [reader.file(path) for path in paths if path.endswith(".cfg")]
     if home in {"", package.name}:
-        paths = [*build.reconfigure_files, *(entry.path for entry in package.files)]
-        found = _named(paths, stem)
-        return reader.file(found) if found else None
+        return _named(own, stem) or _generating(reader, own, home, stem)
     elsewhere = reader.workspace.package(home)
-    if elsewhere is None:
-        return None
-    found = _named((entry.path for entry in reader.workspace.files(elsewhere, FileKind.CONFIG)), stem)
-    return FilePath(elsewhere.repository, found) if found else None
+    listed = reader.workspace.files(elsewhere, FileKind.CONFIG) if elsewhere is not None else ()
+    others = [FilePath(elsewhere.repository, entry.path) for entry in listed if elsewhere is not None]
+    return _named(others, stem) or _generating(reader, own, home, stem)
 
 
-def _named(paths: Iterable[str], stem: str) -> str | None:
-    return next((path for path in paths if posixpath.basename(path) == f"{stem}.cfg"), None)
+def _named(files: Iterable[FilePath], stem: str) -> FilePath | None:
+    return next((file for file in files if posixpath.basename(file.path) == f"{stem}.cfg"), None)
+
+
+def _generating(reader: Reader, files: Iterable[FilePath], home: str, stem: str) -> FilePath | None:
+    return next((file for file in files if generates(reader, file, home, stem)), None)

@@ -26,12 +26,26 @@ with lazily():
 
 _TYPES: Final = {"int_t": "int", "double_t": "double", "bool_t": "bool", "str_t": "string"}
 _ADD_ARGUMENTS: Final = ("name", "paramtype", "level", "description", "default")
+_GENERATE_ARGUMENTS: Final = ("pkgname", "nodename", "name")
 
 
 def read_configuration(reader: Reader, file: FilePath) -> tuple[Parameter, ...]:
     """Return the parameters of the `.cfg` file; parts that do not parse are a problem KG115 of the `reader`."""
     calls = (call for call in calls_of(reader, file) if call.name == "add")
     return tuple({found.name: found for call in calls for found in _added(call, reader.repository)}.values())
+
+
+def generates(reader: Reader, file: FilePath, package: str, name: str) -> bool:
+    """Check whether a `.cfg` file generates a configuration of a name for a package, "" for any.
+
+    The last call of the file states both: `generator.generate(package, node, name)`.
+    """
+    for call in calls_of(reader, file):
+        given = {**dict(zip(_GENERATE_ARGUMENTS, call.values, strict=False)), **call.named}
+        home, stem = (one.known if isinstance(one := given.get(key), Text) else None for key in ("pkgname", "name"))
+        if call.name == "generate" and stem == name and package in {"", home}:
+            return True
+    return False
 
 
 def _added(call: Called, repository: str) -> Iterator[Parameter]:

@@ -73,3 +73,18 @@ def test_a_configuration_belongs_to_the_handle_of_its_server(tmp_path: Path) -> 
         Mark("dynamic_reconfigure.server", HERE, "~"),
     )
     assert names(tmp_path, BuildModel(), *marks) == [("a", ["~/rate", "~/sub/rate"])]
+
+
+def test_a_configuration_is_found_by_what_its_file_generates(tmp_path: Path) -> None:
+    """A `.cfg` file of another name generates the configuration and the package in its last line."""
+    files: dict[str, str | bytes] = {
+        "cfg/gains.cfg": f'{CFG}exit(ParameterGenerator().generate("demo", "demo", "Gains"))\n',
+        "cfg/limits.cfg": f'{CFG}exit(ParameterGenerator().generate("before", "demo", "Limits"))\n',
+    }
+    reader = reader_of(tmp_path, files)
+    node = NodeType("a", NodeKind.COMPONENT, "cpp", 1, HERE, sources=("demo/src/a.cpp",))
+    wanted = {"demo/GainsConfig": 1, "before/LimitsConfig": 1, "demo/Limits": 0, "elsewhere/Gains": 0, "demo/gains": 1}
+    for name, count in wanted.items():
+        mark = Mark("dynamic_reconfigure.server", HERE, "~", name)
+        (found,) = attach(reader, reader.package, BuildModel(), [Extracted(node, (mark,))])
+        assert (name, len(found.node.parameters)) == (name, count)

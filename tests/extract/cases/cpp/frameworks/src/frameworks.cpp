@@ -22,7 +22,9 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Empty.h>
 #include <std_srvs/Empty.h>
+#include <rosparam_shortcuts/rosparam_shortcuts.h>
 #include <swri_roscpp/swri_roscpp.h>
+#include <vikit/params_helper.h>
 #include <tf/transform_listener.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 
@@ -116,6 +118,9 @@ int main(int argc, char** argv)
   ros::Publisher fix = swri::advertise<sensor_msgs::PointCloud2>(node, "fix", 1);
   swri::Subscriber sync(node, "sync", 10, onSync);
   swri::ServiceServer reset(node, "reset", onReset);
+  double gain = vk::getParam<double>("estimator/gain", 0.5);
+  std::vector<std::string> joints;
+  rosparam_shortcuts::get("driver", node, "joints", joints);
   DockClient dock("dock", true);
   Arm arm("/arm/follow");
   ros::spin();
