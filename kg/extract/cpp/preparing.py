@@ -29,6 +29,10 @@ _ALONE: Final = re.compile(
 )
 """A macro on a line of its own, such as `EIGEN_MAKE_ALIGNED_OPERATOR_NEW`, or a part of an expression; or one that
 stands before a declaration of a function with its type, such as `ROS_DEPRECATED`, or before that of a constructor."""
+_MACROS_ONLY: Final = re.compile(
+    rb"\b(?:class|struct)\s+\w+[^;{}()]*\{(?P<body>\s*(?:[A-Z][A-Z0-9]*_[A-Z0-9_]+\s*\([^(){};]*\)\s*)+)\}"
+)
+"""A class whose body consists of calls of macros, without semicolons."""
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
@@ -63,6 +67,7 @@ def prepared(source: bytes, ros: int, absent: frozenset[str] = frozenset()) -> b
         source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
     source = _VISIBILITY.sub(_unless_directive(_spaces), source)
     source = _ALONE.sub(_if_statement, source)
+    source = _MACROS_ONLY.sub(lambda m: m[0].replace(m["body"], _VISIBLE.sub(b" ", m["body"])), source)
     if b"Q_" in source or b" slots" in source:
         source = _QT.sub(_unless_directive(_of_qt), source)
     if b"SIGNAL(" in source or b"SLOT(" in source:
