@@ -50,8 +50,9 @@ _MARKUP: Final[dict[tuple[str, FilePath, LaunchDialect, bytes], Tree]] = {}
 """Files of XML and YAML by all that their trees depend on: the source that they are read for, their name, language
 and the digest of their text."""
 
-_PYTHON: Final[dict[Files, dict[FilePath, Tree]]] = {}
+_PYTHON: Final[dict[Files, dict[FilePath, list[tuple[Mapping[str, str | None], Tree]]]]] = {}
 """Files of Python, for the reader of files that was used last: what is read of them depends on others that they import.
+Each tree has the variables of the environment that it depends on.
 
 The trees hold on to that reader, so no other is kept.
 """
@@ -118,11 +119,15 @@ def _markup(context: Context, file: FilePath, content: bytes, dialect: LaunchDia
 def _python(context: Context, file: FilePath, content: bytes) -> Tree:
     if context.files not in _PYTHON:
         _PYTHON.clear()
-    trees = _PYTHON.setdefault(context.files, {})
-    if file not in trees:
-        problems: list[LaunchProblem] = []
-        trees[file] = read_python(context.files, file, content, problems), tuple(problems)
-    return trees[file]
+    trees = _PYTHON.setdefault(context.files, {}).setdefault(file, [])
+    environment = context.scope.environment
+    for variables, tree in trees:
+        if all(environment.get(name) == value for name, value in variables.items()):
+            return tree
+    problems: list[LaunchProblem] = []
+    actions, variables = read_python(context.files, file, content, problems, environment)
+    trees.append((variables, (actions, tuple(problems))))
+    return trees[-1][1]
 
 
 _DEEPEST_FILE: Final = 100
