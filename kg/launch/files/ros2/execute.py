@@ -153,7 +153,9 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
             None if file else reason or "the file does not exist, or its path is unknown",
         )
     )
-    if file is not None and _may_enter(context, file):
+    if file is None:
+        context.scope.unread = True
+    elif _may_enter(context, file):
         _enter(context, action, file, run)
 
 
@@ -274,6 +276,7 @@ def _merged(before: Scope, after: Scope, reason: str) -> Scope:
     return Scope(
         settings,
         environment,
+        after.unread or before.unread,
         namespace,
         (*before.remaps, *(replace(remap, target=HOLE) for remap in remaps)),
         (*before.parameters, *(_doubtful(parameter, reason) for parameter in parameters)),

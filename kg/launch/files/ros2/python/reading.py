@@ -254,8 +254,9 @@ def _described(reading: Reading, unit: PythonUnit) -> Value:
     module = reading.language.module(unit)
     function = next((module.fields[name] for name in _ENTRIES if name in module.fields), None)
     if function is None:
-        message = f"the file has no function `{_ENTRIES[0]}`"
-        reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
+        if any(one.type != "comment" for one in unit.root.named_children):  # not commented out as a whole
+            message = f"the file has no function `{_ENTRIES[0]}`"
+            reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
         return NULL
     if not isinstance(function, Closure | TypeValue):
         return Unknown(f"`{_ENTRIES[0]}` is not a function that can be read")
