@@ -75,11 +75,11 @@ def _performed(context: Context, entry: Entry) -> Entry:
     """Return a parameter with the substitutions in its value performed."""
     if "$(" not in entry.value:
         return entry
-    value, kind = of_text(_substituted(context, entry.value.encode()).decode())
+    value, kind = of_text(_substituted(context, entry.value.encode(), HOLE).decode())
     return replace(entry, value=HOLE if value is None else value, type=kind)
 
 
-def _substituted(context: Context, content: bytes, hole: str = HOLE) -> bytes:
+def _substituted(context: Context, content: bytes, hole: str) -> bytes:
     """Return a text with its substitutions performed; `hole` stands for those that are unknown."""
     try:
         parts = parse_template(content.decode())
