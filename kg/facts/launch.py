@@ -59,6 +59,8 @@ class LaunchProblemKind(StrEnum):
     """The file is for ROS 1 and its package for ROS 2; it is not evaluated."""
     UNRESOLVED = "unresolved"
     """Something depends on values only known at run time."""
+    UNKNOWN_PART = "unknown-part"
+    """What is included or started is only known at run time, so nodes may be missing."""
     LIMIT = "limit"
     """A limit of size, depth or number was reached; the rest was not read."""
 

@@ -208,7 +208,7 @@ def test_a_broken_launch_file_is_no_empty_graph(tmp_path: Path) -> None:
     assert drawn.code == 1
     assert "error[KG415]: the file is not well-formed XML" in drawn.err
     assert "--> ws/demo/launch/bad.launch:2" in drawn.err
-    assert "help: Correct the line." in drawn.err
+    assert "help: Correct the syntax" in drawn.err
     assert "starts no nodes" not in drawn.err
 
 

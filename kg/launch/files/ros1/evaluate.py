@@ -208,7 +208,7 @@ class _Evaluation:
             state.refused(scope, element, "it has no 'file'")
             return
         passed = self._passed(scope, inner, element)
-        file, reason = state.locate(scope, element.line, written)
+        file, reason = state.locate(scope, element.line, written, LaunchProblemKind.UNKNOWN_PART)
         location = state.location(scope, element.line)
         if file is not None and reason is None:
             reason = self._stopped(scope, inner, element, file)

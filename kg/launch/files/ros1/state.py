@@ -285,11 +285,13 @@ class State:
                 LaunchParameter(absolute, leaf.value, location, chain, leaf.type, leaf.reason or reason)
             )
 
-    def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
-        """Return the file that a text names, or None and the reason, which is a problem."""
+    def locate(
+        self, scope: Scope, line: int, text: str, unknown: LaunchProblemKind = LaunchProblemKind.UNRESOLVED
+    ) -> tuple[FilePath | None, str | None]:
+        """Return the file that a text names, or None and the reason: a problem, of the kind `unknown` for holes."""
         found = self.files.find(text)
         if HOLE in text:
-            found = Found(None, reason=f"the file {text} depends on an unknown value", subject=text)
+            found = Found(None, unknown, f"the file {text} depends on an unknown value", text)
         if found.reason is None:
             return found.file, None
         self.problem(scope, line, found.kind, found.reason, found.subject)

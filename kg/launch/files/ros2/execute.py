@@ -140,7 +140,8 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
     written = HOLE if action.path is None else context.perform(action.path)
     reason = action.reason if action.path is None else None
     if HOLE in written:
-        context.unresolved(f"the included file is unknown: {reason or f'`{written}`'}", written)
+        message = f"the included file is unknown: {reason or f'`{written}`'}"
+        context.problem(LaunchProblemKind.UNKNOWN_PART, message, written)
     file = find(context, written)
     context.found.includes.append(
         LaunchInclude(

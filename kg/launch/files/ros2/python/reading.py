@@ -147,7 +147,7 @@ class Reading:
             return [action for item, where in items for action in self.actions(item, where, depth + 1)]
         if isinstance(value, Either):
             return [one for item, way in paths(value) for one in self._conditional(item, way, location, depth + 1)]
-        self.unresolved(f"an action is not known: {reason_of(value)}", location)
+        self.note(LaunchProblemKind.UNKNOWN_PART, f"an action is not known: {reason_of(value)}", location)
         return []
 
     def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
