@@ -91,6 +91,8 @@ class Found:
     described: dict[tuple[str, Location, tuple[Location, ...]], tuple[LaunchPlugin, ...]] = field(default_factory=dict)
     """The plugins of descriptions by name and place of the parameters that hold them."""
     budget: Budget = field(default_factory=Budget)
+    defaults: dict[str, dict[str, Location]] = field(default_factory=dict)
+    """The defaults that were taken for variables of the environment, each with the first place."""
     undeclared: set[tuple[str, str, tuple[Location, ...]]] = field(default_factory=set)
     """Undeclared configurations that are read, each with the file and the includes that led to it."""
 

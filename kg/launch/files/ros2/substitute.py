@@ -215,7 +215,9 @@ def _env(context: Context, name: Text, default: Text | None = None) -> str:
     if value is not None:
         return value
     if default is not None:
-        return perform(context, default)
+        text = perform(context, default)
+        context.found.defaults.setdefault(wanted, {}).setdefault(text, context.location)
+        return text
     return context.unresolved(f"the variable `{wanted}` of the environment is known only when it runs", wanted)
 
 

@@ -12,6 +12,7 @@ from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
+from kg.facts import LaunchProblemKind
 from kg.holes import ANONYMOUS
 from kg.launch.files.ros2 import actions as kinds
 from kg.launch.files.ros2.actions import (
