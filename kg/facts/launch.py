@@ -51,6 +51,8 @@ class LaunchProblemKind(StrEnum):
     """An argument is passed to a file that does not declare it, or read without a declaration."""
     MISSING_ARGUMENT = "missing-argument"
     """An include does not pass an argument without default."""
+    UNSET_VARIABLE = "unset-variable"
+    """A variable of the environment that is not set has an empty default in some places and another one in others."""
     CYCLE = "cycle"
     """A file includes itself, directly or indirectly."""
     MALFORMED = "malformed"

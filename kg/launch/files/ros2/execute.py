@@ -365,40 +365,23 @@ _HANDLERS: Final[Mapping[type[Action], Callable[[Context, Any], None]]] = {
 }
 
 
-_EMPTY_AND_ONE: Final = 2
-
-
-def _executed(
-    files: Files, file: FilePath, dialect: LaunchDialect, given: Mapping[str, str], environment: Mapping[str, str]
-) -> Context:
-    context = Context(files, file, given, environment)
-    try:
-        run(context, read_actions(context, file, dialect))
-    except RecursionError:
-        context.limit("something is nested too deep to be read")
-    return context
-
-
 def evaluate(
     files: Files, file: FilePath, dialect: LaunchDialect, given: Mapping[str, str], environment: Mapping[str, str]
 ) -> LaunchConfiguration:
     """Return the configuration of a launch file with the arguments `given` and the known environment.
 
-    Nothing is run. Errors and unknown parts are among its problems; no file makes this raise. A variable that is not
-    set has one value in all files: the default of some of them if it is empty in the others.
+    Nothing is run. Errors and unknown parts are among its problems; no file makes this raise.
     """
-    context = _executed(files, file, dialect, given, environment)
-    assumed = {
-        name: next(item for item in found.items() if item[0])
-        for name, found in context.found.defaults.items()
-        if found.keys() > {""} and len(found) == _EMPTY_AND_ONE
-    }
-    if assumed:
-        values = {name: value for name, (value, _) in assumed.items()}
-        context = _executed(files, file, dialect, given, {**environment, **values})
-        for name, (value, location) in assumed.items():
-            message = f"the variable `{name}` is `{value}` by default, but empty elsewhere; `{value}` is taken for both"
-            context.problem(LaunchProblemKind.UNRESOLVED, message, name, location)
+    context = Context(files, file, given, environment)
+    try:
+        run(context, read_actions(context, file, dialect))
+    except RecursionError:
+        context.limit("something is nested too deep to be read")
+    for name, defaults in context.found.defaults.items():
+        value = next(filter(None, defaults), None)
+        if value is not None and "" in defaults:
+            message = f"the environment variable {name} is `{value}` by default here, but empty by default elsewhere"
+            context.problem(LaunchProblemKind.UNSET_VARIABLE, message, name, defaults[value])
     owner = files.reader.workspace.owner(file)
     found = context.found
     nodes = without_others(found.nodes)
