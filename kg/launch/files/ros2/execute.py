@@ -378,7 +378,7 @@ def evaluate(
     except RecursionError:
         context.limit("something is nested too deep to be read")
     for name, defaults in context.found.defaults.items():
-        value = next(filter(None, defaults), None)
+        value = next((one for one in defaults if one.strip("'\"")), None)
         if value is not None and "" in defaults:
             message = f"the environment variable {name} is `{value}` by default here, but empty by default elsewhere"
             context.problem(LaunchProblemKind.UNSET_VARIABLE, message, name, defaults[value])
