@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, Target, TargetKind
 from kg.extract.manifests.cmake_builtins import HANDLERS
-from kg.extract.manifests.cmake_run import PROGRAM_OF_A_LIBRARY, BINARY, SOURCE, CMakeFiles, Run
+from kg.extract.manifests.cmake_run import BINARY, PROGRAM_OF_A_LIBRARY, SOURCE, CMakeFiles, Run
 from kg.extract.manifests.cmake_scope import Scope, strip_generators
 
 if TYPE_CHECKING:
