@@ -122,8 +122,9 @@ endmacro()
 # --- rosbuild
 
 macro(rosbuild_add_executable target)
-  add_executable(${target} ${ARGN})
-  target_link_libraries(${target} ${kg_build_dependencies})
+  get_filename_component(program ${target} NAME)
+  add_executable(${program} ${ARGN})
+  target_link_libraries(${program} ${kg_build_dependencies})
 endmacro()
 
 macro(rosbuild_add_library target)

@@ -7,7 +7,7 @@ An error has its code and message, the place, the source line with carets under 
       |
     3 | SELECT WHERE { ?s ?p ?o }
       |        ^^^^^
-    help: Correct it there.
+    help: Correct the text at the marked place, or before it.
 """
 
 from __future__ import annotations

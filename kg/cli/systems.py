@@ -124,18 +124,13 @@ def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapp
         note(f"no file of {systems[0].configuration.name} reads the environment variable `{name}`")
 
 
-_LEFT_OUT: Final = ("the included file is unknown", "an action is not known", "a component is not known")
-"""How problems begin because of which a system lacks nodes."""
 _MOST: Final = 3
 
 
 def tell_left_out_parts(system: System) -> None:
     """Report what a launch file includes or starts that is unknown, so that its nodes are missing."""
-    every = [
-        one
-        for one in system.configuration.problems
-        if one.kind in (LaunchProblemKind.UNKNOWN_PACKAGE, LaunchProblemKind.LIMIT) or one.message.startswith(_LEFT_OUT)
-    ]
+    kinds = (LaunchProblemKind.UNKNOWN_PACKAGE, LaunchProblemKind.UNKNOWN_PART, LaunchProblemKind.LIMIT)
+    every = [one for one in system.configuration.problems if one.kind in kinds]
     for one in every[:_MOST]:
         note(f"{one.location}: {one.message}; nodes may be missing")
     if len(every) > _MOST:

@@ -51,6 +51,8 @@ class LaunchProblemKind(StrEnum):
     """An argument is passed to a file that does not declare it, or read without a declaration."""
     MISSING_ARGUMENT = "missing-argument"
     """An include does not pass an argument without default."""
+    UNSET_VARIABLE = "unset-variable"
+    """A variable of the environment that is not set has an empty default in some places and another one in others."""
     CYCLE = "cycle"
     """A file includes itself, directly or indirectly."""
     MALFORMED = "malformed"
@@ -59,6 +61,8 @@ class LaunchProblemKind(StrEnum):
     """The file is for ROS 1 and its package for ROS 2; it is not evaluated."""
     UNRESOLVED = "unresolved"
     """Something depends on values only known at run time."""
+    UNKNOWN_PART = "unknown-part"
+    """What is included or started is only known at run time, so nodes may be missing."""
     LIMIT = "limit"
     """A limit of size, depth or number was reached; the rest was not read."""
 

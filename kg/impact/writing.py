@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
-from kg.impact.model import Effect, Grade, Impact
+from kg.impact.model import Area, Effect, Grade, Impact
 from kg.launch.comparison.report import code
 from kg.render.text import count, printable
 
@@ -41,10 +42,20 @@ def impact_lines(found: Impact) -> list[str]:
 
 
 def _effect_lines(effects: Sequence[Effect]) -> Iterator[str]:
-    for one in effects:
+    for _, group in groupby(effects, key=_written_once):
+        one, *others = group
         where = f"  {one.location}" if one.location else ""
         yield printable(f"  {one.grade:<6}  {one.what}{where}")
-        yield printable(f"          {_reason(one)}")
+        launches = tuple(sorted({name for each in (one, *others) for name in each.systems}))
+        more = f"; the same for {count(len(others), 'more node')}" if others else ""
+        yield printable(f"          {_reason(replace(one, reason=one.reason + more, systems=launches))}")
+
+
+def _written_once(one: Effect) -> object:
+    """Return a key that is equal for the effects of one line of a file on several nodes."""
+    if one.location is None or one.area not in {Area.LAUNCH, Area.PARAMETERS}:
+        return id(one)
+    return one.area, one.grade, one.location, one.repository, one.reason
 
 
 def _reason(one: Effect) -> str:

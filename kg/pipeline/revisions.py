@@ -73,6 +73,8 @@ def merge_base(folder: Path, one: Revision, other: Revision) -> Revision:
 def revision_store(folder: Path, revision: Revision, settings: Settings, report: Report | None = None) -> EmbeddedStore:
     """Return the store of a commit of the repository of `folder`, from the cache if available.
 
+    A new store begins as a copy of that of another commit, so only packages that differ are read.
+
     Raises:
         SourceError: KG103 if the commit cannot be checked out (objects missing from a partial clone, a full disk).
         StoreError: as a build.
@@ -89,7 +91,7 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
     with TemporaryDirectory(prefix="reading-", dir=root.parent) as scratch:
         tree, made = Path(scratch) / (top.name or "root"), Path(scratch) / ".kg"
         _check_out(top, revision, tree)
-        store = EmbeddedStore.create(made)
+        store = _copied(_newest(root), made)
         build([str(tree)], store, replace(settings, store=made), report, f"kg diff, at {revision[:12]}")
         with translated(str(root)):
             try:
@@ -98,6 +100,13 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
                 if not root.is_dir():
                     raise
     return EmbeddedStore(Layout(root))
+
+
+def _newest(root: Path) -> EmbeddedStore | None:
+    """Return the last store of another commit that the same program made of the same repository; None without one."""
+    others = root.parent.glob(f"*-{root.name.rpartition('-')[2]}")
+    found = [path for path in others if Layout(path).current() is not None]
+    return EmbeddedStore(Layout(max(found, key=lambda path: path.stat().st_mtime))) if found else None
 
 
 @contextmanager

@@ -181,6 +181,24 @@ def test_diff_compares_stores(repository: Path, cache: Path, stored: Program) ->
     assert "- /talker to /listener by topic /chatter" in run.out
 
 
+def test_diff_compares_two_launch_files_of_a_store(tmp_path: Path) -> None:
+    """What one launch file starts is compared with another one, whose name must be unique in the store."""
+    texts = {"package.xml": MANIFEST, "CMakeLists.txt": CMAKE, "talker.py": TALKER, "listener.py": LISTENER}
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+        (tmp_path / name).chmod(0o755 if name.endswith(".py") else 0o644)
+    (tmp_path / "both.launch").write_text(LAUNCH)
+    (tmp_path / "apart.launch").write_text(REMAPPED)
+    program = Program(tmp_path)
+    assert program("build", ".", "--store", "store").code == 0
+    run = program("diff", "--launch", "both.launch", "--with", "apart.launch", "--store", "store")
+    assert "- /talker to /listener by topic /chatter" in run.out
+    same = program("diff", "--launch", "both.launch", "--with", "both.launch", "--store", "store", "--exit-code")
+    assert (same.code, same.out) == (0, "no differences\n")
+    assert "KG422" in program("diff", "--launch", "both.launch", "--with", "none.launch", "--store", "store").err
+    assert "KG003" in program("diff", "--with", "both.launch", "--store", "store").err
+
+
 def test_diff_names_what_it_cannot_compare(repository: Path, cache: Path, tmp_path: Path) -> None:
     """An unknown commit, a shallow clone, a folder without git and a single side are rejected."""
     unknown = diff(repository, cache, "nowhere..HEAD")
@@ -208,7 +226,7 @@ def test_a_broken_launch_file_is_no_empty_graph(tmp_path: Path) -> None:
     assert drawn.code == 1
     assert "error[KG415]: the file is not well-formed XML" in drawn.err
     assert "--> ws/demo/launch/bad.launch:2" in drawn.err
-    assert "help: Correct the line." in drawn.err
+    assert "help: Correct the syntax" in drawn.err
     assert "starts no nodes" not in drawn.err
 
 

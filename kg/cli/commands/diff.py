@@ -37,7 +37,7 @@ with lazily():
         difference_objects,
     )
     from kg.lint.reading import read_findings
-    from kg.pipeline.launch_names import matching, unknown_launch
+    from kg.pipeline.launch_names import matching, several_launches, unknown_launch
     from kg.pipeline.revisions import merge_base, resolve, revision_store
     from kg.render.system_graph import SystemGraph, system_graph
     from kg.render.system_svg import system_svg
@@ -61,6 +61,14 @@ Repository = Annotated[
 Launch = Annotated[
     str | None, typer.Option("--launch", "-l", metavar="FILE", help="Compare only the wiring of this launch file.")
 ]
+With = Annotated[
+    str | None,
+    typer.Option(
+        "--with",
+        metavar="FILE",
+        help="Compare the launch file of --launch with this one; without commits, both are from the store.",
+    ),
+]
 All = Annotated[
     bool,
     typer.Option("--all", "-a", help="Include what frameworks create implicitly, and in pictures what did not change."),
@@ -69,13 +77,14 @@ Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if there are differences.")]
 
 
-@with_settings("jobs", "rules", "rule_families")
+@with_settings("store", "jobs", "rules", "rule_families")
 def diff(  # noqa: PLR0913 - the options of a command
     named: Named = None,
     *,
     settings: Settings,
     repository: Repository = None,
     launch: Launch = None,
+    other: With = None,
     every: All = False,
     markdown: Markdown = False,
     svg: Svg = False,
@@ -93,12 +102,20 @@ def diff(  # noqa: PLR0913 - the options of a command
         kg diff v1.2..v1.3 --markdown
         kg diff main...HEAD --launch rover.launch -o changes.svg
         kg diff before/.kg after/.kg
+        kg diff --launch robot.launch --with simulation.launch
     """
     form = form_of({"svg": svg, "markdown": markdown, "json": json}, output)
-    asked = sides(named or (), repository)
-    before, after = (known(store, settings, launch) for store in stores(asked, settings))
-    if launch is not None and not (before.sources.systems or after.sources.systems):
-        raise unknown_launch([*before.launches, *after.launches], launch)
+    if other is not None:
+        if launch is None:
+            raise UsageError("KG003", "--with needs a launch file to compare with", hint="Name it: `--launch FILE`.")
+        asked = sides(named, repository) if named else Sides(launch, other)
+        first, second = stores(asked, settings) if named else (existing(settings),) * 2
+        before, after = as_one(known(first, settings, launch), known(second, settings, other), (launch, other))
+    else:
+        asked = sides(named or (), repository)
+        before, after = (known(store, settings, launch) for store in stores(asked, settings))
+        if launch is not None and not (before.sources.systems or after.sources.systems):
+            raise unknown_launch([*before.launches, *after.launches], launch)
     found = compare(before.sources, after.sources, every=every)
     deliver(_written(found, asked, (before, after), form, every=every), form, output, "diff")
     if found and exit_code:
@@ -218,6 +235,23 @@ def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Kno
         nodes = node_records(snapshot) if launch is None else []
         found = Sources(nodes, systems(snapshot, names, settings.base), findings)
         return Known(found, {one.name: one for one in sources(snapshot)}, every)
+
+
+def as_one(before: Known, after: Known, texts: tuple[str, str]) -> tuple[Known, Known]:
+    """Return both sides with the launch file of the second under the name of that of the first.
+
+    Raises KG422, KG003 if one of `texts` names no launch file of its side, or several.
+    """
+    for side, text in zip((before, after), texts, strict=True):
+        if not side.sources.systems:
+            raise unknown_launch(side.launches, text)
+        if len(side.sources.systems) > 1:
+            raise several_launches(side.launches, matching(side.launches, text), text)
+    (one,), (two,) = before.sources.systems, after.sources.systems
+    name = one.configuration
+    renamed = replace(two.configuration, package=name.package, path=name.path, folder=name.folder)
+    findings = [replace(each, system=name.name) for each in after.sources.findings]
+    return before, replace(after, sources=Sources([], [replace(two, configuration=renamed)], findings))
 
 
 def address(links: "tuple[Links, Links]", side: "Side", *, is_after: bool) -> str | None:

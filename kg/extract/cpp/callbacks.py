@@ -87,7 +87,7 @@ class Callbacks:
 
     def escape(self, values: Iterable[Value]) -> None:
         """Schedule the functions among some values that are handed to code outside of the sources."""
-        receiver: Object | None = None
+        receivers: list[Object] = []
         method: Bound | None = None
         for value in values:
             if type(value) in _WITHOUT:
@@ -101,9 +101,14 @@ class Callbacks:
                     else:
                         method = one
                 elif isinstance(one, Object):
-                    receiver = receiver or one
-        if method is not None and receiver is not None:
-            self._schedule(Bound(method.name, receiver))
+                    receivers.append(one)
+        if method is None:
+            return
+        # The values may also have other objects, such as the period of a timer.
+        for one in receivers:
+            if self._language.methods(one.kind, method.name):
+                self._schedule(Bound(method.name, one))
+                return
 
     def enter(self, called: Bound) -> None:
         """Schedule a method that code outside of the sources calls on an object of its own, whatever it reaches."""

@@ -325,7 +325,7 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
 
 _WRITERS: Final[dict[str, Callable[[list[Value]], Value]]] = {
     "sprintf": lambda values: formatted(values[1], values[2:]),
-    "snprintf": lambda values: formatted(values[2], values[3:]) if len(values) > 2 else values[1],  # noqa: PLR2004
+    "snprintf": lambda values: formatted(values[2], values[3:]) if values[2:] else values[1],
     "strcpy": lambda values: values[1],
     "strncpy": lambda values: values[1],
     "strcat": lambda values: concatenate(values[0], values[1]),

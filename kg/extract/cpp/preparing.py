@@ -34,6 +34,10 @@ _LAST: Final = re.compile(
     re.MULTILINE,
 )
 """A macro with arguments that ends a block, such as the members of a class, without a semicolon."""
+_MACROS_ONLY: Final = re.compile(
+    rb"\b(?:class|struct)\s+\w+[^;{}()]*\{(?P<body>\s*(?:[A-Z][A-Z0-9]*_[A-Z0-9_]+\s*\([^(){};]*\)\s*)+)\}"
+)
+"""A class whose body consists of calls of macros, without semicolons."""
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
@@ -68,6 +72,7 @@ def prepared(source: bytes, ros: int, absent: frozenset[str] = frozenset()) -> b
         source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
     source = _VISIBILITY.sub(_unless_directive(_spaces), source)
     source = _ALONE.sub(_if_statement, source)
+    source = _MACROS_ONLY.sub(lambda m: m[0].replace(m["body"], _VISIBLE.sub(b" ", m["body"])), source)
     source = _LAST.sub(_unless_directive(lambda m: m[0][:-1] + b";"), source)
     if b"Q_" in source or b" slots" in source:
         source = _QT.sub(_unless_directive(_of_qt), source)

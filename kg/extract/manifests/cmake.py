@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.extract.buildmodel import PluginClass, Registration, Target, TargetKind
 from kg.extract.manifests.cmake_builtins import HANDLERS
-from kg.extract.manifests.cmake_run import BINARY, SOURCE, CMakeFiles, Run, macros_of
+from kg.extract.manifests.cmake_run import BINARY, PROGRAM_OF_A_LIBRARY, SOURCE, CMakeFiles, Run, macros_of
 from kg.extract.manifests.cmake_scope import Scope, strip_generators
 
 if TYPE_CHECKING:
@@ -24,7 +24,21 @@ if TYPE_CHECKING:
 _TARGET_WORDS: Final = frozenset(
     {"WIN32", "MACOSX_BUNDLE", "EXCLUDE_FROM_ALL", "STATIC", "SHARED", "MODULE", "OBJECT", "INTERFACE", "UNKNOWN"}
     | {"PUBLIC", "PRIVATE", "LINK_PUBLIC", "LINK_PRIVATE", "LINK_INTERFACE_LIBRARIES", "SYSTEM"}
-    | {"debug", "optimized", "general", "GLOBAL", "BEFORE", "FILE_SET", "TYPE", "HEADERS", "BASE_DIRS", "FILES"}
+    | {
+        "SRCS",
+        "SOURCES",
+        "HDRS",
+        "debug",
+        "optimized",
+        "general",
+        "GLOBAL",
+        "BEFORE",
+        "FILE_SET",
+        "TYPE",
+        "HEADERS",
+        "BASE_DIRS",
+        "FILES",
+    }
 )
 _INSTALL_WORDS: Final = frozenset(
     {"DESTINATION", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "RENAME", "OPTIONAL", "EXCLUDE_FROM_ALL", "TYPE"}
@@ -327,6 +341,7 @@ def target_handlers(model: Collected) -> dict[str, Callable[[Run, list[str]], No
     return {
         "add_executable": partial(targets.add, kind=TargetKind.EXECUTABLE),
         "add_library": partial(targets.add, kind=TargetKind.LIBRARY),
+        PROGRAM_OF_A_LIBRARY: partial(targets.add, kind=TargetKind.EXECUTABLE),
         "kg_plugin_executable": targets.plugin_executable,
         "kg_add_test": partial(targets.add, kind=TargetKind.TEST),
         "target_sources": targets.target_sources,

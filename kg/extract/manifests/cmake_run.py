@@ -77,6 +77,11 @@ class _Frame:
     call: Location | None = None
 
 
+PROGRAM_OF_A_LIBRARY: Final = "kg program of a library"
+"""The handler of commands that packages outside of the build define, and whose names say that they make a program."""
+_MAKES_PROGRAM: Final = re.compile(r"_(?:executable|binary)$")
+
+
 class Run:
     """One run over a package's CMake files; `handlers` are the commands that do something, by name in lower case."""
 
@@ -172,6 +177,8 @@ class Run:
                 handler(self, self.arguments(command))
                 return _Flow.NEXT
             definition = self.files.definition(name)
+        if definition is None and _MAKES_PROGRAM.search(name) and PROGRAM_OF_A_LIBRARY in self.handlers:
+            self.handlers[PROGRAM_OF_A_LIBRARY](self, self.arguments(command))
         if definition is not None:
             self._call(definition, command)
         return _Flow.NEXT

@@ -29,6 +29,21 @@ ament_target_dependencies(demo PUBLIC rclcpp)
     assert kinds == [(TargetKind.EXECUTABLE, 2), (TargetKind.LIBRARY, 3)]
 
 
+def test_programs_of_commands_that_other_packages_define(tmp_path: Path) -> None:
+    """A command without a definition whose name ends in `executable` or `binary` makes a program of its sources."""
+    text = """
+rosbuild_add_executable(bin/teleop src/teleop.cpp)
+google_binary(mapper
+  SRCS
+    mapper_main.cc
+)
+print_binary_size(mapper)
+"""
+    model = cmake(tmp_path, text, ["src/teleop.cpp", "mapper_main.cc"])
+    assert sources(model) == {"teleop": ["src/teleop.cpp"], "mapper": ["mapper_main.cc"]}
+    assert {target.kind for target in model.targets} == {TargetKind.EXECUTABLE}
+
+
 def test_aliases_objects_and_imported(tmp_path: Path) -> None:
     """Aliases lead to their target, objects of a library count as links, imported targets are excluded."""
     text = """

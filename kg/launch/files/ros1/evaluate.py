@@ -171,9 +171,11 @@ class _Evaluation:
         """Return name, value, default and unknown condition of an `<arg>`; None for one that does not count."""
         state = self._state
         counts, words = state.condition(scope, element)
-        if not counts:
-            return None
         name = state.text(scope, element, "name")
+        if not counts:
+            if name and any("env " in element.attributes.get(key, "") for key in ("if", "unless")):
+                scope.unmet.add(name)
+            return None
         if not name:
             state.refused(scope, element, "it has no 'name'")
             return None
@@ -208,7 +210,7 @@ class _Evaluation:
             state.refused(scope, element, "it has no 'file'")
             return
         passed = self._passed(scope, inner, element)
-        file, reason = state.locate(scope, element.line, written)
+        file, reason = state.locate(scope, element.line, written, LaunchProblemKind.UNKNOWN_PART)
         location = state.location(scope, element.line)
         if file is not None and reason is None:
             reason = self._stopped(scope, inner, element, file)
@@ -226,7 +228,7 @@ class _Evaluation:
         if file is None or reason is not None:
             return
         inner.place = Place(file, state.files.folder(file), (*scope.place.chain, location))
-        inner.declared, inner.uncertain = set(), set()
+        inner.declared, inner.uncertain, inner.unmet = set(), set(), set()
         is_read = self._file(inner, file, element.line)
         if is_read and state.is_whole and not inner.replaces:
             for name, given in passed.items():

@@ -72,6 +72,8 @@ class Scope:
     declared: set[str] = field(default_factory=set)
     uncertain: set[str] = field(default_factory=set)
     """Arguments whose declaration depends on an unknown value: a second one is no fault."""
+    unmet: set[str] = field(default_factory=set)
+    """Arguments that are only declared if a variable of the environment says so, which it does not."""
     private: list[Private] = field(default_factory=list)
     environment: list[tuple[str, str]] = field(default_factory=list)
     conditions: tuple[str, ...] = ()
@@ -93,6 +95,7 @@ class Scope:
             arguments=dict(self.arguments),
             declared=set(self.declared),
             uncertain=set(self.uncertain),
+            unmet=set(self.unmet),
             # The list itself, so that what an include adds stays behind it; an empty one is not shared by roslaunch.
             private=self.private or [],
             environment=list(self.environment),
@@ -125,7 +128,10 @@ class Scope:
     def missing(self, name: str, note: Note) -> None:
         """Record that the argument `name` is read and has no value."""
         chain = self.place.chain
-        if name not in self.declared:
+        if name in self.unmet:
+            message = f"the argument '{name}' is only declared if a variable of the environment is set"
+            note(LaunchProblemKind.UNRESOLVED, message, name)
+        elif name not in self.declared:
             note(LaunchProblemKind.UNDECLARED_ARGUMENT, f"the argument '{name}' is read and not declared", name)
         elif chain:
             message = f"{self.place.file.path} needs the argument '{name}', which the include does not give"
@@ -138,6 +144,7 @@ class Scope:
         if name in self.declared and name not in self.uncertain and certain and not self.replaces:
             return LaunchProblemKind.MALFORMED, f"the argument '{name}' is declared twice"
         self.declared.add(name)
+        self.unmet.discard(name)
         if not certain:
             self.uncertain.add(name)
             if value is not None or name not in self.arguments:
@@ -285,11 +292,13 @@ class State:
                 LaunchParameter(absolute, leaf.value, location, chain, leaf.type, leaf.reason or reason)
             )
 
-    def locate(self, scope: Scope, line: int, text: str) -> tuple[FilePath | None, str | None]:
-        """Return the file that a text names, or None and the reason, which is a problem."""
+    def locate(
+        self, scope: Scope, line: int, text: str, unknown: LaunchProblemKind = LaunchProblemKind.UNRESOLVED
+    ) -> tuple[FilePath | None, str | None]:
+        """Return the file that a text names, or None and the reason: a problem, of the kind `unknown` for holes."""
         found = self.files.find(text)
         if HOLE in text:
-            found = Found(None, reason=f"the file {text} depends on an unknown value", subject=text)
+            found = Found(None, unknown, f"the file {text} depends on an unknown value", text)
         if found.reason is None:
             return found.file, None
         self.problem(scope, line, found.kind, found.reason, found.subject)

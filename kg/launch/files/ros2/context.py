@@ -58,6 +58,8 @@ class Scope:
     configurations: dict[str, str] = field(default_factory=dict)
     environment: dict[str, str | None] = field(default_factory=dict)
     """Variables set; None for those that were unset. All others are unknown."""
+    unread: bool = False
+    """Whether a file was included that is not in the build; it may have set any configuration."""
     namespace: str | None = None
     remaps: tuple[Remap, ...] = ()
     parameters: tuple[LaunchParameter | GlobalFile, ...] = ()
@@ -89,6 +91,16 @@ class Found:
     described: dict[tuple[str, Location, tuple[Location, ...]], tuple[LaunchPlugin, ...]] = field(default_factory=dict)
     """The plugins of descriptions by name and place of the parameters that hold them."""
     budget: Budget = field(default_factory=Budget)
+    defaults: dict[str, dict[str, Location]] = field(default_factory=dict)
+    """The defaults that were taken for variables of the environment, each with the first place."""
+    undeclared: set[tuple[str, str, tuple[Location, ...]]] = field(default_factory=set)
+    """Undeclared configurations that are read, each with the file and the includes that led to it."""
+
+    def reads_first(self, name: str, path: str, chain: tuple[Location, ...]) -> bool:
+        """Record that a file reads an undeclared configuration; return whether that is its first reading."""
+        before = len(self.undeclared)
+        self.undeclared.add((name, path, chain))
+        return len(self.undeclared) > before
 
 
 class Context:
@@ -122,11 +134,11 @@ class Context:
 
     def quietly(self, text: Text) -> str:
         """Return a text performed, without recording problems: for display only."""
-        before = dict(self.found.problems)
+        before = dict(self.found.problems), set(self.found.undeclared)
         try:
             return self.perform(text)
         finally:
-            self.found.problems = before
+            self.found.problems, self.found.undeclared = before
 
     def configuration(self, name: str) -> str | None:
         """Return the value of a launch configuration, with `{}` for parts not known; None where nothing sets it."""

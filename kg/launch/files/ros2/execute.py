@@ -50,8 +50,9 @@ _MARKUP: Final[dict[tuple[str, FilePath, LaunchDialect, bytes], Tree]] = {}
 """Files of XML and YAML by all that their trees depend on: the source that they are read for, their name, language
 and the digest of their text."""
 
-_PYTHON: Final[dict[Files, dict[FilePath, Tree]]] = {}
+_PYTHON: Final[dict[Files, dict[FilePath, list[tuple[Mapping[str, str | None], Tree]]]]] = {}
 """Files of Python, for the reader of files that was used last: what is read of them depends on others that they import.
+Each tree has the variables of the environment that it depends on.
 
 The trees hold on to that reader, so no other is kept.
 """
@@ -118,11 +119,15 @@ def _markup(context: Context, file: FilePath, content: bytes, dialect: LaunchDia
 def _python(context: Context, file: FilePath, content: bytes) -> Tree:
     if context.files not in _PYTHON:
         _PYTHON.clear()
-    trees = _PYTHON.setdefault(context.files, {})
-    if file not in trees:
-        problems: list[LaunchProblem] = []
-        trees[file] = read_python(context.files, file, content, problems), tuple(problems)
-    return trees[file]
+    trees = _PYTHON.setdefault(context.files, {}).setdefault(file, [])
+    environment = context.scope.environment
+    for variables, tree in trees:
+        if all(environment.get(name) == value for name, value in variables.items()):
+            return tree
+    problems: list[LaunchProblem] = []
+    actions, variables = read_python(context.files, file, content, problems, environment)
+    trees.append((variables, (actions, tuple(problems))))
+    return trees[-1][1]
 
 
 _DEEPEST_FILE: Final = 100
@@ -135,7 +140,8 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
     written = HOLE if action.path is None else context.perform(action.path)
     reason = action.reason if action.path is None else None
     if HOLE in written:
-        context.unresolved(f"the included file is unknown: {reason or f'`{written}`'}", written)
+        message = f"the included file is unknown: {reason or f'`{written}`'}"
+        context.problem(LaunchProblemKind.UNKNOWN_PART, message, written)
     file = find(context, written)
     context.found.includes.append(
         LaunchInclude(
@@ -148,7 +154,9 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
             None if file else reason or "the file does not exist, or its path is unknown",
         )
     )
-    if file is not None and _may_enter(context, file):
+    if file is None:
+        context.scope.unread = True
+    elif _may_enter(context, file):
         _enter(context, action, file, run)
 
 
@@ -269,6 +277,7 @@ def _merged(before: Scope, after: Scope, reason: str) -> Scope:
     return Scope(
         settings,
         environment,
+        after.unread or before.unread,
         namespace,
         (*before.remaps, *(replace(remap, target=HOLE) for remap in remaps)),
         (*before.parameters, *(_doubtful(parameter, reason) for parameter in parameters)),
@@ -368,6 +377,11 @@ def evaluate(
         run(context, read_actions(context, file, dialect))
     except RecursionError:
         context.limit("something is nested too deep to be read")
+    for name, defaults in context.found.defaults.items():
+        value = next((one for one in defaults if one.strip("'\"")), None)
+        if value is not None and "" in defaults:
+            message = f"the environment variable {name} is `{value}` by default here, but empty by default elsewhere"
+            context.problem(LaunchProblemKind.UNSET_VARIABLE, message, name, defaults[value])
     owner = files.reader.workspace.owner(file)
     found = context.found
     nodes = without_others(found.nodes)

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
 
 _PARAMETERS: Final = "ros__parameters"
+_HOLE_OF_YAML: Final = "\ue000"
+"""Stands for an unknown part until YAML is parsed, to which `{}` is an empty mapping."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,7 @@ def read_parameters(
     if made is not None and made.entries is not None:
         return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
     try:
-        return file, _entries(_substituted(context, content) if substitutions else content)
+        return file, _entries(_substituted(context, content, _HOLE_OF_YAML) if substitutions else content)
     except YamlFault as fault:
         where = place(context.files, file, fault.line or 1)
         context.problem(LaunchProblemKind.MALFORMED, f"`{file.path}` {fault.message}", file.path, where)
@@ -73,13 +75,16 @@ def _performed(context: Context, entry: Entry) -> Entry:
     """Return a parameter with the substitutions in its value performed."""
     if "$(" not in entry.value:
         return entry
-    value, kind = of_text(_substituted(context, entry.value.encode()).decode())
+    value, kind = of_text(_substituted(context, entry.value.encode(), HOLE).decode())
     return replace(entry, value=HOLE if value is None else value, type=kind)
 
 
-def _substituted(context: Context, content: bytes) -> bytes:
+def _substituted(context: Context, content: bytes, hole: str) -> bytes:
+    """Return a text with its substitutions performed; `hole` stands for those that are unknown."""
     try:
-        return context.perform(parse_template(content.decode())).encode("utf-8", "replace")
+        parts = parse_template(content.decode())
+        performed = (part if isinstance(part, str) else context.perform((part,)).replace(HOLE, hole) for part in parts)
+        return "".join(performed).encode("utf-8", "replace")
     except TemplateError as error:
         context.problem(LaunchProblemKind.MALFORMED, str(error))
         return content
@@ -110,11 +115,15 @@ class _Walk(Walk):
     def leaves(self, node: yaml.Node | None, owner: str | None, names: tuple[str, ...], depth: int) -> Iterator[Entry]:
         """Yield the parameters of a mapping of names, with the line of each."""
         for key, value in self.merged(node, depth):
-            below = (*names, key.value)
+            below = (*names, key.value.replace(_HOLE_OF_YAML, HOLE))
             if isinstance(value, yaml.MappingNode):
                 yield from self.leaves(value, owner, below, depth + 1)
-            else:
-                yield Entry(owner, below, *of_yaml(value, self, depth), key.start_mark.line + 1)
+                continue
+            text, kind = of_yaml(value, self, depth)
+            if _HOLE_OF_YAML in text:
+                whole = text == _HOLE_OF_YAML or text.startswith("[")
+                text, kind = text.replace(_HOLE_OF_YAML, HOLE), None if whole else kind
+            yield Entry(owner, below, text, kind, key.start_mark.line + 1)
 
     def merged(self, node: yaml.Node | None, depth: int) -> Iterator[tuple[yaml.ScalarNode, yaml.Node]]:
         """Yield the entries of a mapping, those of the mappings that it merges too."""

@@ -201,9 +201,11 @@ def _var(context: Context, name: Text, default: Text | None = None) -> str:
         return value
     if default is not None:
         return perform(context, default)
-    context.problem(
-        LaunchProblemKind.UNDECLARED_ARGUMENT, f"`{wanted}` is read, and nothing declares or sets it before", wanted
-    )
+    if context.scope.unread:
+        return context.unresolved(f"`{wanted}` may be set by an included file that is not in the build", wanted)
+    if context.found.reads_first(wanted, context.location.path, context.chain):
+        message = f"the argument `{wanted}` is read, but nothing declares or sets it before"
+        context.problem(LaunchProblemKind.UNDECLARED_ARGUMENT, message, wanted)
     return HOLE
 
 
@@ -213,7 +215,9 @@ def _env(context: Context, name: Text, default: Text | None = None) -> str:
     if value is not None:
         return value
     if default is not None:
-        return perform(context, default)
+        text = perform(context, default)
+        context.found.defaults.setdefault(wanted, {}).setdefault(text, context.location)
+        return text
     return context.unresolved(f"the variable `{wanted}` of the environment is known only when it runs", wanted)
 
 

@@ -12,6 +12,7 @@ from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Final
 
+from kg.facts import LaunchProblemKind
 from kg.holes import ANONYMOUS
 from kg.launch.files.ros2 import actions as kinds
 from kg.launch.files.ros2.actions import (
@@ -270,7 +271,7 @@ def _listed(reading: Reading, made: Made, value: Value, condition: Condition | N
         found = ((each or condition, _started(reading, one, "component")) for each, one in _rows(value))
         return [replace(one, condition=one.condition or each) for each, one in found]
     if value != NULL:
-        reading.unresolved(f"a component is not known: {reason_of(value)}", made.location)
+        reading.note(LaunchProblemKind.UNKNOWN_PART, f"a component is not known: {reason_of(value)}", made.location)
     return []
 
 

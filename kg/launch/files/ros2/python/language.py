@@ -277,6 +277,10 @@ class LaunchPython(Python):
         if self.reading.context is not None:
             performed = self.reading.context.perform((part,))
             return None if HOLE in performed else performed
+        name = text_of(part.arguments[0]).known
+        value = self.reading.variable(name) if name is not None else None
+        if value is not None:
+            return None if HOLE in value else value
         default = part.arguments[1] if len(part.arguments) > 1 else None
         return text_of(default).known if default is not None else None
 

@@ -32,7 +32,7 @@ from kg.symbolic.state import Arguments
 from kg.symbolic.values import Closure, Either, Sequence, Text, TypeValue, Unknown, Value, Way, paths
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from collections.abc import Sequence as Items
 
     from kg.corpus.files import FilePath
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from kg.launch.files.access import Files
 
 _MAX_DEPTH: Final = 100
+_NO_VARIABLES: Final[Mapping[str, str | None]] = {}
 _TOO_MUCH: Final = "the file needs more steps to be read than are allowed"
 
 
@@ -54,11 +55,16 @@ class _NoFramework(Framework):
 class Reading:
     """The reading of one file; `context` is that of the `OpaqueFunction` that is read now."""
 
-    def __init__(self, files: Files, file: FilePath, problems: list[LaunchProblem]) -> None:
+    def __init__(
+        self, files: Files, file: FilePath, problems: list[LaunchProblem], environment: Mapping[str, str | None]
+    ) -> None:
         self.files = files
         self.file = file
         self.problems = problems
         self.context: Context | None = None
+        self.variables: dict[str, str | None] = {}
+        """The variables of the environment that the description depends on; None for those that are not set."""
+        self._environment = environment
         self.location = self.at(file, 1)
         self.language = LaunchPython(self)
         framework = _NoFramework(Descriptions("python"))
@@ -91,6 +97,10 @@ class Reading:
     def find(self, text: str) -> FilePath | None:
         """Return the file that a path names, if the build or an installed package has it."""
         return self.files.existing(text)
+
+    def variable(self, name: str) -> str | None:
+        """Return the value that a variable of the environment has while the description is read; None if unset."""
+        return self.variables.setdefault(name, self._environment.get(name))
 
     # Values
 
@@ -137,7 +147,7 @@ class Reading:
             return [action for item, where in items for action in self.actions(item, where, depth + 1)]
         if isinstance(value, Either):
             return [one for item, way in paths(value) for one in self._conditional(item, way, location, depth + 1)]
-        self.unresolved(f"an action is not known: {reason_of(value)}", location)
+        self.note(LaunchProblemKind.UNKNOWN_PART, f"an action is not known: {reason_of(value)}", location)
         return []
 
     def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
@@ -208,13 +218,24 @@ class Reading:
 _ENTRIES: Final = ("generate_launch_description", "generate_test_description")
 
 
-def read_python(files: Files, file: FilePath, text: bytes, problems: list[LaunchProblem]) -> Items[Action]:
-    """Return the actions that a launch file describes; errors and unknown parts are added to `problems`.
+def read_python(
+    files: Files,
+    file: FilePath,
+    text: bytes,
+    problems: list[LaunchProblem],
+    environment: Mapping[str, str | None] = _NO_VARIABLES,
+) -> tuple[Items[Action], Mapping[str, str | None]]:
+    """Return the actions that a launch file describes, and the variables of the `environment` that they depend on.
 
-    Bodies of `OpaqueFunction`s are read when their actions are executed, and may add problems then.
+    Errors and unknown parts are added to `problems`. Bodies of `OpaqueFunction`s are read when their actions are
+    executed, and may add problems then.
     """
-    reading = Reading(files, file, problems)
-    unit = parse(file, text)
+    reading = Reading(files, file, problems, environment)
+    return _actions(reading, parse(file, text)), reading.variables
+
+
+def _actions(reading: Reading, unit: PythonUnit) -> Items[Action]:
+    file = reading.file
     if unit.error is not None:
         reading.note(LaunchProblemKind.MALFORMED, "it is not valid Python", reading.at(file, unit.error))
         return []
@@ -233,8 +254,9 @@ def _described(reading: Reading, unit: PythonUnit) -> Value:
     module = reading.language.module(unit)
     function = next((module.fields[name] for name in _ENTRIES if name in module.fields), None)
     if function is None:
-        message = f"the file has no function `{_ENTRIES[0]}`"
-        reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
+        if any(one.type != "comment" for one in unit.root.named_children):  # not commented out as a whole
+            message = f"the file has no function `{_ENTRIES[0]}`"
+            reading.note(LaunchProblemKind.MALFORMED, message, reading.location)
         return NULL
     if not isinstance(function, Closure | TypeValue):
         return Unknown(f"`{_ENTRIES[0]}` is not a function that can be read")

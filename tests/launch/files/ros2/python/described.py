@@ -31,7 +31,7 @@ def read_text(
     file = reader.file("demo/launch.py")
     problems: list[LaunchProblem] = []
     context = Context(named, file, given or {}, {})
-    actions = list(executed(read_python(named, file, reader.read(file) or b"", problems), context))
+    actions = list(executed(read_python(named, file, reader.read(file) or b"", problems)[0], context))
     return actions, [*problems, *context.found.problems]
 
 

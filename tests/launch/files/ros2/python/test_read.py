@@ -40,7 +40,7 @@ def test_body_is_read_again(tmp_path: Path) -> None:
     reader = reader_of(tmp_path, {"launch.py": COLLECTING})
     files, file = Files(reader), reader.file("demo/launch.py")
     problems: list[LaunchProblem] = []
-    (opaque,) = read_python(files, file, COLLECTING.encode(), problems)
+    (opaque,) = read_python(files, file, COLLECTING.encode(), problems)[0]
     assert isinstance(opaque, Opaque)
     context = Context(files, file, {}, {})
     assert list(opaque.run(context)) == list(opaque.run(context))
@@ -54,7 +54,7 @@ def test_problems_of_a_body_are_those_of_its_execution(tmp_path: Path) -> None:
     reader = reader_of(tmp_path, {"launch.py": text})
     files, file = Files(reader), reader.file("demo/launch.py")
     problems: list[LaunchProblem] = []
-    (opaque,) = read_python(files, file, text.encode(), problems)
+    (opaque,) = read_python(files, file, text.encode(), problems)[0]
     assert isinstance(opaque, Opaque)
     context = Context(files, file, {}, {})
     opaque.run(context)
