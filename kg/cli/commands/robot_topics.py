@@ -177,7 +177,7 @@ async def _record(settings: Settings, path: Path, topics: "Sequence[str]", *, ke
             connection,
             path,
             topics=frozenset(topics) or None,
-            tell=lambda topic, kind: note(f"recording {topic} ({kind})"),
+            begun=lambda topic, kind: note(f"recording {topic} ({kind})"),
             on_problem=lambda one: warn(one, json=False),
         )
         try:

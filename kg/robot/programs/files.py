@@ -24,8 +24,8 @@ _ID: Final = "https://w3id.org/rnkg/program.schema.json"
 
 def encode(program: Program) -> bytes:
     """Return a program as indented JSON; defaults are omitted, except for the version."""
-    made = {"version": program.version, **msgspec.to_builtins(program)}
-    return msgspec.json.format(msgspec.json.encode(made), indent=2) + b"\n"
+    content = {"version": program.version, **msgspec.to_builtins(program)}
+    return msgspec.json.format(msgspec.json.encode(content), indent=2) + b"\n"
 
 
 def decode(data: bytes | str, path: str = "program") -> Program:

@@ -117,26 +117,26 @@ def _in_parentheses(cursor: Cursor, path: str, depth: int) -> tree.Expression:
 
 def _place(cursor: Cursor, path: str, depth: int) -> tree.Position:
     begin = cursor.take()
-    said: dict[str, tree.Expression] = {}
-    while not said or cursor.sign(","):
-        if said:
+    components: dict[str, tree.Expression] = {}
+    while not components or cursor.sign(","):
+        if components:
             cursor.take()
             cursor.skip()
         name = cursor.token
         part = name.value.lower()
-        if part in said or not cursor.word(*tree.Position.__struct_fields__):
+        if part in components or not cursor.word(*tree.Position.__struct_fields__):
             raise cursor.refused(name, f"{name} is not allowed here", "A place has an x, a y, and maybe z and heading.")
         cursor.take()
         if not cursor.sign(":"):
             raise cursor.expected(f"`:` after `{part}`")
         cursor.take()
-        said[part] = _level(cursor, f"{path}/{part}", depth + 1, 0)
+        components[part] = _level(cursor, f"{path}/{part}", depth + 1, 0)
     if not cursor.sign(")"):
         raise cursor.expected("`)`")
     cursor.take()
-    if not {"x", "y"} <= said.keys():
+    if not {"x", "y"} <= components.keys():
         raise cursor.refused(begin, "a place needs its x and its y", "Write `(x: 2 m, y: 1.5 m, heading: 90 deg)`.")
-    return tree.Position(x=said["x"], y=said["y"], z=said.get("z"), heading=said.get("heading"))
+    return tree.Position(x=components["x"], y=components["y"], z=components.get("z"), heading=components.get("heading"))
 
 
 def _with_unit(cursor: Cursor) -> tree.Written:
@@ -212,7 +212,7 @@ def parse_with_places(text: str, path: str = "program") -> Parsed:
 
 
 def _head(cursor: Cursor) -> tree.Program:
-    comment = cursor.told()
+    comment = cursor.take_comments()
     cursor.take()
     if not cursor.kind("text", "name"):
         raise cursor.expected("the name of the program in quotes")
@@ -240,7 +240,7 @@ def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Stateme
     while not cursor.kind("end of the program") and not cursor.word(*ENDINGS):
         body.append(_statement(cursor, f"{path}/{len(body)}", depth))
         cursor.skip()
-    rest = cursor.told()
+    rest = cursor.take_comments()
     if body and rest:
         body[-1] = _commented(body[-1], rest)
         rest = ""
@@ -254,16 +254,18 @@ def _commented(statement: tree.Statement, *comments: str) -> tree.Statement:
 
 
 def _statement(cursor: Cursor, path: str, depth: int) -> tree.Statement:
-    comment = cursor.told()
+    comment = cursor.take_comments()
     cursor.note(path)
     cursor.begun.append(cursor.token.line)
     _own(cursor)
     read = _KEYWORDS.get(cursor.token.value.lower()) if cursor.kind("word") else None
     statement = (read and read(cursor, path, depth)) or _do(cursor, path)
     cursor.begun.pop()
-    behind = cursor.told()
+    behind = cursor.take_comments()
     _line_end(cursor)
-    return _commented(msgspec.structs.replace(statement, comment=comment), statement.comment, behind, cursor.told())
+    return _commented(
+        msgspec.structs.replace(statement, comment=comment), statement.comment, behind, cursor.take_comments()
+    )
 
 
 def _own(cursor: Cursor) -> None:

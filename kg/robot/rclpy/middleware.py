@@ -163,7 +163,7 @@ def _absolute(name: str, namespace: str) -> str:
 
 
 @cache
-def _found(kind: str, folder: str) -> Any:
+def _import_class(kind: str, folder: str) -> Any:
     """Return the class of `package/Name` in a folder of its package; None if it is not installed."""
     package, _, name = kind.partition("/")
     try:
@@ -177,9 +177,9 @@ def _part(kind: str) -> Any:
     package, _, name = kind.partition("/")
     own, _, part = name.partition("_")
     whole = f"{package}/{own}"
-    if (service := _found(whole, "srv")) is not None:
+    if (service := _import_class(whole, "srv")) is not None:
         return getattr(service, part, None)
-    action = _found(whole, "action")
+    action = _import_class(whole, "action")
     if action is None:
         return None
     if part == "FeedbackMessage":
@@ -192,7 +192,7 @@ def _part(kind: str) -> Any:
 
 
 def _installed(kind: str) -> Any:
-    return _part(kind) if "_" in kind.partition("/")[2] else _found(kind, "msg")
+    return _part(kind) if "_" in kind.partition("/")[2] else _import_class(kind, "msg")
 
 
 def _class(kind: str) -> Any:
@@ -207,7 +207,7 @@ def _class(kind: str) -> Any:
 
 def _service_class(kind: str) -> Any:
     """Return the class of a service, also of one of an action; RobotError KG804 as `_class`."""
-    return _found(kind, "srv") or _class(kind)
+    return _import_class(kind, "srv") or _class(kind)
 
 
 def _describe(kind: str, texts: dict[str, str]) -> None:
@@ -249,7 +249,7 @@ def _to_ros(qos: Qos) -> QoSProfile:
 
 
 def _from_ros(profile: QoSProfile) -> Qos:
-    def known(policy: Any, *names: str) -> str | None:
+    def recognized(policy: Any, *names: str) -> str | None:
         name = policy.name.lower()
         return name if name in names else None
 
@@ -257,15 +257,15 @@ def _from_ros(profile: QoSProfile) -> Qos:
         found = float(duration.nanoseconds) / 1e9
         return found if 0 < found < _FOREVER and math.isfinite(found) else None
 
-    history = known(profile.history, "keep_last", "keep_all")
+    history = recognized(profile.history, "keep_last", "keep_all")
     return Qos(
-        known(profile.reliability, "reliable", "best_effort"),
-        known(profile.durability, "volatile", "transient_local"),
+        recognized(profile.reliability, "reliable", "best_effort"),
+        recognized(profile.durability, "volatile", "transient_local"),
         history,
         profile.depth if history == "keep_last" else None,
         seconds(profile.deadline),
         seconds(profile.lifespan),
-        known(profile.liveliness, "automatic", "manual_by_topic"),
+        recognized(profile.liveliness, "automatic", "manual_by_topic"),
         seconds(profile.liveliness_lease_duration),
     )
 

@@ -239,13 +239,13 @@ class _Work:
 
     async def feedback(self, value: Value) -> None:
         """Send feedback to the client."""
-        await self._server.tell("feedback", self, value)
+        await self._server.publish("feedback", self, value)
 
     def abort(self, reason: str) -> None:
         """Record that the goal was aborted."""
         self.failure = reason
 
-    def told(self) -> Value:
+    def status_message(self) -> Value:
         """Return the state as a value of actionlib_msgs/GoalStatus."""
         return {"goal_id": self.identity, "status": int(self.status), "text": self.text}
 
@@ -280,13 +280,13 @@ class ActionServer:
                 self._reading.append(subscription)
                 take = self._on_goal if part.name == "goal" else self._on_cancel
                 self._spawn(self._follow(subscription, take), f"following {topic}")
-        self._spawn(self._tell_status(), f"telling the status of {self._name}")
+        self._spawn(self._repeat_status(), f"telling the status of {self._name}")
         self._spawn(self._work(), f"carrying out {self._name}")
 
-    async def tell(self, name: str, work: _Work, value: Value) -> None:
+    async def publish(self, name: str, work: _Work, value: Value) -> None:
         """Publish feedback or the result of a goal."""
         header = {"stamp": stamp(self._connection.clock.now())}
-        await self._writing[name].publish({"header": header, "status": work.told(), name: value})
+        await self._writing[name].publish({"header": header, "status": work.status_message(), name: value})
 
     async def aclose(self) -> None:
         """Close the server."""
@@ -342,7 +342,7 @@ class ActionServer:
             waiting[0].ended_at = asyncio.get_running_loop().time()
             await self._publish_status()
             if not self._connection.node.lost.done():
-                await self.tell("result", waiting[0], result)
+                await self.publish("result", waiting[0], result)
 
     async def _outcome(self, work: _Work) -> Value:
         if work.cancelled:
@@ -363,7 +363,7 @@ class ActionServer:
             work.status = Status.ABORTED
         return result
 
-    async def _tell_status(self) -> None:
+    async def _repeat_status(self) -> None:
         while True:
             await self._publish_status()
             await asyncio.sleep(_STATUS_EVERY)
@@ -375,6 +375,6 @@ class ActionServer:
     async def _publish_status(self) -> None:
         if self._connection.node.lost.done():
             return  # no client is left to receive it
-        states = [work.told() for work in self._goals.values()]
+        states = [work.status_message() for work in self._goals.values()]
         header = {"stamp": stamp(self._connection.clock.now())}
         await self._writing["status"].publish({"header": header, "status_list": states})

@@ -131,7 +131,7 @@ class Ros1Connection:
             raise RobotError(
                 "KG804", f"no node reports the type of `{topic}`", hint="Start the node that publishes it."
             )
-        if not self.types.knows(kind):
+        if not self.types.has(kind):
             await self._learn(topic, kind)
         subscription = Ros1Subscription(self.node, topic, kind, queue)
         await self.node.join(subscription)

@@ -177,7 +177,7 @@ _OF_EVERY_NODE: Final = {"get_loggers": "roscpp/GetLoggers", "set_logger_level":
 
 
 @dataclass(slots=True)
-class _Known:
+class _Report:
     """The last report of a node."""
 
     uri: str | None
@@ -202,9 +202,9 @@ class Analyzer:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._reader = StateReader(node.master, node.name)
-        self._nodes: dict[str, _Known] = {}
+        self._nodes: dict[str, _Report] = {}
         self._types: dict[tuple[str, str], str | GraphProblem] = {}
-        self._asked = 0
+        self._polls = 0
         self._took = 0.0
 
     async def changes(self) -> AsyncIterator[ComputationGraph]:
@@ -229,7 +229,7 @@ class Analyzer:
                         picture = await self._picture(state, fresh=math.inf)
                 except RobotError as error:
                     self._node.note(error.code, self._node.master, error.message)
-                now = (picture, self._asked, len(self._node.problems))
+                now = (picture, self._polls, len(self._node.problems))
                 if picture is not None and now != seen:
                     seen, graph = now, self._graph(picture)
                     if graph != told:
@@ -295,7 +295,7 @@ class Analyzer:
             await self._ask_nodes(names, _FRESH, at_once=_AT_ONCE_BESIDE)
         except RobotError as error:
             self._node.note(error.code, self._node.master, error.message)
-        self._asked += 1
+        self._polls += 1
         self._took = loop.time() - began
 
     async def _ask_node(self, name: str, uri: Any) -> None:
@@ -312,7 +312,7 @@ class Analyzer:
         if known is not None and known.uri != uri:
             self._types = {key: kind for key, kind in self._types.items() if key[0] != name}
         address = shown(uri) if uri is not None else None
-        self._nodes[name] = _Known(address, problem, asyncio.get_running_loop().time())
+        self._nodes[name] = _Report(address, problem, asyncio.get_running_loop().time())
 
     async def _ask_services(self, services: list[tuple[str, str]]) -> None:
         """Request the types of new services of live nodes; the port of a node is requested once."""

@@ -143,7 +143,7 @@ class Node:
         offer.users -= 1
         if offer.users == 0 and self.offers.pop(offer.topic, None) is not None:
             offer.close()
-            await self._tell("unregisterPublisher", offer.topic, self.uri)
+            await self._notify_master("unregisterPublisher", offer.topic, self.uri)
 
     async def join(self, subscription: Ros1Subscription) -> None:
         """Subscribe to a topic; not at all if the master refuses or does not answer."""
@@ -168,7 +168,7 @@ class Node:
         if subscription in others:
             others.remove(subscription)
         if not others and self.subscriptions.pop(subscription.topic, None) is not None:
-            await self._tell("unregisterSubscriber", subscription.topic, self.uri)
+            await self._notify_master("unregisterSubscriber", subscription.topic, self.uri)
 
     async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
         """Serve a service; RobotError KG804 if its type is unknown."""
@@ -184,7 +184,7 @@ class Node:
     async def stop_serving(self, service: Service) -> None:
         """Stop serving a service."""
         self.services.pop(service.name, None)
-        await self._tell("unregisterService", service.name, self._service_uri)
+        await self._notify_master("unregisterService", service.name, self._service_uri)
 
     async def aclose(self) -> None:
         """Leave the graph."""
@@ -206,7 +206,7 @@ class Node:
         if self._tcp is not None:
             self._tcp.close()
 
-    async def _tell(self, method: str, name: str, *arguments: Any) -> None:
+    async def _notify_master(self, method: str, name: str, *arguments: Any) -> None:
         """Send a notification about a topic or service to the master, if it still exists."""
         if not self.lost.done():
             try:
@@ -233,10 +233,10 @@ class Node:
         """Register everything with a restarted master, allowing for concurrent changes."""
         for offer in list(self.offers.values()):
             if self.offers.get(offer.topic) is offer:
-                await self._tell("registerPublisher", offer.topic, offer.kind, self.uri)
+                await self._notify_master("registerPublisher", offer.topic, offer.kind, self.uri)
         for service in list(self.services):
             if service in self.services:
-                await self._tell("registerService", service, self._service_uri, self.uri)
+                await self._notify_master("registerService", service, self._service_uri, self.uri)
         for topic in list(self.subscriptions):
             if subscriptions := self.subscriptions.get(topic):
                 try:

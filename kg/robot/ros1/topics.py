@@ -276,7 +276,7 @@ def _learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
         raise RobotError("KG810", f"a header has the type `{shown(told)}` and the sum `{md5[:40]}`")
     if told != kind:
         raise RobotError("KG806", f"it is {told}, not {kind}")
-    if types.knows(kind) and types.md5(kind) == md5:
+    if types.has(kind) and types.md5(kind) == md5:
         return
     if "message_definition" in header:
         types.define(kind, header["message_definition"])

@@ -36,7 +36,7 @@ async def send_goal(  # noqa: PLR0913 - what a goal consists of
     owner: Ros2Connection, action: str, kind: str, goal: Value, *, seconds: float, identity: str
 ) -> Ros2Goal:
     """Send a goal; RobotError KG805, KG806, KG807 or KG809. It is cancelled with its caller."""
-    await owner.known(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
+    await owner.ensure_type(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
     owner.types.complete(f"{kind}_Goal", goal)
     made = Ros2Goal(owner, action, kind, identity)
     try:
@@ -192,7 +192,7 @@ class _Work:
 
     async def feedback(self, value: Value) -> None:
         """Send feedback to the client."""
-        await self._server.tell(self.identity, value)
+        await self._server.publish_feedback(self.identity, value)
 
     def abort(self, reason: str) -> None:
         """Record that the goal was aborted; ROS 2 cannot send the reason."""
@@ -227,7 +227,7 @@ class ActionServer:
         """Return the time of the robot as builtin_interfaces/Time."""
         return stamp(self._owner.clock.now())
 
-    async def tell(self, identity: bytes, value: Value) -> None:
+    async def publish_feedback(self, identity: bytes, value: Value) -> None:
         """Publish feedback on a goal."""
         await self._feedback.publish({"goal_id": {"uuid": identity}, "feedback": value})
 

@@ -135,7 +135,7 @@ class Watch:
         self.amend: Callable[[ComputationGraph], ComputationGraph] = lambda seen: seen
         self.on_problem: Callable[[GraphProblem], None] = lambda _: None
         self._loop = asyncio.get_running_loop()
-        self._settled = self._latest = self._loop.time() + settle
+        self._settles_at = self._latest = self._loop.time() + settle
         self._quiet = quiet
         self._changes = Changes()
         self._problems: dict[GraphProblem, None] = {}
@@ -145,12 +145,12 @@ class Watch:
         self._cached: ComputationGraph | None = None
         self.lost: asyncio.Future[str] = self._loop.create_future()
         self.closed = False
-        self._settling = self._loop.call_at(self._settled, self.changed)
+        self._settling = self._loop.call_at(self._settles_at, self.changed)
 
     @property
     def complete(self) -> bool:
         """Whether the graph was watched long enough."""
-        return self._loop.time() >= self._settled
+        return self._loop.time() >= self._settles_at
 
     def now(self) -> ComputationGraph:
         """Return the current graph."""
@@ -171,17 +171,17 @@ class Watch:
         """Notify watchers, after a short delay."""
         self._cached = None
         if self._gathering is None and not self.closed:
-            self._gathering = self._loop.call_later(_PAUSE, self._tell)
+            self._gathering = self._loop.call_later(_PAUSE, self._publish)
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         self._gathering = None
         self._note_loss()
         if self._quiet is not None and self._seen and not self.complete:
             # Each change begins a new quiet period, which ends at the latest with the time of `settle`.
-            self._settled = min(self._latest, self._loop.time() + self._quiet)
+            self._settles_at = min(self._latest, self._loop.time() + self._quiet)
             self._settling.cancel()
-            self._settling = self._loop.call_at(self._settled, self.changed)
-        self._changes.tell()
+            self._settling = self._loop.call_at(self._settles_at, self.changed)
+        self._changes.notify()
 
     def _note_loss(self) -> None:
         """Detect that all nodes have left."""
@@ -196,7 +196,7 @@ class Watch:
         if not self.lost.done():
             self.lost.set_result(why)
 
-    async def settled(self) -> ComputationGraph:
+    async def wait_complete(self) -> ComputationGraph:
         """Return the graph when it is complete."""
         await self.until(lambda graph: graph.complete)
         return self.now()
@@ -219,4 +219,4 @@ class Watch:
         for timer in (self._settling, self._leaving, self._gathering):
             if timer is not None:
                 timer.cancel()
-        self._changes.tell()
+        self._changes.notify()

@@ -78,7 +78,7 @@ def _class(program: Program, members: Members, used: set[str], run: list[str], m
         methods += ["", *COMMON.lines(piece)]
     begin = [f"self.deadline = self.now() + {program.seconds!r}"] if limited else []
     halt = ["self.over = True", *members.halt, "time.sleep(0.2)  # until it has been sent"]
-    bodies = {"made": constructor + members.made, "connect": members.connect, "halt": halt, "run": begin + run}
+    bodies = {"made": constructor + members.create, "connect": members.connect, "halt": halt, "run": begin + run}
     inner = {name: "\n".join(["", *indented(lines, 2)]) for name, lines in bodies.items()}
     return COMMON.text(
         "class",

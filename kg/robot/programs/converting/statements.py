@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import Place, RobotError
 from kg.robot.programs import kinds, tree
 from kg.robot.programs.converting.code import indented
-from kg.robot.programs.names import Known, takes_place
+from kg.robot.programs.names import CapabilityIndex, takes_place
 from kg.robot.programs.units import described, unit_of
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Code:
     def __init__(
         self,
         members: Members,
-        known: Known,
+        known: CapabilityIndex,
         told: kinds.Kinds,
         program: tree.Program,
         place: Callable[[str], Place] | None,
@@ -139,12 +139,12 @@ class Code:
         every = [statement for _, statement in tree.statements(program.body)]
         self._shared = any(isinstance(one, tree.Parallel | tree.OnEvent) for one in every)
         self._members = members
-        self._known = known
+        self._index = known
         self._names = members.names
         self._place = place
         self._kinds = told
-        self._said = _said(every)
-        self._given = _given(every, known, self._said)
+        self._components = _assigned_components(every)
+        self._given = _given(every, known, self._components)
         self._expressions = Expressions(told, self._variable, self._read)
 
     def sequence(self, body: tuple[tree.Statement, ...], path: str) -> list[str]:
@@ -166,8 +166,8 @@ class Code:
         return f"self.{made}" if self._shared else made
 
     def _read(self, read: tree.Read) -> str:
-        capability = self._known.read(read.capability)
-        return self._members.read(capability, self._known.parameter(capability, read.parameter))
+        capability = self._index.read(read.capability)
+        return self._members.read(capability, self._index.parameter(capability, read.parameter))
 
     def _statement(self, statement: tree.Statement, path: str) -> list[str]:
         of = self._expressions.of
@@ -236,7 +236,7 @@ class Code:
         return f"for {variable} in counted({', '.join(self._expressions.of(one) for one in parts)}):"
 
     def _do(self, statement: tree.Do) -> str:
-        capability = self._known.write(statement.capability)
+        capability = self._index.write(statement.capability)
         given = self._arguments(capability, statement)
         ordered = [one for one in capability.parameters if one.name in given]
         method, how = self._members.do(capability, self._given[capability.name])
@@ -256,7 +256,7 @@ class Code:
             if takes_place(capability, name):
                 found = {**self._of_place(capability, value), **found}
             else:
-                parameter = self._known.parameter(capability, name)
+                parameter = self._index.parameter(capability, name)
                 found[parameter.name] = self._argument(parameter, value)
         return found
 
@@ -266,7 +266,7 @@ class Code:
             parts = place.parts().items()
             return {name: self._argument(known[name], one) for name, one in parts if name in known}
         shown = self._expressions.of(place)
-        return {name: f"{shown}.{name}" for name in self._said if name in known}
+        return {name: f"{shown}.{name}" for name in self._components if name in known}
 
     def _argument(self, parameter: Parameter, value: tree.Expression) -> str:
         """Return an argument in the unit of its parameter."""
@@ -310,13 +310,13 @@ class Code:
         return ["", *reaction, *work, f"self.{method}(lambda: {condition}, {then}, {body})"]
 
 
-def _said(every: list[tree.Statement]) -> set[str]:
+def _assigned_components(every: list[tree.Statement]) -> set[str]:
     """Return the components that any place in the program sets."""
     parts = (part for one in every for _, expression in tree.expressions_of(one) for part in tree.parts_of(expression))
     return {name for part in parts if isinstance(part, tree.Position) for name in part.parts()}
 
 
-def _given(every: list[tree.Statement], known: Known, said: set[str]) -> dict[str, tuple[str, ...]]:
+def _given(every: list[tree.Statement], known: CapabilityIndex, said: set[str]) -> dict[str, tuple[str, ...]]:
     """Return the parameters that a program passes to each capability anywhere, in their order."""
     found: dict[str, set[str]] = {}
     order: dict[str, tuple[Parameter, ...]] = {}
