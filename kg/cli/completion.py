@@ -96,8 +96,8 @@ def channels(kind: str) -> Callable[[str], list[str]]:
         from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
-            found = known(snapshot, kind)
-        return [name.removeprefix("/") for name in found] if incomplete and not incomplete.startswith("/") else found
+            names = known(snapshot, kind)
+        return [name.removeprefix("/") for name in names] if incomplete and not incomplete.startswith("/") else names
 
     return complete
 

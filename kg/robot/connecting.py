@@ -95,7 +95,7 @@ def scheme_of(address: str) -> str:
 
 
 def options(address: str, query: str, valid_options: Mapping[str, str]) -> dict[str, str]:
-    """Return the options in the query of an address, by name; `known` has their descriptions.
+    """Return the options in the query of an address, by name; `valid_options` has their descriptions.
 
     Raises:
         RobotError: KG801 an unknown option.

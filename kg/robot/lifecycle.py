@@ -46,7 +46,7 @@ _AGAIN: Final = 2.0  # seconds after which an inactive node is polled again, in 
 
 @dataclass(slots=True)
 class _Followed:
-    """A managed node; `restless` is set while it is not known to be active, `asked` after the first poll."""
+    """A managed node; `restless` is set while it is not known to be active, `polled` after the first poll."""
 
     node: LiveNode
     state: str | None = None

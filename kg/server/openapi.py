@@ -220,8 +220,8 @@ def _operations(routes: list[BaseRoute]) -> Iterator[tuple[str, str, Operation]]
             yield from ((f"/api/{name}", method, view) for name, method, view in _views())
         elif path == "/" or not path.endswith("/"):
             for method in sorted((route.methods or set()) - _LEFT_OUT):
-                said = inspect.getdoc(route.endpoint) or f"The page {route.path}."
-                page = Operation(said.partition("\n")[0], answers={200: ("text/html",)})
+                description = inspect.getdoc(route.endpoint) or f"The page {route.path}."
+                page = Operation(description.partition("\n")[0], answers={200: ("text/html",)})
                 yield path, method, OPERATIONS.get((method, path), page)
 
 

@@ -147,8 +147,8 @@ def fetch(  # noqa: PLR0913 - the options of a command
     else:
         wanted = read_wanted(Path(repositories).expanduser())
     options = _options(ros, jobs, max_size, retries, timeout, submodules=submodules, update=update)
-    with fetching_view.for_this_stream() as told:
-        done = fetching.fetch(wanted, folder, file, options, told)
+    with fetching_view.for_this_stream() as progress:
+        done = fetching.fetch(wanted, folder, file, options, progress)
     fetching_view.summary(done)
     if json:
         json_lines(map(fetching_view.entry_object, done.entries))

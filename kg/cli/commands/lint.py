@@ -11,7 +11,7 @@ import typer
 from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Json, PackageName, takes, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.remarks import Form, require_known
+from kg.cli.remarks import Form, require_valid
 from kg.cli.systems import (
     Arguments,
     Environment,
@@ -19,8 +19,8 @@ from kg.cli.systems import (
     Variants,
     chosen_systems,
     given,
-    tell_left_out,
-    tell_left_out_parts,
+    report_left_out,
+    report_left_out_parts,
 )
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
@@ -93,7 +93,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     """
     began = perf_counter()
     form = "json" if json else form
-    require_known(form, hints=_OTHER_FORMATS)
+    require_valid(form, hints=_OTHER_FORMATS)
     arguments, environment = given(launch, arg, env)
     if why and (arg or env or variants or form != "text"):
         hint = "Remove --arg, --env, --variants and --format."
@@ -115,10 +115,10 @@ def lint(  # noqa: PLR0913 - the options of a command
         note(words)
     for words in summary(checked):
         say(words)
-    tell_left_out(checked.left_out)
+    report_left_out(checked.left_out)
     if launch is not None and form == "text":
         for system in chosen_systems(settings, launch, (), ()):
-            tell_left_out_parts(system)
+            report_left_out_parts(system)
     for finding in checked.report.findings if why else ():
         write("")
         prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)

@@ -149,9 +149,9 @@ def _instance(  # noqa: PLR0913 - the options of the command
     with reading(settings) as snapshot:
         chosen = starting_system(snapshot, name, launch)
         names = system_names(snapshot, named=[chosen])
-        found = systems(snapshot, names, settings.base)
+        read = systems(snapshot, names, settings.base)
         links = Links.of(sources(snapshot))
-    pairs = [(system, one) for system in found for one in system.instances if one.name == name]
+    pairs = [(system, one) for system in read for one in system.instances if one.name == name]
     if picture is not None:
         hint = f"`kg graph {chosen} --focus {name} -o FILE.svg` draws it with its neighbours."
         raise UsageError("KG003", "--picture draws node types", hint=hint)
@@ -213,10 +213,10 @@ def instance_view(
         for one in instance.parameters
     ]
     groups += [("remappings, from and to", remaps), ("parameters", settings)]
-    told = [(title, rows) for title, rows in groups if rows]
+    nonempty = [(title, rows) for title, rows in groups if rows]
     parts: list[RenderableType] = list(_header(system, instance))
-    if told:
-        parts += [Text(), interface_table(told, repository, links, columns)]
+    if nonempty:
+        parts += [Text(), interface_table(nonempty, repository, links, columns)]
     return tuple(parts)
 
 

@@ -77,11 +77,11 @@ def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None
 
 def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
-    found = [one for one in every if kind in {None, one.kind}]
+    listed = [one for one in every if kind in {None, one.kind}]
     rows = []
-    for one in found:
+    for one in listed:
         ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
         rows.append((one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)))
     listing(COLUMNS, rows)
     if terminal():
-        note(f"{count(len(found), 'node')}; `kg node NAME` shows one")
+        note(f"{count(len(listed), 'node')}; `kg node NAME` shows one")

@@ -55,9 +55,9 @@ def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, l
     """Return titled figures; with `most`, the triples of the rarer properties are counted together."""
     connected = found.connectivity
     triples: list[tuple[str, object]] = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
-    rest = found.triples[len(triples) :]
-    if rest:
-        triples.append((f"{len(rest)} other properties", sum(number for _, number in rest)))
+    others = found.triples[len(triples) :]
+    if others:
+        triples.append((f"{len(others)} other properties", sum(number for _, number in others)))
     return [
         ("entities", [*found.entities, ("all", sum(number for _, number in found.entities))]),
         ("entities per node", [(name, f"{figure:.2f}") for name, figure in found.per_node]),

@@ -124,7 +124,7 @@ class Channel:
         """
         try:
             async with asyncio.timeout(seconds):
-                while self._publication.peers == 0:  # noqa: ASYNC110 - nothing tells when a peer comes
+                while self._publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
                     await asyncio.sleep(_LOOK)
         except TimeoutError:
             raise RobotError("KG824", f"no node listens to `{self.topic}`") from None

@@ -320,7 +320,7 @@ class _Watching:
         publication = await self._publications[topic]
         with suppress(TimeoutError):
             async with asyncio.timeout(_PEERS):
-                while not publication.peers:  # noqa: ASYNC110 - nothing tells of peers
+                while not publication.peers:  # noqa: ASYNC110 - no event reports new peers
                     await asyncio.sleep(_PAUSE)
         for _ in range(_TIMES):
             if topic in self._zeros:  # the controller is back and moves it with a new command

@@ -109,7 +109,7 @@ _LABEL: Final = v.LABEL.encode()
 class Knowledge:
     """Knowledge independent of any robot: rules, and the ontologies as triples and as columns.
 
-    `told` has the triples of the ontologies as N-Triples, `short` only the modalities and labels of capabilities.
+    `full` has the triples of the ontologies as N-Triples, `short` only the modalities and labels of capabilities.
     """
 
     program: Program

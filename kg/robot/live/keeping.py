@@ -102,7 +102,7 @@ _NONE: Final = -1  # no generation: the content of the store is unknown
 class StoredState:
     """The state of the store after a change.
 
-    `generation` is None if nothing had to be written. `held` has the IRIs of the system's capabilities, with labels;
+    `generation` is None if nothing had to be written. `capabilities` maps their IRIs to labels;
     `matches` the node types of its nodes; `problems` are rules that could not run.
     """
 
@@ -156,7 +156,7 @@ class Keeper:
             moment = now()
             self._nodes = {node.name: self._nodes.get(node.name, moment) for node in graph.nodes}
             seen = Seen(self._address, self._name, self._since, until, self._nodes)
-            system = system_of(graph, seen, matches, similar=near_misses, instances_cache=self._instances)
+            system = system_of(graph, seen, matches, similar=near_misses, previous=self._instances)
             written = self._write(transaction, system)
             problems = self._inference.run(transaction).problems if written else ()
             labels = capability_labels(transaction, self.iri)

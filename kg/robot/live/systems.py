@@ -109,14 +109,14 @@ def system_of(
     seen: Seen,
     matches: Mapping[str, Match] | None = None,
     similar: Similar | None = None,
-    instances_cache: Instances | None = None,
+    previous: Instances | None = None,
 ) -> System:
     """Return the facts about a graph.
 
     `matches` are the node types of running nodes, by the name of the node. `similar`, if given, finds names that were
-    probably meant to be equal, as `near_misses` of `kg.launch.wiring`. `made` has the facts of nodes seen before.
+    probably meant to be equal, as `near_misses` of `kg.launch.wiring`. `previous` has the facts of nodes seen before.
     """
-    instances = (instances_cache or Instances()).of(graph, seen, matches or {})
+    instances = (previous or Instances()).of(graph, seen, matches or {})
     return System(
         _configuration(graph, seen),
         instances,

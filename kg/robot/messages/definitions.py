@@ -237,7 +237,7 @@ _NUMBERS_OF_A_PART: Final = 1024
 
 
 def check_size(store: Typestore, new: Mapping[str, Definition], resolve: Callable[[str], str]) -> None:
-    """Raise ValueError for definitions whose values would exhaust memory; `known` has the known types.
+    """Raise ValueError for definitions whose values would exhaust memory; `resolve` returns the full name of a type.
 
     Lists of messages without fields are refused too: four bytes could declare billions of elements.
     """

@@ -60,8 +60,7 @@ class CapabilityIndex:
             if wanted in {folded(parameter.name), folded(parameter.label)}:
                 return parameter
         names = [parameter.name for parameter in capability.parameters]
-        verb = "is given" if capability.modality == "write" else "tells"
-        hint = did_you_mean(name, names) or f"`{capability.label}` {verb}: {', '.join(names) or 'nothing'}."
+        hint = did_you_mean(name, names) or f"`{capability.label}` has: {', '.join(names) or 'no parameters'}."
         raise RobotError("KG832", f"`{capability.label}` has no `{name}`", hint=hint)
 
 

@@ -105,7 +105,7 @@ class Ros1Canceller:
 
     async def cancel(self, identity: str) -> None:
         """Request cancellation of a goal, sent once the server is connected."""
-        while self._publication.peers == 0:  # noqa: ASYNC110 - nothing tells when a peer comes
+        while self._publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
             await asyncio.sleep(_POLL)
         await self._publication.publish({"id": identity})
 
@@ -137,7 +137,7 @@ class ActionClient:
 
     async def ready(self) -> None:
         """Return when a server is connected to the topics of goals."""
-        while not self._is_ready():  # noqa: ASYNC110 - five topics have their peers, and none tells when they come
+        while not self._is_ready():  # noqa: ASYNC110 - no event reports new peers of the five topics
             await asyncio.sleep(_POLL)
 
     async def send(self, value: Value, identity: str) -> Ros1Goal:

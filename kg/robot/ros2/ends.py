@@ -160,7 +160,7 @@ class Ros2Publication:
 
     @property
     def confirmed(self) -> bool:
-        """Whether every subscriber has confirmed all messages, as far as the middleware can tell."""
+        """Whether every subscriber has confirmed all messages, as far as the middleware reports it."""
         return not self._closed and self._writer.confirmed
 
     async def publish(self, value: Value) -> None:

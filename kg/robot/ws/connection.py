@@ -213,7 +213,7 @@ class _Publication:
 
     @property
     def confirmed(self) -> bool:
-        """Whether messages arrived: bridges do not tell."""
+        """Whether messages arrived: bridges do not report it."""
         return False
 
     async def publish(self, value: Value) -> None:

@@ -193,7 +193,7 @@ class Foxglove(Bridge):
             del self._topics[number]
         await self._send_op("unsubscribe", subscriptionIds=numbers)
 
-    async def offer(self, topic: str, kind: str, *, latch: bool) -> None:  # noqa: ARG002 - the protocol knows none
+    async def offer(self, topic: str, kind: str, *, latch: bool) -> None:  # noqa: ARG002 - the protocol has none
         """Advertise a channel; RobotError KG852 if the server accepts none."""
         if "clientPublish" not in self._capabilities:
             raise RobotError("KG852", f"the bridge takes no messages, so that `{topic}` cannot be published")

@@ -120,7 +120,7 @@ class ZenohWriter(End):
 
     @property
     def confirmed(self) -> bool:
-        """Whether messages arrived: Zenoh cannot tell."""
+        """Whether messages arrived: Zenoh does not report it."""
         return False
 
     def write(self, content: bytes) -> None:

@@ -25,14 +25,14 @@ async def _rules(request: Request) -> Response:
     family, text = request.query_params.get("family", ""), request.query_params.get("q", "").strip()
     chosen = {key: value for key, value in (("family", family), ("text", text)) if value}
     try:
-        found = await view(request, "rule_index", **chosen)
+        rules = await view(request, "rule_index", **chosen)
     except KgError as error:
         if error.code not in ABSENT:
             raise
         return missing(request, error, f"Rules of {family}", family, lambda known: url("/rules", family=known))
     title = f"Rules of {family}" if family else "Rules"
     twin = url("/api/rule_index", **chosen)
-    return page(request, "rules.html", title=title, twin=twin, rules=found, family=family, text=text)
+    return page(request, "rules.html", title=title, twin=twin, rules=rules, family=family, text=text)
 
 
 async def _rule(request: Request) -> Response:

@@ -145,8 +145,8 @@ _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request"
 class Members:
     """The members of a node for the capabilities used so far.
 
-    `made` are statements of the constructor, `connect` and `halt` those of the methods of these names, `methods` whole
-    methods, and `classes` imports of messages.
+    `create` has statements of the constructor, `connect` and `halt` those of the methods of these names, `methods`
+    whole methods, and `classes` imports of messages.
     """
 
     dialect: Dialect
