@@ -14,7 +14,7 @@ from typer.main import get_command
 from kg.cli.guard import guarded, hang_up
 from kg.cli.manual import first_paragraph, page, plain
 from kg.errors import UsageError
-from kg.similar import asked, did_you_mean
+from kg.similar import did_you_mean, suggest
 
 CALLED: Final = {
     "init": ("build",),
@@ -137,7 +137,7 @@ class KgGroup(TyperGroup):
         """Find the command, or suggest the nearest one."""
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
             candidates = [name for name in CALLED.get(args[0], ()) if name in self.commands]
-            near = asked(candidates) or did_you_mean(args[0], self.commands)
+            near = suggest(candidates) or did_you_mean(args[0], self.commands)
             hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands.")))
             raise UsageError("KG003", f"unknown command `{ctx.command_path} {args[0]}`", hint=hint)
         return super().resolve_command(ctx, args)

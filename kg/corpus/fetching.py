@@ -44,7 +44,7 @@ class Fetched:
         return tuple(entry for entry in self.entries if entry.state != FETCHED)
 
 
-class Told(Protocol):
+class Progress(Protocol):
     """Receives progress, in the thread that called `fetch`."""
 
     def begin(self, repositories: int) -> None:
@@ -67,7 +67,7 @@ def wanted_of(entry: Entry) -> Wanted:
     return Wanted(entry.name, entry.url, None, found.problem or f"the name of {entry.url} is {found.name}")
 
 
-def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, told: Told) -> Fetched:
+def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, told: Progress) -> Fetched:
     """Fetch repositories into `folder`, those in the lock file at their commits, and write the lock file.
 
     A failure does not stop the others. Other entries of the lock file are unchanged.

@@ -116,7 +116,7 @@ class Options:
     limits: Limits = field(default_factory=Limits)
 
 
-def stands_at(folder: Path, commit: str) -> bool:
+def is_at_commit(folder: Path, commit: str) -> bool:
     """Return whether a checkout is at a commit, judging by its `.git` only."""
     try:
         return bool(commit) and (folder / ".git" / "HEAD").read_text("ascii", "replace").strip() == commit
@@ -136,7 +136,7 @@ def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, opti
     known = pin or Entry(one.name, one.url)
     if one.problem:
         return replace(known, state="refused", reason=one.problem)
-    if pin and stands_at(place, pin.commit):
+    if pin and is_at_commit(place, pin.commit):
         return replace(pin, state=FETCHED, reason=pin.reason if pin.state == FETCHED else "")
     fetching = _Fetching(one, place, workspace, options, stop)
     attempt = 0
@@ -178,7 +178,7 @@ class _Fetching:
         default, branches = self._remote()
         names = branches_to_try(default, branches, self._options.ros)[:_MOST_TRIED]
         for name in names:
-            if stands_at(self._place, branches.get(name, "")):
+            if is_at_commit(self._place, branches.get(name, "")):
                 return self._present(known, name, branches[name])
             found = self._fetch(f"refs/heads/{name}")
             versions = ros_versions(self._tree) if self._options.ros != "any" else ""

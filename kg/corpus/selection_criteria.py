@@ -104,7 +104,7 @@ class _Reader:
 
     def criteria(self, content: dict[str, Any]) -> Criteria:
         for key in content:
-            self._known(key, _FILE_KEYS, self._line(key))
+            self._require_key(key, _FILE_KEYS, self._line(key))
         tables = content.get("criterion", [])
         if not isinstance(tables, list):
             raise self._error("`criterion` is a list of tables", self._line("criterion"), "Write [[criterion]].")
@@ -129,7 +129,7 @@ class _Reader:
         if not isinstance(table, dict):
             raise self._error("a criterion is a table", line, "Write [[criterion]].")
         for key in table:
-            self._known(key, _KEYS, self._line(key, line))
+            self._require_key(key, _KEYS, self._line(key, line))
         if not any(key in table for key in _TESTS):
             raise self._error("the criterion removes nothing", line, f"Give it one of {', '.join(_TESTS)}.")
         applies = table.get("applies", True)
@@ -147,7 +147,7 @@ class _Reader:
             most=self._number(table, "most", line),
         )
 
-    def _known(self, key: str, keys: Sequence[str], line: int | None) -> None:
+    def _require_key(self, key: str, keys: Sequence[str], line: int | None) -> None:
         if key not in keys:
             hint = did_you_mean(key, keys) or f"Keys are {', '.join(keys)}."
             raise self._error(f"unknown key `{key}`", line, hint)

@@ -117,7 +117,7 @@ class Rules:
 
     def references(self, uri: str, position: types.Position, *, declaration: bool) -> list[types.Location]:
         """Return all places that mean what is at a position; with `declaration` also where a prefix or rule begins."""
-        found = self._meant(uri, position)
+        found = self._symbol_at(uri, position)
         if found is None:
             return []
         _, own, symbol = found
@@ -132,7 +132,7 @@ class Rules:
 
     def highlights(self, uri: str, position: types.Position) -> list[types.DocumentHighlight]:
         """Return the places in the document itself that mean what is at a position."""
-        found = self._meant(uri, position)
+        found = self._symbol_at(uri, position)
         if found is None:
             return []
         text, path, symbol = found
@@ -145,7 +145,7 @@ class Rules:
 
         Raises UsageError KG003 for what cannot be renamed.
         """
-        found = self._meant(uri, position)
+        found = self._symbol_at(uri, position)
         if found is None:
             return None
         text, path, symbol = found
@@ -158,7 +158,7 @@ class Rules:
 
         Raises UsageError KG003 for a new name of another form or one that is taken, and for what cannot be renamed.
         """
-        found = self._meant(uri, position)
+        found = self._symbol_at(uri, position)
         if found is None:
             return None
         text, path, symbol = found
@@ -203,7 +203,7 @@ class Rules:
         start = types.Position(line, 0)
         return types.Location(uri_of(path.resolve(), self._workspace), types.Range(start, start))
 
-    def _meant(self, uri: str, position: types.Position) -> tuple[Text, Path, Symbol] | None:
+    def _symbol_at(self, uri: str, position: types.Position) -> tuple[Text, Path, Symbol] | None:
         """Return the document with its path, and the symbol at a position; None if there is none."""
         found = self._document(uri)
         symbol = self._symbol(*found, position) if found else None

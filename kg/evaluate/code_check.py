@@ -24,7 +24,7 @@ from kg.evaluate.completeness import share
 from kg.evaluate.facts import STATED, Fact, Facts
 from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.sheet import drawn
-from kg.evaluate.tables import Cell, Share, Table, beside
+from kg.evaluate.tables import Cell, Share, Table, with_paper
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
@@ -266,7 +266,7 @@ class Checked:
 
 
 @dataclass(slots=True)
-class _Found:
+class _Comparison:
     """The calls of all files by kind, as pairs of file and call, and the files that could not be compared."""
 
     calls: defaultdict[str, list[tuple[tuple[str, str], Site]]] = field(default_factory=lambda: defaultdict(list))
@@ -307,7 +307,7 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
         told.append(f"{absent:,} sampled facts are in files that are missing or have changed.")
     notes = tuple(told)
     table = Table("code", "The graph against the code", ("measure", "kind", "share", "number"), tuple(rows), notes)
-    return Checked(beside(table, ("measure", "kind")), tuple(missed))
+    return Checked(with_paper(table, ("measure", "kind")), tuple(missed))
 
 
 def _rows(measure: str, judged: Iterable[tuple[str, bool]], sizes: Mapping[str, int]) -> Iterator[tuple[Cell, ...]]:
@@ -326,9 +326,9 @@ def _miss(measure: str, kind: str, lines: SourceLines, place: tuple[str, str, in
     return Miss(measure, kind, lines.address(*place), lines.text(*place) or "")
 
 
-def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Found:
+def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Comparison:
     """Search the C++ and Python files in the packages of the store, if they are unchanged on this machine."""
-    found = _Found()
+    found = _Comparison()
     for repository in sorted(lines.states):
         root = lines.root(repository)
         if root is None:
@@ -345,7 +345,7 @@ def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Found:
     return found
 
 
-def _search(repository: str, root: Path, path: str, places: Places, found: _Found) -> None:
+def _search(repository: str, root: Path, path: str, places: Places, found: _Comparison) -> None:
     try:
         data = (root / path).read_bytes()
     except OSError:
@@ -374,7 +374,7 @@ def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list
     """Return sampled facts with whether their lines contain them, and the number of those without a line here."""
     judged, absent = [], 0
     for relation, pair in drawn(facts, tuple(STATED), size, seed):
-        fact = facts.told(relation, pair)
+        fact = facts.fact(relation, pair)
         if fact.call is not None:  # the line that calls the framework counts, also in another package than the node's
             source = fact.call.repository or fact.repository
             fact = replace(fact, file_repository=source, path=fact.call.path, line=fact.call.line)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.evaluate.gathering import Choice, Gathered, gather
 from kg.evaluate.intervals import wilson
 from kg.evaluate.linking import Ground, Linker
-from kg.evaluate.tables import Cell, Share, Table, beside
+from kg.evaluate.tables import Cell, Share, Table, with_paper
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> t
         tuple(rows),
         tuple(remarks(gathered, linked[-1][1])),
     )
-    return beside(table, ("entity",)), linked[-1][1]
+    return with_paper(table, ("entity",)), linked[-1][1]
 
 
 def grounds(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.completeness import grounds, remarks, share
-from kg.evaluate.tables import Cell, Share, Table, beside
+from kg.evaluate.tables import Cell, Share, Table, with_paper
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -48,7 +48,7 @@ def correctness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tu
         notes.append(_OPEN)
     columns = ("reference", "relation", "precision", "recall", "F1")
     table = Table("correctness", "Relations of the graph against references", columns, rows, tuple(notes))
-    return beside(table, ("relation",)), linked[-1][1]
+    return with_paper(table, ("relation",)), linked[-1][1]
 
 
 def _rows(reference: str, ground: Ground) -> Iterator[tuple[Cell, ...]]:

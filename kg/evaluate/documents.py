@@ -80,7 +80,7 @@ class _Page:
 
     headings: dict[int, str] = field(default_factory=dict)
     columns: tuple[int, int | None] | None = None
-    found: dict[str | None, list[WikiEntry]] = field(default_factory=dict)
+    entries: dict[str | None, list[WikiEntry]] = field(default_factory=dict)
     lines: dict[str | None, int] = field(default_factory=dict)
 
     def role(self) -> str | None:
@@ -109,7 +109,7 @@ class _Page:
         if role is None or not _NAME.fullmatch(name):
             return
         self.lines.setdefault(node, line)
-        self.found.setdefault(node, []).append(WikiEntry(role, name, kind, None, line))
+        self.entries.setdefault(node, []).append(WikiEntry(role, name, kind, None, line))
 
 
 def readme_nodes(text: str) -> tuple[WikiNode, ...]:
@@ -125,7 +125,7 @@ def readme_nodes(text: str) -> tuple[WikiNode, ...]:
         elif not fenced and len(line) <= _LONGEST_LINE:
             following = lines[number] if number < len(lines) else ""
             _take(page, line, following, number)
-    return tuple(WikiNode(name, None, page.lines[name], tuple(entries)) for name, entries in page.found.items())
+    return tuple(WikiNode(name, None, page.lines[name], tuple(entries)) for name, entries in page.entries.items())
 
 
 def _take(page: _Page, line: str, following: str, number: int) -> None:

@@ -92,7 +92,7 @@ class Facts:
             found[relation].update((node, what) for node, what in rows(snapshot, _RULED % term, union=True))
         self.listed = {relation: sorted(found[relation]) for relation in RELATIONS if found[relation]}
 
-    def told(self, relation: str, pair: tuple[str, str]) -> Fact:
+    def fact(self, relation: str, pair: tuple[str, str]) -> Fact:
         """Return the details of a listed fact."""
         node, part = pair
         repository, package, name, path, line = min(rows(self._snapshot, _OWNER % {"node": f"<{node}>"}, union=True))

@@ -187,11 +187,11 @@ def _write(writer: Writer, number: int, linked: Linked, parts: dict[str, dict[st
         writer.text(part, v.PLAIN_NAME, entry.name)
         writer.text(part, v.TYPE_NAME, entry.type)
         writer.add(part, v.POSITION, integer(position))
-        for found in _found(entry, parts):
+        for found in _matches(entry, parts):
             writer.add(part, v.FOUND_AS, f"<{found}>")
 
 
-def _found(entry: Entry, parts: dict[str, dict[str, list[str]]]) -> list[str]:
+def _matches(entry: Entry, parts: dict[str, dict[str, list[str]]]) -> list[str]:
     """Return the IRIs of the ends or parameters that match an entry."""
     if entry.name is None:
         return []

@@ -62,7 +62,7 @@ class Table:
 COLUMN: Final = "RNKG"
 
 
-def beside(table: Table, keys: tuple[str, ...], figures: Mapping[str, float] | None = None) -> Table:
+def with_paper(table: Table, keys: tuple[str, ...], figures: Mapping[str, float] | None = None) -> Table:
     """Return the table with a column of the paper's figures, matched by the texts of the columns `keys`.
 
     The table is unchanged if no figure is known; `figures` replaces those of the file.

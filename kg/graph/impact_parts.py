@@ -30,7 +30,7 @@ _SETTABLE: Final = """
 SELECT DISTINCT ?name WHERE { ?start rnkg:hasSetting ?part . ?part rnkg:name|(rnkg:sets/rnkg:name) ?name }"""
 
 
-def partly_known(graph: Queryable) -> list[str]:
+def partial_names(graph: Queryable) -> list[str]:
     """Return the names of ends that are not known whole, sorted."""
     return sorted(column(graph, _UNKNOWN))
 

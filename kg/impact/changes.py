@@ -177,7 +177,7 @@ class _Loss:
 def _lost(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
     """Yield the ends of a system that lost a partner without a change of their own, and the end that they lost."""
     now: Mapping[str, NodeInstance] = {one.name: one for one in after.instances}
-    for instance, end, kept in _kept(before, now):
+    for instance, end, kept in _surviving_ends(before, now):
         kind, name = end.declared.role.channel, end.resolved or ""
         had, has = (
             partners(ends_of(side, kind, name), one) for side, one in ((before, (instance, end)), (after, kept))
@@ -197,7 +197,9 @@ def _lost(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
                 )
 
 
-def _kept(before: System, now: Mapping[str, NodeInstance]) -> Iterator[tuple[NodeInstance, InstanceInterface, End]]:
+def _surviving_ends(
+    before: System, now: Mapping[str, NodeInstance]
+) -> Iterator[tuple[NodeInstance, InstanceInterface, End]]:
     """Yield the ends with a known name of a system, each with the end that it is now."""
     for instance in before.instances:
         same = now.get(instance.name)
@@ -230,14 +232,14 @@ def _unset(before: System, after: System, world: World) -> Iterator[tuple[_Loss,
             what = f"sets {one.name.removeprefix(f'{instance.name}/')} of {instance.name.rpartition('/')[2]}"
             reason = "the code does not have the parameter any more"
             name, grade = known.declared.name or "", Grade.BREAKS
-            if now[instance.name].type is None or _is_partly_known(known.owner, world):
+            if now[instance.name].type is None or _is_partial(known.owner, world):
                 grade, reason = Grade.MAY, "the code is not known to have the parameter any more"
             effect = launch_effect(after, grade, area_of(one.set.location), what, reason, one.set.location)
             words = f"- parameter {name} of {instance.name}"
             yield _Loss(after.configuration.name, instance, known.owner, words, None, "", parameter=name), effect
 
 
-def _is_partly_known(owner: NodeReference | None, world: World) -> bool:
+def _is_partial(owner: NodeReference | None, world: World) -> bool:
     """Check whether a parameter of a node type may have a name that is not known."""
     if owner is None:
         return False

@@ -22,10 +22,10 @@ from kg.errors import Place, SourceError, UsageError
 from kg.facts import Known, Problem  # noqa: TC001 - results are read by these annotations
 from kg.lazily import lazily
 from kg.pipeline import cache
-from kg.pipeline.known import digest
 from kg.pipeline.plan import listing, mark_of
 from kg.pipeline.recording import Lookup, RecordingWorkspace, answer
 from kg.pipeline.report import PackageResult
+from kg.pipeline.visible import digest
 from kg.pipeline.work import Job, Outcome
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ _Content = TypeVar("_Content")
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class StoredResult:
     """A stored result: its name, and the problems for the report of a build."""
 
     name: str
@@ -135,7 +135,7 @@ class Artifacts:
 
     def result(
         self, version: str, job: Job, source: Source, package: PackageFolder, read: Callable[[], Outcome]
-    ) -> Found:
+    ) -> StoredResult:
         """Return the current result of a package in the build of `job`; if missing, `read` it and store it.
 
         A result that the next build must not reuse is not stored; its name is empty.
@@ -149,9 +149,9 @@ class Artifacts:
         for name in self._names(folder):
             outcome = self.outcome(name)
             if outcome is not None and _holds(job, outcome, marks):
-                return Found(name, outcome)
+                return StoredResult(name, outcome)
         outcome = read()
-        return Found(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
+        return StoredResult(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
 
     def outcome(self, name: str) -> Outcome | None:
         """Return a result by its name; None if it is missing or damaged."""

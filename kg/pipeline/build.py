@@ -322,7 +322,7 @@ class _Build:
                 self._report.done(outcome.result)
                 name = source.repository.name
                 mark = stamp(workspace, name, package, outcome.inputs, entries)
-                found = self._kept(package, outcome, mark)
+                found = self._cache_result(package, outcome, mark)
                 results[name, package.path] = found
                 writing.add(source, found)
         self._report.writing(writing.triples)
@@ -383,7 +383,7 @@ class _Build:
         before = known.packages.get(package.path) if known else None
         return before.result if before else ""
 
-    def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
+    def _cache_result(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
         """Cache a result and return its state for the next build."""
         with translated(str(self._cache)):
             name = cache.store(self._cache, outcome.packed)

@@ -18,7 +18,7 @@ from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
-from kg.pipeline.kept import State, installations, kept, settled, states
+from kg.pipeline.filecache import State, are_stable, cached_text, installations, states
 from kg.rules import compiled
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
@@ -92,8 +92,8 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
     """
     folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
     seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
-    made = _digest if settled(seen) else _digest.__wrapped__
-    rules = kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
+    made = _digest if are_stable(seen) else _digest.__wrapped__
+    rules = cached_text(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
     return f"{rules} {ontology_digest(settings, cache)}"
 
 
@@ -101,8 +101,8 @@ def ontology_digest(settings: Settings, cache: Path | None) -> str:
     """Return a digest of the ontologies in the settings; raises as `ontologies_in_force`."""
     files = ontologies_in_force(settings)
     seen = tuple(state for file in files for state in states(file))
-    made = _digest_of if settled(seen) else _digest_of.__wrapped__
-    return kept(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: made(files, seen))
+    made = _digest_of if are_stable(seen) else _digest_of.__wrapped__
+    return cached_text(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: made(files, seen))
 
 
 @lru_cache(maxsize=4)
@@ -121,7 +121,7 @@ def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
     """
     if cache is None:
         return packs()
-    found = kept(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
+    found = cached_text(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
     return packs() if found == str(True) else ()
 
 
@@ -247,11 +247,11 @@ def rules_over(  # noqa: PLR0913 - selects rules and their cache
     axioms = b"".join(sorted(lines))
     chosen = families_in_force(settings) if families is None else families
     selection = _Selection(folders, installed_packs(cache), chosen, mark or digest(settings, cache))
-    return _sound(_cut(selection, axioms) if cache is None else _kept(cache, selection, axioms), broken)
+    return _sound(_cut(selection, axioms) if cache is None else _cached_rules(cache, selection, axioms), broken)
 
 
 @lru_cache(maxsize=2)
-def _kept(cache: Path, selection: _Selection, axioms: bytes) -> _Found:
+def _cached_rules(cache: Path, selection: _Selection, axioms: bytes) -> _Found:
     """Return the rules of `_cut`, reduced to what evaluation needs, from the folder `cache` if they are there."""
     whole = f"{selection.key()} {axioms!r}"
     before = compiled.load(cache, whole)

@@ -101,7 +101,7 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
 
 
 @contextmanager
-def beside(
+def commit_and_work_tree(
     folder: Path, revision: Revision, store: EmbeddedStore | None, settings: Settings, report: Report | None = None
 ) -> Iterator[tuple[EmbeddedStore, EmbeddedStore]]:
     """Yield the stores of a commit and of the work tree of the repository of `folder`, both with all other sources.

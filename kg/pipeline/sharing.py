@@ -36,7 +36,7 @@ class Described:
 
     def __init__(self, cache: Path) -> None:
         self._cache = str(cache)
-        self._known: set[bytes] = set()
+        self._present: set[bytes] = set()
         self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=str(cache))  # noqa: SIM115 - `close` closes it
 
     def add(self, lines: Iterable[bytes]) -> None:
@@ -44,10 +44,10 @@ class Described:
 
         Raises StoreError KG304 if the disk is full.
         """
-        new = {line: start for line in lines if (start := start_of(line)) not in self._known}
-        if len(self._known) > _KNOWN:
-            self._known.clear()
-        self._known.update(new.values())
+        new = {line: start for line in lines if (start := start_of(line)) not in self._present}
+        if len(self._present) > _KNOWN:
+            self._present.clear()
+        self._present.update(new.values())
         with translated(self._cache):
             self._file.writelines(new)
 

@@ -24,10 +24,10 @@ from kg.launch.wiring.systems import wire
 from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
-from kg.pipeline.known import digest
 from kg.pipeline.report import SystemsReport, totals
 from kg.pipeline.sharing import Described, keep_starts
 from kg.pipeline.state import PackageState, PackageSystems, Question, Systems, WiredSystem
+from kg.pipeline.visible import digest
 from kg.store.allocator import give_back
 
 if TYPE_CHECKING:
@@ -192,8 +192,8 @@ class _Work:
         self._intact = intact
         self._questions = [question for question, _ in last.answers]
         self._changed = {at for at, (question, mark) in enumerate(last.answers) if catalogue.mark(question) != mark}
-        self._found: dict[Key, dict[str, WiredSystem]] = {}
-        self._asked: dict[Question, int] = {}
+        self._current: dict[Key, dict[str, WiredSystem]] = {}
+        self._lookups: dict[Question, int] = {}
         """Look-ups of the systems in `_found`, each with its index there."""
         self._results: dict[Key, str] = {}
 
@@ -211,7 +211,7 @@ class _Work:
                 else self._wired(key, configuration, earlier)
                 for path, configuration in configurations.items()
             }
-        self._found[key], self._results[key] = found, result
+        self._current[key], self._results[key] = found, result
         self.graphs.update(self._iris.launch_graph(key[0], path) for path in found)
 
     def _holds(self, key: Key, path: str, system: WiredSystem) -> bool:
@@ -220,10 +220,10 @@ class _Work:
 
     def _numbered(self, system: WiredSystem, asked: Iterable[Question]) -> WiredSystem:
         """Return a system with the indices of the look-ups of its wiring."""
-        return replace(system, asked=tuple(self._asked.setdefault(one, len(self._asked)) for one in asked))
+        return replace(system, asked=tuple(self._lookups.setdefault(one, len(self._lookups)) for one in asked))
 
     def _wired(self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None) -> WiredSystem:
-        self._catalogue.asked.clear()
+        self._catalogue.questions.clear()
         system = self._wire(configuration)
         content = system_triples(system, self._catalogue.records(system), self._iris)
         mark, graph = digest(content), self._iris.launch_graph(key[0], configuration.path)
@@ -231,7 +231,7 @@ class _Work:
         if graph not in self._intact or before is None or before.graph != mark:
             self.contents[graph] = content
         made = WiredSystem(_mark(configuration), mark, len(system.instances), ())
-        return self._numbered(made, self._catalogue.asked)
+        return self._numbered(made, self._catalogue.questions)
 
     def _wire(self, configuration: LaunchConfiguration) -> System:
         """Wire a configuration.
@@ -249,9 +249,9 @@ class _Work:
 
     def systems(self) -> Systems:
         """Return the state for the next build."""
-        questions, places = list(self._asked), dict[int, int]()
+        questions, places = list(self._lookups), dict[int, int]()
         packages: dict[str, dict[str, PackageSystems]] = {}
-        for key, found in sorted(self._found.items()):
+        for key, found in sorted(self._current.items()):
             graphs = {}
             for path, system in sorted(found.items()):
                 at = tuple(sorted(places.setdefault(number, len(places)) for number in system.asked))

@@ -18,8 +18,8 @@ from kg.graph.shared import split
 from kg.language.annotating import annotate
 from kg.lazily import lazily
 from kg.pipeline import cache
-from kg.pipeline.known import known_as
 from kg.pipeline.report import PackageResult
+from kg.pipeline.visible import visible_types
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -85,7 +85,7 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     triples, stated = package_parts(facts, iris)
     own, shared = split(triples, iris)
     data = (DataFile(facts.repository, package.name, one.path, one.text) for one in facts.files if one.text is not None)
-    stated, known = known_as(stated, facts.programs, data)
+    stated, known = visible_types(stated, facts.programs, data)
     counts = asdict(count([facts], triples=len(own) + len(shared)))
     result = PackageResult(
         source=source,

@@ -74,21 +74,21 @@ def facts(
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
     words = (subject, value)
     subjects, values = ends = [terms(snapshot, word, among=None, prefixes=prefixes) for word in words]
-    held = _held(snapshot, _triples(subjects, predicates, values))
+    held = _stored(snapshot, _triples(subjects, predicates, values))
     if not held and subjects and values:
         # At least one of two names that things have is meant as it is, so the store has few things to look at.
         ended = [
             terms(snapshot, word, among=_among(use, predicates, other), prefixes=prefixes)
             for word, use, other in zip(words, _JOINED, (values, subjects), strict=True)
         ]
-        held = _held(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
+        held = _stored(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
     elif not held:
         # Of what only ends in the names, the property tells what can be meant.
         subjects, values = ends = [
             terms(snapshot, word, among=_among(places[0], predicates), prefixes=prefixes)
             for word, places in zip(words, _PLACES, strict=True)
         ]
-        held = _held(snapshot, _triples(subjects, predicates, values))
+        held = _stored(snapshot, _triples(subjects, predicates, values))
     if held:
         exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
         ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
@@ -102,7 +102,7 @@ def facts(
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
     subjects, values = _exactly(snapshot, subject, subjects), _exactly(snapshot, value, values)
-    subjects, values = _beside(subjects, values), _beside(values, subjects)
+    subjects, values = _in_same_launch(subjects, values), _in_same_launch(values, subjects)
     for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
         if len(found) > 1:
             ways = choices([str(term) for term in found])
@@ -110,7 +110,7 @@ def facts(
     return _triples(subjects, predicates, values), False
 
 
-def _held(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
+def _stored(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
     """Return those facts that the store holds, each once."""
     known: set[Triple] = set()
     for predicate in dict.fromkeys(fact.predicate for fact in facts):
@@ -133,7 +133,7 @@ def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
     return [term for term in found if term in named] or found
 
 
-def _beside(found: list[_Term], others: list[_Term]) -> list[_Term]:
+def _in_same_launch(found: list[_Term], others: list[_Term]) -> list[_Term]:
     """Return the things in the launch configuration of the only other end (or in none, as it), or all if none is."""
     if len(others) != 1 or not isinstance(others[0], NamedNode):
         return found

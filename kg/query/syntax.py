@@ -12,7 +12,7 @@ import pyoxigraph
 
 from kg.errors import Place, QueryError, RuleError
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
-from kg.similar import asked, did_you_mean
+from kg.similar import did_you_mean, suggest
 from kg.syntax.lexer import Kind, Token, tokens
 from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute
 from kg.syntax.parser import parse_query
@@ -115,7 +115,7 @@ def _unexpected(culprit: Token | None, text: str, path: str, *, update: bool) ->
 
 
 def _suggestion(token: Token) -> str | None:
-    return asked(keywords_meant(token.text)) if token.kind is Kind.WORD else None
+    return suggest(similar_keywords(token.text)) if token.kind is Kind.WORD else None
 
 
 def _misplaced(found: list[Token], reported: int, text: str, path: str) -> QueryError | None:
@@ -160,7 +160,7 @@ def _template_before(found: list[Token], reported: int) -> tuple[str, list[Token
     return None
 
 
-def keywords_meant(word: str) -> list[str]:
+def similar_keywords(word: str) -> list[str]:
     """Return the keywords and functions that a word may be a misspelling of; empty if it is one."""
     typed = word.upper()
     return [] if typed in _WORDS or len(typed) < _SHORTEST else get_close_matches(typed, _WORDS, n=2, cutoff=_ALIKE)

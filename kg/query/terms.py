@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax.lexer import Kind, Token, tokens
 from kg.syntax.names import PREFIXES, shorten
 
@@ -28,13 +28,13 @@ class Unknown(NamedTuple):
     """A prefixed name that does not occur in the store, with suggestions."""
 
     token: Token
-    meant: list[str]
+    suggestions: list[str]
 
 
 def unknown_terms(snapshot: Snapshot, text: str) -> list[str]:
     """Return a sentence for each prefixed name of the query `text` that does not occur in the store."""
     found = unknown(snapshot, text)
-    return [f"`{each.token.text}` is not in the store. {asked(each.meant) or ''}".strip() for each in found]
+    return [f"`{each.token.text}` is not in the store. {suggest(each.suggestions) or ''}".strip() for each in found]
 
 
 def unknown(snapshot: Snapshot, text: str, further: Iterable[str] = ()) -> Iterator[Unknown]:

@@ -58,7 +58,7 @@ class Names:
         start = name.lower()
         return tuple(feature for known, feature in self._licenses.items() if _begins(known, start))
 
-    def known(self, term: str) -> bool:
+    def describes_node(self, term: str) -> bool:
         """Return whether a term describes a node."""
         return term in self._terms
 

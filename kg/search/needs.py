@@ -95,12 +95,12 @@ class Wording:
 class Wish:
     """A feature that hits should have: any of `features`. A strict wish excludes all nodes without it.
 
-    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `said` contains its words.
+    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `wording` contains its words.
     """
 
     kind: str
     features: tuple[str, ...]
-    said: str
+    wording: str
     strict: bool = False
 
 
@@ -262,7 +262,7 @@ def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -
     found = [Alternative((token.stem,), 1.0)]
     if token.whole is not None:
         found.append(Alternative((token.whole,), 1.0))
-    known = any(names.known(one.terms[0]) for one in found)
+    known = any(names.describes_node(one.terms[0]) for one in found)
     near = () if known else names.spellings(token.whole or token.stem)
     found += [Alternative((term,), rank["spelling"] * likeness) for term, likeness in near]
     found += [Alternative(one, rank["synonym"]) for one in synonyms]

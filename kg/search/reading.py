@@ -107,7 +107,7 @@ class _Reading:
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
         self.graphs = [graph for graph in snapshot.graphs() if is_source_graph(graph.value)]
-        self.known: defaultdict[str, list[str]] = defaultdict(list)
+        self.terms: defaultdict[str, list[str]] = defaultdict(list)
         self.texts = self._texts()
         ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
         self.individuals = grouped(row for graph in ontologies for row in rows(self.snapshot, _CONCEPTS % graph))
@@ -115,7 +115,7 @@ class _Reading:
     def content(self) -> Content:
         owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
         for node in owners:
-            self.known[node.partition("#")[0]].append(node)
+            self.terms[node.partition("#")[0]].append(node)
         packages = self._packages(owners.values())
         places = {package.iri: place for place, package in enumerate(packages)}
         return Content(packages, self._nodes(owners, places), self._concepts())
@@ -217,7 +217,7 @@ class _Reading:
         transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in TRANSFORM_TYPES)
         for body in (_ENDS, _TRANSFORMS % transforms):
             for part, path, line in self._sources(body):
-                node = owner_of(part, self.known)
+                node = owner_of(part, self.terms)
                 role, name = _part(node, part)
                 if role in _ROLES:
                     found[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
@@ -232,7 +232,7 @@ class _Reading:
         told = dict(self._sources(_TOLD))
         found: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
         for (part,) in self._sources(_PARAMETERS):
-            node = owner_of(part, self.known)
+            node = owner_of(part, self.terms)
             kind, name = _part(node, part)
             if kind == _PARAMETER and name is not None:
                 found[node][name] = told.get(part) or found[node].get(name)

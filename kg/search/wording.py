@@ -50,4 +50,4 @@ def _wish_words(wish: Wish) -> str:
     label = wish.features[0].partition(":")[2]
     if wish.kind == "ros":
         return f"ROS {label}"
-    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.said}"
+    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.wording}"

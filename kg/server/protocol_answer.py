@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send
 
-    from kg.query.readers.cache import Kept
+    from kg.query.readers.cache import CachedResponse
     from kg.query.readers.pool import Answer
     from kg.server.protocol_question import QueryRequest
 
@@ -134,7 +134,7 @@ async def _answer(request: Request, parsed: QueryRequest) -> Response:
         raise RequestError("KG520", "the job of this identity still runs", hint="Choose another `job`.")
     if parsed.stream:
         return await _streamed(request, parsed)
-    cached = readers.known(parsed.message)
+    cached = readers.cached(parsed.message)
     record(request).cached = cached is not None
     if (cached := cached or readers.look_up(parsed.question, parsed.message)) is not None:
         return Response(cached.body, headers={**_headers(parsed, cached), **_counted(request, parsed, cached)})
@@ -183,7 +183,7 @@ def _link(address: str | None, relation: str) -> dict[str, str]:
     return {"Link": f'<{address}>; rel="{relation}"'} if address else {}
 
 
-def _headers(parsed: QueryRequest, result: Answer | Kept) -> dict[str, str]:
+def _headers(parsed: QueryRequest, result: Answer | CachedResponse) -> dict[str, str]:
     """Return the headers known at the start of the response."""
     headers = {
         "Content-Type": parsed.choices[result.head.kind].content_type,
@@ -197,7 +197,7 @@ def _headers(parsed: QueryRequest, result: Answer | Kept) -> dict[str, str]:
     return headers
 
 
-def _counted(request: Request, parsed: QueryRequest, result: Answer | Kept) -> dict[str, str]:
+def _counted(request: Request, parsed: QueryRequest, result: Answer | CachedResponse) -> dict[str, str]:
     """Return the headers known at the end of the response."""
     assert result.end is not None  # noqa: S101 - all its parts were read
     record(request).rows = result.end.rows

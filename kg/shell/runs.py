@@ -57,7 +57,7 @@ class Runs:
         """Stop the query of a buffer; return False if there is none."""
         return buffer is not None and buffer.job is not None and self._link.stop(buffer.job)
 
-    def tell(self) -> None:
+    def show_status(self) -> None:
         """Show running queries and their times in the status line."""
         buffer = self._screen.buffers.current
         job = self._link.job(buffer.job) if buffer and buffer.job else None
@@ -69,7 +69,7 @@ class Runs:
         began, outcome, rows = time.time(), "ok", 0
         clock = time.perf_counter()
         job = buffer.job or ""
-        buffer.asked = text
+        buffer.last_query = text
         try:
             result = await self._link.ask(text, job=job, rows=limit)
         except KgError as error:
@@ -89,7 +89,7 @@ class Runs:
         seconds = time.perf_counter() - clock
         self._state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
         self._screen.keep()
-        self.tell()
+        self.show_status()
 
     def _is_at_hand(self, buffer: Buffer, before: tuple[str, object]) -> bool:
         """Return whether the user waits for a result: after further typing, the focus stays in the editor."""

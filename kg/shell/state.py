@@ -80,11 +80,11 @@ class State:
         lines = self._lines()
         if len(lines) >= _KEPT * 2:
             self._guarded(lambda: _write(self._folder / "history.jsonl", "\n".join(lines[-_KEPT:]) + "\n"))
-        self._guarded(lambda: _append(self._made() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
+        self._guarded(lambda: _append(self._ensure_folder() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
 
     def keep_failure(self, words: str) -> Path:
         """Save the traceback of the last unexpected error; return its file."""
-        self._guarded(lambda: _write(self._made() / "failure.txt", words))
+        self._guarded(lambda: _write(self._ensure_folder() / "failure.txt", words))
         return self._folder / "failure.txt"
 
     def _buffers_name(self) -> str:
@@ -103,9 +103,9 @@ class State:
             return default
 
     def _write(self, name: str, content: Any) -> None:
-        self._guarded(lambda: _write(self._made() / name, json.dumps(content, ensure_ascii=False)))
+        self._guarded(lambda: _write(self._ensure_folder() / name, json.dumps(content, ensure_ascii=False)))
 
-    def _made(self) -> Path:
+    def _ensure_folder(self) -> Path:
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         return self._folder
 

@@ -38,7 +38,7 @@ def format_of(path: Path) -> RdfFormat | None:
     return RdfFormat.from_extension("rdf" if ending == "owl" else ending)
 
 
-def known_format_of(path: Path) -> RdfFormat:
+def required_format_of(path: Path) -> RdfFormat:
     """Return the format that the ending of a file names; GraphError KG601 if it names none."""
     found = format_of(path)
     if found is None:

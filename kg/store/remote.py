@@ -34,7 +34,7 @@ from pyoxigraph import (
 )
 
 from kg.errors import Place, StoreError
-from kg.store.files import known_format_of, quads_of
+from kg.store.files import quads_of, required_format_of
 from kg.store.http import Answer, Endpoint, RefusedError
 from kg.store.serialization import serialized
 
@@ -84,7 +84,7 @@ class RemoteTransaction:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        quads = quads_of(path, rdf_format or known_format_of(path), rename=True)
+        quads = quads_of(path, rdf_format or required_format_of(path), rename=True)
         self._operations.append("INSERT DATA {\n" + "".join(_stated(quad, graph) for quad in quads) + "}")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:

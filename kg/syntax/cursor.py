@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import Fix, RuleError
-from kg.similar import asked, misspelt, similar
+from kg.similar import misspelt, similar, suggest
 from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute, resolve
 from kg.syntax.position import place_at
@@ -37,7 +37,7 @@ class Cursor:
         self.consumed: list[Token] = []
         self.token = self._token(0)
         self._depth = 0
-        self._made = 0
+        self._fresh = 0
         self._stem = "g"
         while f"_:{self._stem}" in self.text:
             self._stem += "g"
@@ -95,8 +95,8 @@ class Cursor:
     def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
         """Return the error for an unexpected token; `known` are names for suggestions."""
         meant = misspelt(self.token.text, known) if self.token.kind is Kind.WORD else ()
-        message = f"expected {what}, found {self._found()}"
-        return self.error(message, self.token.start, hint=asked(meant), fixes=map(Fix, meant))
+        message = f"expected {what}, found {self._token_words()}"
+        return self.error(message, self.token.start, hint=suggest(meant), fixes=map(Fix, meant))
 
     def error(
         self,
@@ -110,7 +110,7 @@ class Cursor:
         """Return an error about the token at an offset."""
         return RuleError(code, message, place=place_at(self.text, offset, self.path), hint=hint, fixes=fixes)
 
-    def _found(self) -> str:
+    def _token_words(self) -> str:
         text = self.token.text
         if text == END:
             return "the end of the text"
@@ -135,8 +135,8 @@ class Cursor:
 
     def fresh(self) -> str:
         """Return an unused label of a blank node."""
-        self._made += 1
-        return f"{self._stem}{self._made}"
+        self._fresh += 1
+        return f"{self._stem}{self._fresh}"
 
     def at_iri(self) -> bool:
         """Return whether the next token is an IRI or a prefixed name."""
@@ -166,7 +166,7 @@ class Cursor:
             raise self.error(
                 f"unknown prefix{'es' * (len(unknown) > 1)} {', '.join(f'`{each}:`' for each in unknown)}",
                 token.start,
-                hint=asked(near) or hint,
+                hint=suggest(near) or hint,
                 fixes=[*(Fix(f"{each}{local}") for each in near), *declaring(self.text, unknown, self.path)],
             )
         return namespace + unescape_local(local)

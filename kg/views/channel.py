@@ -65,7 +65,7 @@ def channel(
     thing = iris.parse(name) if name.startswith(settings.base) else None
     if thing is not None and thing.kind in _KINDS:
         kind, name = thing.kind, thing.parts[0]
-    chosen, others = channels_meant(snapshot, kind, name, systems)
+    chosen, others = resolve_channel(snapshot, kind, name, systems)
     summaries = (
         {one.name: asdict(one) for one in channels(snapshot, kind, implicit=True, named=others)} if others else {}
     )
@@ -106,7 +106,7 @@ def channel(
     }
 
 
-def channels_meant(
+def resolve_channel(
     snapshot: EmbeddedSnapshot, kind: str, name: str, systems: frozenset[str] | None = None
 ) -> tuple[str | None, list[str]]:
     """Return the absolute name that `name` means, None if several; and the other names, sorted.

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.facts import Location
-from kg.search.filters import known
+from kg.search.filters import filter_values
 from kg.search.options import FILTERS
 from kg.search.searching import Hit, Search, hit_object, search_of
 from kg.search.wording import near, understood, unknown
@@ -72,7 +72,7 @@ def find(
 def choices(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, list[str]]:
     """Return for each filter the values that nodes of the store have, sorted."""
     names = search_over(snapshot, settings).names
-    return {kind: known(kind, names) for kind in FILTERS}
+    return {kind: filter_values(kind, names) for kind in FILTERS}
 
 
 def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:

@@ -18,7 +18,7 @@ from kg.pipeline.launch_names import matching
 from kg.similar import did_you_mean, unknown
 from kg.views.evidence import places
 from kg.views.impact_world import StoredWorld
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -51,7 +51,7 @@ def impact_of(snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: s
     found = [one for one in subjects(snapshot, world, name) if kind in {"", str(one.kind)}]
     if not found:
         raise unknown(
-            kind or "name", name, _known(snapshot, world, kind), otherwise="`kg search` finds nodes by words."
+            kind or "name", name, _candidates(snapshot, world, kind), otherwise="`kg search` finds nodes by words."
         )
     if len(found) > 1:
         ways = choices([f"`kg impact {one.text} --kind {one.kind}`" for one in found])
@@ -127,7 +127,7 @@ def _arguments(snapshot: EmbeddedSnapshot, name: str) -> Iterator[Subject]:
     if found and not launch:
         yield Subject(Kind.ARGUMENT, argument)
         return
-    meant = {one.name for one in matching(known_names(snapshot), launch)} if launch else set()
+    meant = {one.name for one in matching(configuration_names(snapshot), launch)} if launch else set()
     yield from (Subject(Kind.ARGUMENT, argument, owner) for _, owner in found if owner in meant)
 
 
@@ -147,7 +147,7 @@ def _files(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str, *, whole: 
     yield from (Subject(Kind.FILE, inner, source) for source, inner in sorted(found, key=lambda one: (not one[0], one)))
 
 
-def _known(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
+def _candidates(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
     """Return the names that a misspelt one may mean."""
     if kind in CHANNELS:
         return set(world.channels[kind])

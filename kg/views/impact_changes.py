@@ -14,7 +14,7 @@ from kg.launch.comparison import Finding, Sources, compare
 from kg.lint.reading import read_findings
 from kg.pipeline.state import State, load
 from kg.views.impact_world import StoredWorld
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from kg.lint.finding import Finding as Found
@@ -49,7 +49,7 @@ def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settin
 def _side(
     snapshot: EmbeddedSnapshot, settings: Settings, packages: set[str], launches: set[tuple[str, str]]
 ) -> Sources:
-    names = [one for one in known_names(snapshot) if (one.repository, one.path) in launches]
+    names = [one for one in configuration_names(snapshot) if (one.repository, one.path) in launches]
     chosen = {one.name for one in names}
     findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
     nodes = node_records(snapshot, packages=packages) if packages else []

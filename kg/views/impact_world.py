@@ -33,7 +33,7 @@ from kg.impact.model import CHANNELS, DefinitionRecord, FileRecord, Kind, Packag
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.types import affected_types, uses_type
 from kg.settings import Settings, user_paths
-from kg.views.answers import channel_names, partly_known, set_names
+from kg.views.answers import channel_names, partial_names, set_names
 from kg.views.evidence import places
 
 if TYPE_CHECKING:
@@ -166,7 +166,7 @@ class StoredWorld:
     def _parts(self, subject: Subject) -> tuple[list[tuple[str, str]], list[UsualEnd]]:
         """Return the parts of systems that may have to do with a subject: those that are stated, and usual ends."""
         if subject.kind in CHANNELS:
-            return at_channel(self._snapshot, subject.kind, subject.name, partly_known(self._snapshot))
+            return at_channel(self._snapshot, subject.kind, subject.name, partial_names(self._snapshot))
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
             return of_types(self._snapshot, (name for _, name in self._affected(subject)))
         if subject.kind is Kind.NODE:

@@ -18,7 +18,7 @@ from kg.lint.question import Question
 from kg.lint.running import check
 from kg.settings import Settings
 from kg.views import answers
-from kg.views.systems import known_systems
+from kg.views.systems import all_systems
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -185,7 +185,7 @@ def systems(snapshot: EmbeddedSnapshot, base: str) -> Rows:
             "problems": sum(one["findings"].values()),
             "use": "included by others" if one["included"] else "started by itself",
         }
-        for one in known_systems(snapshot, base)
+        for one in all_systems(snapshot, base)
     ]
 
 

@@ -20,7 +20,7 @@ with lazily():
     from kg.pipeline.launch_names import matching, unknown_launch
 
 
-def known_package(graph: Queryable, name: str) -> None:
+def require_package(graph: Queryable, name: str) -> None:
     """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""
     repository, _, own = name.rpartition(":")
     owner = f"?r rnkg:contains ?p ; rnkg:name {literal(repository)} ." if repository else ""

@@ -12,7 +12,7 @@ from kg.query.stored import find
 from kg.views.lists import totals
 from kg.views.remembered import once
 from kg.views.stored import query_object
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -69,7 +69,7 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
         "snapshot": snapshot.identity,
         "sources": [_source(one) for one in states],
         "counts": totals(snapshot, settings, wait=sum(one.counts.interfaces for one in states) <= _SOON),
-        "systems": len(known_names(snapshot)),
+        "systems": len(configuration_names(snapshot)),
         "interfaces": sum(one.counts.interfaces for one in states),
         "unresolved": sum(one.counts.unresolved for one in states),
         "questions": _questions(snapshot, settings),

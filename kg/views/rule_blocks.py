@@ -24,7 +24,7 @@ from kg.rules.files import RuleFile, RuleSet
 from kg.rules.reading import read_text
 from kg.rules.stratify import failures
 from kg.views.arguments import whole
-from kg.views.complete import kept_of
+from kg.views.complete import cache_of
 from kg.views.evidence import places
 from kg.views.rule_trial import examples, trial
 from kg.views.why_tree import Telling
@@ -180,7 +180,7 @@ def _context(snapshot: EmbeddedSnapshot, settings: Settings) -> Context:
         made = check_context(settings, None)
         _LAST.clear()
         _LAST[key] = replace(made, seconds=_SECONDS, rules=rules_in_force(settings, []), schema=schema_of(snapshot))
-    used = kept_of(snapshot, settings).known()
+    used = cache_of(snapshot, settings).cached_statistics()
     store = StoreOf(View(snapshot, explained_vocabulary(settings)))
     context = _LAST[key]
     return replace(context, terms=context.terms.union(used.classes, used.properties), store=store)

@@ -46,7 +46,7 @@ _PAGE: Final = """# {title}
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Inferred:
     """A fact that a rule infers, and how; `known` is whether the store has it already."""
 
     fact: Triple
@@ -62,7 +62,7 @@ class Tried:
     more.
     """
 
-    facts: tuple[Found, ...]
+    facts: tuple[Inferred, ...]
     looked: int
     fresh: int
     whole: bool
@@ -90,13 +90,13 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
         now = time.monotonic()
         until = now + (end - now) / (len(rules) - number)
         whole = _search(view, rule, facts, until) and whole
-    found: list[Found] = []
+    found: list[Inferred] = []
     for fact, match in sorted(facts.items(), key=lambda item: item[1].known):
         if len(found) == told:
             break
         derivation = derivation_of(view, match.rule, match.solution)
         if derivation is not None:
-            found.append(Found(fact, derivation, match.known))
+            found.append(Inferred(fact, derivation, match.known))
     fresh = sum(not match.known for match in facts.values())
     heads = [head for rule in file.rules for head in rule.head]
     recursive = any(depends(one.atom, head) for rule in file.rules for one in reads(rule) for head in heads)
@@ -134,7 +134,7 @@ def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
             yield fact
 
 
-def examples(file: RuleFile, found: Sequence[Found]) -> str:
+def examples(file: RuleFile, found: Sequence[Inferred]) -> str:
     """Return a page of examples for `kg rules test`, made of the first fact found whose premises alone give it.
 
     Empty where there is none: where the rule counts, for instance, what it counts is not a premise.

@@ -17,7 +17,7 @@ from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation
 from kg.rules.blocks.read import read
 from kg.syntax.names import PREFIXES, shorten
-from kg.views.complete import kept_of
+from kg.views.complete import cache_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -62,8 +62,8 @@ def blocks(snapshot: EmbeddedSnapshot, settings: Settings, *, fresh: str = "") -
     still being counted; with `fresh` it is counted now. `rules` are those that can be opened: `name`, `title`,
     `family`. `examples` are rules to begin from: `name`, `title`, `comment`, `rule` (`kg.rules.blocks.tree`).
     """
-    kept = kept_of(snapshot, settings)
-    counted = kept.statistics(fresh=True) if fresh else kept.known()
+    kept = cache_of(snapshot, settings)
+    counted = kept.statistics(fresh=True) if fresh else kept.cached_statistics()
     ontology = _ontology(ontologies_in_force(settings))
     return {
         "snapshot": snapshot.identity,

@@ -42,7 +42,7 @@ _PREFIXES: Final = {**PREFIXES, "prov": "http://www.w3.org/ns/prov#"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
+class _Available:
     """The available rules, their dependencies, and their problems."""
 
     library: Library
@@ -51,10 +51,10 @@ class _Known:
 
 
 _LIBRARIES: Final[dict[str, Library]] = {}  # what was listed last, by the digest of the rules
-_LAST: Final[dict[str, _Known]] = {}  # what was read last, by the digest of the rules
+_LAST: Final[dict[str, _Available]] = {}  # what was read last, by the digest of the rules
 
 
-def _load(settings: Settings, mark: str) -> _Known:
+def _load(settings: Settings, mark: str) -> _Available:
     """Return the rules of the settings; they are read again when the digest of their files is another."""
     if mark not in _LAST:
         library = listed(settings, mark)
@@ -64,7 +64,7 @@ def _load(settings: Settings, mark: str) -> _Known:
         except RuleError as error:
             graph, errors = RuleGraph((), (), {}, {}), [*errors, error]
         _LAST.clear()
-        _LAST[mark] = _Known(library, graph, tuple(errors))
+        _LAST[mark] = _Available(library, graph, tuple(errors))
     return _LAST[mark]
 
 

@@ -24,11 +24,11 @@ from kg.render.system_graph import Bundle, Member, SystemGraph, bundles, instanc
 from kg.render.text import count
 from kg.settings import Settings, table
 from kg.views.evidence import Places, places
-from kg.views.names import known_package
+from kg.views.names import require_package
 from kg.views.node_rows import fact
 from kg.views.remembered import while_last
 from kg.views.system_rows import MISMATCHES, instance_rows, setting_row
-from kg.views.systems import included_names, known_names, system_named
+from kg.views.systems import configuration_names, included_names, system_named
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -80,7 +80,7 @@ def lint(  # noqa: PLR0913 - what is looked at
         found, looked_at = system_report(snapshot, settings, name, least), 1
     else:
         if package:
-            known_package(snapshot, package)
+            require_package(snapshot, package)
         checked = check(snapshot, Question(package=package or None, level=least), settings, Path.cwd())
         found, looked_at = checked.report, checked.systems
     where = places(snapshot)
@@ -359,7 +359,7 @@ def _argument(one: LaunchArgument, source: str, where: Places) -> dict[str, Any]
 
 
 def _includes(those: Iterable[LaunchInclude], snapshot: EmbeddedSnapshot, iris: Iris) -> list[dict[str, Any]]:
-    named = {(other.repository, other.path): other.name for other in known_names(snapshot)}
+    named = {(other.repository, other.path): other.name for other in configuration_names(snapshot)}
     found = [(one.repository or "", one.path or one.written) for one in those]
     return [
         {"name": named.get((repository, path), path), "iri": iris.configuration(repository, path), "path": path}

@@ -39,7 +39,7 @@ def systems(
     """
     words = text.lower().split()
     found = [
-        one for one in known_systems(snapshot, settings.base)
+        one for one in all_systems(snapshot, settings.base)
         if all(word in f"{one['name']} {one['repository']}".lower() for word in words)
     ]  # fmt: skip
     start, most = whole(offset, 0), min(whole(limit, 200), _MOST)
@@ -47,7 +47,7 @@ def systems(
 
 
 @once
-def known_names(snapshot: EmbeddedSnapshot) -> tuple[SystemName, ...]:
+def configuration_names(snapshot: EmbeddedSnapshot) -> tuple[SystemName, ...]:
     """Return the names of all configurations."""
     return tuple(system_names(snapshot))
 
@@ -66,7 +66,7 @@ def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozense
     """
     if not name.strip():
         return None
-    names = known_names(snapshot)
+    names = configuration_names(snapshot)
     found = matching(names, name)
     if not found:
         raise unknown_launch(names, name)
@@ -82,7 +82,7 @@ def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", ba
         UnknownNameError: KG422 with suggestions if there is none.
         UsageError: KG003 if there are several.
     """
-    names = [one for one in known_names(snapshot) if repository in {"", one.repository}]
+    names = [one for one in configuration_names(snapshot) if repository in {"", one.repository}]
     thing = Iris(base).parse(name) if base and name.startswith(base) else None
     if thing is not None and thing.kind == "configuration":
         found = [one for one in names if (one.repository, one.path) == thing.parts]
@@ -96,7 +96,7 @@ def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", ba
 
 
 @once
-def known_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
+def all_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
     """Return all launch configurations as `systems` has them; the store keeps them, and nobody changes them."""
     return tuple(answers.rows(snapshot, "list-systems", lambda: _systems(snapshot, base)))
 
@@ -110,7 +110,7 @@ def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
     for system, severity, number in rows(snapshot, _FINDINGS):
         severities.setdefault(system, {})[severity] = int(number)
     found = []
-    for one in known_names(snapshot):
+    for one in configuration_names(snapshot):
         iri = iris.configuration(one.repository, one.path)
         found.append(
             {

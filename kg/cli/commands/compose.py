@@ -108,7 +108,7 @@ def compose(  # noqa: PLR0913 - the options of a command
     opened = existing(settings)
     with opened.read() as snapshot:
         answer = composed(snapshot, question, opened.layout.cache)
-    for one in answer.asked.notes:
+    for one in answer.request.notes:
         note(one)
     if rank:
         chain = next(iter(answer.chains[rank - 1 :]), None)

@@ -27,7 +27,7 @@ with lazily():
         impact_markdown,
         impact_object,
     )
-    from kg.pipeline.revisions import beside, resolve
+    from kg.pipeline.revisions import commit_and_work_tree, resolve
     from kg.store.opening import existing, reading
     from kg.views.evidence import places
     from kg.views.impact import impact_of
@@ -106,7 +106,7 @@ def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tupl
             raise
         store = None
     revision = resolve(folder, commit)
-    with for_people() as progress, beside(folder, revision, store, settings, progress) as (before, after):
+    with for_people() as progress, commit_and_work_tree(folder, revision, store, settings, progress) as (before, after):
         broken = broken_between(before, after, settings)
     is_breaking = any(one.is_breaking for one in broken)
     if form == "json":

@@ -43,7 +43,7 @@ with lazily():
     from kg.lint.report import merged
     from kg.lint.running import check_store, read_folders
     from kg.render.sarif import annotation, document
-    from kg.views.names import known_package
+    from kg.views.names import require_package
 
 _OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FILE`.")
 
@@ -107,7 +107,7 @@ def lint(  # noqa: PLR0913 - the options of a command
         left_out(found.inferred)
     if package is not None:
         with reading(settings) as snapshot:
-            known_package(snapshot, package)
+            require_package(snapshot, package)
     checked = check_store(settings, question, _folder(folders))
     if not write_baseline:
         _write(checked, form)

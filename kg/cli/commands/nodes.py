@@ -11,7 +11,7 @@ from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
-from kg.views.names import known_package
+from kg.views.names import require_package
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
@@ -57,7 +57,7 @@ def nodes(
         require_one_of(kind, NodeKind, "kind", f"The kinds are {', '.join(NodeKind)}.")
     with reading(settings) as snapshot:
         if package:
-            known_package(snapshot, package)
+            require_package(snapshot, package)
         if json:
             _objects(snapshot, package, kind)
         else:

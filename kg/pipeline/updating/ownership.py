@@ -35,7 +35,7 @@ def warnings(executor: Executor, settings: Settings, inferred: Inferred | None) 
         yield f"{_listed(found)}: read by `kg build`; the next build of the source drops this change"
     if Iris(settings.base).graph("ontology") in executor.touched:
         yield "the ontologies of kg were changed, on which rules depend; another version of kg brings its own again"
-    kept = [str(graph) for graph in sorted(executor.kept, key=str)]
+    kept = [str(graph) for graph in sorted(executor.skipped, key=str)]
     if kept:
         yield f"{_listed(kept)}: written by kg alone, left as it was"
     for problem in inferred.problems if inferred else ():

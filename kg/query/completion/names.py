@@ -14,7 +14,7 @@ from kg.syntax.names import PREFIXES, shorten
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kg.query.completion.keeping import Kept
+    from kg.query.completion.keeping import SnapshotCache
 
 _MOST: Final = 50_000
 """Largest number of cached values of a property; the most frequent ones are cached."""
@@ -57,7 +57,7 @@ _LABELLED: Final = "SELECT ?o ?n ?l { { %s } OPTIONAL { ?o rdfs:label ?l } }"
 _PROPERTIES: Final = "SELECT ?p (COUNT(*) AS ?n) { <%s> ?p ?o } GROUP BY ?p"
 
 
-def values(kept: Kept, iri: str, kind: str | None, *, literal: bool) -> Values:
+def values(kept: SnapshotCache, iri: str, kind: str | None, *, literal: bool) -> Values:
     """Return the values of the property `iri`, of instances of `kind` or of any subject."""
 
     def make() -> list[Value]:
@@ -75,9 +75,9 @@ def values(kept: Kept, iri: str, kind: str | None, *, literal: bool) -> Values:
     return _lowered(kept, f"values {iri} {kind}", make)
 
 
-def _lowered(kept: Kept, key: str, make: Callable[[], list[Value]]) -> Values:
+def _lowered(kept: SnapshotCache, key: str, make: Callable[[], list[Value]]) -> Values:
     found = kept.values(key, make, list[Value])
-    return kept.held(key, lambda: Values(found, [value.text.lower() for value in found]))
+    return kept.in_memory(key, lambda: Values(found, [value.text.lower() for value in found]))
 
 
 def _value(term: NamedNode | Literal, count: int, label: Literal | None) -> Value:
@@ -87,7 +87,7 @@ def _value(term: NamedNode | Literal, count: int, label: Literal | None) -> Valu
     return Value(term.value if term.datatype.value in _BARE else str(term), term.value, count)
 
 
-def graphs(kept: Kept) -> Values:
+def graphs(kept: SnapshotCache) -> Values:
     """Return the named graphs."""
 
     def make() -> list[Value]:
@@ -96,7 +96,7 @@ def graphs(kept: Kept) -> Values:
     return _lowered(kept, "graphs", make)
 
 
-def of_iri(kept: Kept, iri: str) -> dict[str, int]:
+def of_iri(kept: SnapshotCache, iri: str) -> dict[str, int]:
     """Return the properties of an IRI, with their numbers of values."""
     if not _IRI.fullmatch(iri):
         return {}

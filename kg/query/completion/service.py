@@ -16,7 +16,7 @@ from kg.syntax.prologue import declaration
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kg.query.completion.keeping import Kept
+    from kg.query.completion.keeping import SnapshotCache
     from kg.query.stored import StoredQuery
 
 WORST: Final = 4
@@ -204,7 +204,12 @@ _MOST: Final = 100
 
 
 def complete(
-    text: str, position: int, kept: Kept, stored: Callable[[], Sequence[StoredQuery]] = tuple, *, fresh: bool = False
+    text: str,
+    position: int,
+    kept: SnapshotCache,
+    stored: Callable[[], Sequence[StoredQuery]] = tuple,
+    *,
+    fresh: bool = False,
 ) -> dict[str, Any]:
     """Return the completions at `position` (in code points) of the query `text`, the likeliest first.
 

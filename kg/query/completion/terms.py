@@ -46,7 +46,7 @@ def properties(site: Site) -> Iterator[Candidate]:
     frame = site.before.frame
     found: Mapping[str, tuple[int, str]] = {}
     if not frame.subject.startswith(("?", "_:")) and not frame.steps and frame.subject:
-        found = {iri: (number, "") for iri, number in names.of_iri(site.kept, frame.subject).items()}
+        found = {iri: (number, "") for iri, number in names.of_iri(site.cache, frame.subject).items()}
     else:
         kinds = _kinds_here(site)
         found = leading(kinds, site.statistics) if frame.inverse else fitting(kinds, site.statistics)
@@ -146,7 +146,7 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
     if kinds and kinds[0] not in site.statistics.classes:
         # The cache would otherwise grow with every class name that is typed.
         return
-    known = names.values(site.kept, iri, kinds[0] if kinds else None, literal=literal)
+    known = names.values(site.cache, iri, kinds[0] if kinds else None, literal=literal)
     for value in known.holding(site.typed.text.removeprefix("<")):
         label = value.text if literal or value.written.startswith("<") else value.written
         prefix = "" if literal else _prefix(value.written)
@@ -156,5 +156,5 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
 
 def graph_names(site: Site) -> Iterator[Candidate]:
     """Yield the named graphs."""
-    for one in names.graphs(site.kept).holding(site.typed.text.removeprefix("<")):
+    for one in names.graphs(site.cache).holding(site.typed.text.removeprefix("<")):
         yield Candidate(one.written, one.written, "graph", one.text, prefix=_prefix(one.written))

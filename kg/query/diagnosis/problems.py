@@ -11,9 +11,9 @@ from kg.errors import QueryError
 from kg.query.completion.outline import Outline, outline
 from kg.query.diagnosis.variables import bound, product, unbound
 from kg.query.guard import check
-from kg.query.syntax import keywords_meant, syntax_error
+from kg.query.syntax import similar_keywords, syntax_error
 from kg.query.terms import unknown
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax.lexer import Kind, Token, normalise, tokens
 from kg.syntax.names import PREFIXES, WELL_KNOWN
 from kg.syntax.position import offset_of, place_at
@@ -80,7 +80,7 @@ def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
     names = bound(known)
     for use in unbound(known):
         near = [f"?{name}" for name in get_close_matches(use.name, sorted(names))]
-        hint = asked(near)
+        hint = suggest(near)
         error = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
         repairs = _replacing(use.token, near)
         yield _problem("warning", error, (text, use.token.start, use.token.end), repairs)
@@ -96,9 +96,9 @@ def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
 
 def _unknown(text: str, snapshot: Snapshot, used: Iterable[str]) -> Iterator[dict[str, Any]]:
     for each in unknown(snapshot, text, used):
-        error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
+        error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=suggest(each.suggestions))
         span = (text, each.token.start, each.token.end)
-        yield _problem("warning", error, span, _replacing(each.token, each.meant))
+        yield _problem("warning", error, span, _replacing(each.token, each.suggestions))
 
 
 def _problem(
@@ -144,7 +144,7 @@ def _replacing(token: Token, names: Iterable[str]) -> list[dict[str, Any]]:
 def _fixes_of(text: str, token: Token, known: Outline, declared: Mapping[str, str]) -> list[dict[str, Any]]:
     """Return fixes for the first unexpected token of a query; `declared` contains the prefixes of the store."""
     if token.kind is Kind.WORD:
-        return _replacing(token, keywords_meant(token.text))
+        return _replacing(token, similar_keywords(token.text))
     prefix, _, local = token.text.partition(":")
     if token.kind is not Kind.NAME or prefix in known.prefixes or prefix in PREFIXES:
         return []

@@ -20,7 +20,7 @@ from pyoxigraph import Triple
 from kg.errors import KgError
 from kg.query.evaluation import Evaluation, evaluation_of, prefixes_in
 from kg.query.formats import BOOLEAN_FORMATS, SOLUTION_FORMATS, write_boolean, write_rows
-from kg.query.readers.cache import Kept
+from kg.query.readers.cache import CachedResponse
 from kg.query.readers.messages import End, Head, Question
 from kg.store.snapshot import EmbeddedSnapshot
 
@@ -74,7 +74,7 @@ class LookUps:
         """Identity of the data that is open or being opened; None after it changed."""
         self._opening: asyncio.Task[None] | None = None
 
-    def answer(self, question: Question, identity: str) -> Kept | None:
+    def answer(self, question: Question, identity: str) -> CachedResponse | None:
         """Return the response to a look-up on the data `identity`; None if a reader has to answer."""
         plain = not question.parameters and not question.offset and question.snapshot in {None, identity}
         given = question.default_graphs is not None or question.named_graphs is not None
@@ -120,7 +120,7 @@ class LookUps:
             fresh.close()
 
     @staticmethod
-    def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
+    def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> CachedResponse | None:
         began = time.perf_counter()
         text = question.text
         found = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
@@ -132,7 +132,7 @@ class LookUps:
         if body is None or (question.size is not None and len(body) > question.size):
             return None
         head = Head(evaluation.kind, name, snapshot.identity, evaluation.variables)
-        return Kept(head, body, End(count, time.perf_counter() - began))
+        return CachedResponse(head, body, End(count, time.perf_counter() - began))
 
 
 def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, bytes | None]:

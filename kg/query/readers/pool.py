@@ -21,7 +21,7 @@ import msgspec
 
 from kg.errors import KgError, QueryError
 from kg.query.readers.answers import Answer
-from kg.query.readers.cache import AnswerCache, CacheStats, Kept, Pointer
+from kg.query.readers.cache import AnswerCache, CachedResponse, CacheStats, Pointer
 from kg.query.readers.fleet import Fleet
 from kg.query.readers.jobs import Job
 from kg.query.readers.lookups import LookUps
@@ -160,7 +160,7 @@ class Readers:
             answer = await run.begin()
             yield answer
             if (body := answer.copy) is not None and answer.end is not None:
-                self._cache.put(message, Kept(answer.head, body, answer.end), self._pointer.snapshot())
+                self._cache.put(message, CachedResponse(answer.head, body, answer.end), self._pointer.snapshot())
         except KgError as error:
             run.error = error
             raise
@@ -170,14 +170,14 @@ class Readers:
             self.jobs.pop(entry.identity, None)
             run.leave()
 
-    def known(self, message: bytes) -> Kept | None:
+    def cached(self, message: bytes) -> CachedResponse | None:
         """Return the cached response to a question, framed as `message`, from the current data; None if not cached."""
         snapshot = self._pointer.snapshot()
         if snapshot is None or not self._cache.has(message, snapshot):
             return None
         return self._cache.get(message, snapshot)
 
-    def look_up(self, question: Question, message: bytes) -> Kept | None:
+    def look_up(self, question: Question, message: bytes) -> CachedResponse | None:
         """Return the response to a question that needs no reader (see `lookups`), and cache it; else None.
 
         `message` is the frame of the question.
@@ -212,9 +212,9 @@ class Readers:
         scheduler, fleet = self._scheduler, self._fleet
         return Stats(
             idle=fleet.idle,
-            quick=scheduler.queries.held,
-            long=scheduler.long.held,
-            views=scheduler.views.held,
+            quick=scheduler.queries.used,
+            long=scheduler.long.size,
+            views=scheduler.views.used,
             waiting=scheduler.queries.waiting + scheduler.views.waiting,
             spawned=fleet.spawned,
             ended=dict(fleet.ended),

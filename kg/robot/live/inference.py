@@ -24,7 +24,7 @@ from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.systems import system_triples
-from kg.pipeline.kept import installations, states
+from kg.pipeline.filecache import installations, states
 from kg.pipeline.reasoning import digest, rule_folders, schema_of
 from kg.robot.capabilities import Definition, definitions, read
 from kg.robot.capability import Capabilities

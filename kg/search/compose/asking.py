@@ -24,7 +24,7 @@ _DESCRIBED: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ResolvedRequest:
     """A request in terms of a network.
 
     Each required type or node has a bit: `types` and `parts` (indices in the network) map to their bits. `named`
@@ -49,9 +49,9 @@ class Asked:
         return self.parts.get(place, 0) | self.types.get(target, 0)
 
 
-def asked(
+def resolve_request(
     network: Network, snapshot: Snapshot, sources: Sequence[str], targets: Sequence[str], using: Sequence[str]
-) -> Asked:
+) -> ResolvedRequest:
     """Resolve types and names in a network.
 
     Raises:
@@ -59,8 +59,8 @@ def asked(
             matches no type, node, package or word.
     """
     known = network.published() | network.subscribed()
-    starts = {name: meant_types(name, known) for name in sources}
-    goals = {name: meant_types(name, known) for name in targets}
+    starts = {name: matching_types(name, known) for name in sources}
+    goals = {name: matching_types(name, known) for name in targets}
     notes = [f"`{name}` may be {', '.join(types)}" for name, types in {**starts, **goals}.items() if len(types) > 1]
     types: dict[str, int] = {}
     parts: dict[int, int] = {}
@@ -73,7 +73,7 @@ def asked(
         for node in nodes:
             parts[node] = parts.get(node, 0) | bit
         named.update(nodes if exact else ())
-    return Asked(
+    return ResolvedRequest(
         tuple(dict.fromkeys(one for found in starts.values() for one in found)),
         frozenset(one for found in goals.values() for one in found),
         (1 << len(using)) - 1,
@@ -84,7 +84,7 @@ def asked(
     )
 
 
-def meant_types(name: str, known: Iterable[str]) -> tuple[str, ...]:
+def matching_types(name: str, known: Iterable[str]) -> tuple[str, ...]:
     """Return the types matching `package/Type`, `package/msg/Type` or `Type`, sorted.
 
     Raises:

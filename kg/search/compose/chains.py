@@ -83,16 +83,16 @@ class Search:
     between: Callable[[Step, Step], int] = lambda _one, _other: 0
     wanted: int = 0
     start_marks: Mapping[str, int] = field(default_factory=dict)
-    looks: int = 0
+    visited: int = 0
     """Number of visited steps; the search is cut off at a limit."""
-    _rest: list[dict[tuple[str, int], int]] = field(default_factory=list)
+    _remaining: list[dict[tuple[str, int], int]] = field(default_factory=list)
     _numbers: Iterator[int] = field(default_factory=count)
-    _known: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
+    _cache: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
 
     @property
     def cut_off(self) -> bool:
         """Whether the search ended before it was complete."""
-        return self.looks >= _MOST_LOOKS
+        return self.visited >= _MOST_LOOKS
 
     def best(self) -> Iterator[Chain]:
         """Yield the chains by increasing cost, then by their keys, without repeating chains of the same nodes.
@@ -117,7 +117,7 @@ class Search:
 
     def _extend(self, waiting: _Waiting, path: _Path, place: int) -> None:
         """Extend a path by its step at an index, and queue it for the step after that."""
-        self.looks += 1
+        self.visited += 1
         self._queue(waiting, path, place + 1)
         step = self._follow(path)[place][2]
         grown = self._grown(path, step)
@@ -154,9 +154,9 @@ class Search:
         """Compute lower bounds of the remaining cost, by type and bits, for each number of steps."""
         edges = self._edges()
         subsets = [marks for marks in range(self.wanted + 1) if marks & self.wanted == marks]
-        self._rest = [{}]
+        self._remaining = [{}]
         for _ in range(self.length):
-            before = self._rest[-1]
+            before = self._remaining[-1]
             now: dict[tuple[str, int], int] = {}
             for (source, target, marks), cost in edges.items():
                 for had in subsets:
@@ -165,7 +165,7 @@ class Search:
                     rest = 0 if ends else before.get((target, has))
                     if rest is not None and cost + rest < now.get((source, had), cost + rest + 1):
                         now[source, had] = cost + rest
-            self._rest.append(now)
+            self._remaining.append(now)
 
     def _edges(self) -> dict[tuple[str, str, int], int]:
         """Return the cheapest step between each two types, by its bits."""
@@ -181,9 +181,9 @@ class Search:
         """Return the possible next steps, each with the lower bound of the remaining cost, the cheapest first."""
         left = self.length - len(path.steps)
         key = path.type, path.marks, left
-        found = self._known.get(key)
+        found = self._cache.get(key)
         if found is None:
-            found = self._known[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
+            found = self._cache[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
         return found
 
     def _bounded(self, source: str, had: int, left: int) -> Iterator[tuple[int, str, Step]]:
@@ -191,6 +191,6 @@ class Search:
             return
         for step in self.steps.get(source, ()):
             has = had | (step.marks & self.wanted)
-            rest = 0 if self._ends(step, has) else self._rest[left - 1].get((step.target, has))
+            rest = 0 if self._ends(step, has) else self._remaining[left - 1].get((step.target, has))
             if rest is not None:
                 yield step.cost + rest, step.key, step

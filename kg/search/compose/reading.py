@@ -15,7 +15,7 @@ from kg.graph.iris import UNKNOWN, is_source_graph
 from kg.holes import known_letters
 from kg.names import FRAMEWORK
 from kg.query.rows import rows
-from kg.search.cache import keep, kept
+from kg.search.cache import keep, load_cached
 from kg.search.compose.network import Network, Part, Port
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def network(snapshot: Snapshot, cache: Path | None) -> Network:
     """Return the network of a snapshot, from the folder `cache` if present; else read it and save it there."""
     if cache is None:
         return read(snapshot)
-    body = kept(cache / _FOLDER, snapshot.identity)
+    body = load_cached(cache / _FOLDER, snapshot.identity)
     if body is not None:
         return msgspec.json.decode(body, type=Network)
     found = read(snapshot)

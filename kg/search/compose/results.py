@@ -15,7 +15,7 @@ from kg.search.compose.launching import launch_text
 from kg.search.compose.network import grouped
 
 if TYPE_CHECKING:
-    from kg.search.compose.asking import Asked
+    from kg.search.compose.asking import ResolvedRequest
     from kg.search.compose.details import Details
     from kg.search.compose.network import Part, Port
     from kg.search.compose.wiring import Start, Wiring
@@ -91,7 +91,7 @@ class Answer:
     """The best chains; `more`: others exist, `cut_off`: the search ended before it was complete."""
 
     chains: tuple[Composed, ...]
-    asked: Asked
+    request: ResolvedRequest
     more: bool = False
     cut_off: bool = False
 

@@ -13,11 +13,11 @@ from kg.search.compose.costs import generic, knowledge, link_cost, needs, part_c
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from kg.search.compose.asking import Asked
+    from kg.search.compose.asking import ResolvedRequest
     from kg.search.compose.network import Network, Part, Port
 
 
-def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[Step]]:
+def steps_of(network: Network, asked: ResolvedRequest, ros: int) -> Mapping[str, Sequence[Step]]:
     """Return the best step of each family between each two types, by input type."""
     best: dict[tuple[int, str, str], Step] = {}
     for place, part in enumerate(network.parts):
@@ -34,7 +34,7 @@ def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[
     return found
 
 
-def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
+def _through(part: Part, place: int, asked: ResolvedRequest) -> Iterator[Step]:
     """Yield the steps of a node."""
     kept = asked.names(place)
     costs, key = knowledge().costs, f"{part.full_name} {part.repository}"

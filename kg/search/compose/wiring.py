@@ -74,7 +74,7 @@ class Wiring:
     links: tuple[Link, ...]
     host: str | None
 
-    def said(self, place: int) -> set[tuple[str, str]]:
+    def published(self, place: int) -> set[tuple[str, str]]:
         """Return the topics that the node at an index publishes, by their final names, with types."""
         start, link = self.starts[place], self.links[place + 1]
         moved = start.own(start.given)

@@ -64,7 +64,7 @@ class Status(Static):
         self._work = ""
         self._note = ""
 
-    def tell(self, snapshot: int | None, note: str = "") -> None:
+    def show_generation(self, snapshot: int | None, note: str = "") -> None:
         """Show the current generation of the store, None if it is missing, and what changed."""
         self._snapshot, self._note = snapshot, note
         self._draw()
@@ -137,9 +137,9 @@ class MainScreen(Screen[None]):
 
     def on_mount(self) -> None:
         """Focus the editor, and follow the store."""
-        self.status.tell(self._snapshot)
+        self.status.show_generation(self._snapshot)
         self.set_interval(_FOLLOW_SECONDS, self.follow)
-        self.set_interval(_RUNNING_SECONDS, self.runs.tell)
+        self.set_interval(_RUNNING_SECONDS, self.runs.show_status)
         self.call_after_refresh(self._begin)
         self._prepare()
 
@@ -184,7 +184,7 @@ class MainScreen(Screen[None]):
         found = self.link.snapshot()
         if found != self._snapshot:
             back, self._snapshot = self._snapshot is None, found
-            self.status.tell(found, "" if found is None or back else "the store was built again")
+            self.status.show_generation(found, "" if found is None or back else "the store was built again")
             if found is not None:
                 self.query_one(KnowledgeTree).reload()
                 self._prepare()
@@ -291,7 +291,7 @@ class MainScreen(Screen[None]):
         buffer = self.buffers.current
         view = self._view()
         if buffer and view and view.result and view.result.limit is not None:
-            self.runs.start(buffer, buffer.asked, max(buffer.text.find(buffer.asked), 0), whole=True)
+            self.runs.start(buffer, buffer.last_query, max(buffer.text.find(buffer.last_query), 0), whole=True)
 
     def action_open_row(self) -> None:
         """Open the proof of the row."""
@@ -299,7 +299,7 @@ class MainScreen(Screen[None]):
         row = view.row() if view else None
         if buffer is None or view is None or row is None or view.result is None:
             return
-        query = buffer.asked if isinstance(view.result, Solutions) else ""
+        query = buffer.last_query if isinstance(view.result, Solutions) else ""
         fact = row if isinstance(view.result, Graph) else None
         self.app.push_screen(
             PageScreen(self.link, row_page(columns_of(view.result), row, view.row_number(), query, fact))
@@ -350,7 +350,7 @@ class MainScreen(Screen[None]):
         """Write the whole answer to a file."""
         view, buffer = self._view(), self.buffers.current
         if buffer and view is not None and view.result is not None:
-            self.app.push_screen(ExportScreen(self.link, view.result, buffer.asked))
+            self.app.push_screen(ExportScreen(self.link, view.result, buffer.last_query))
 
     def action_reload(self) -> None:
         """Reload the tree."""

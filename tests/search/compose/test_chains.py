@@ -134,4 +134,4 @@ def test_equal_chains_are_found_without_looking_at_all_of_them() -> None:
     }
     search = Search(steps, ["a"], frozenset("g"), 6)
     assert [chain.keys[-1] for chain in islice(search.best(), 3)] == ["f0", "f1", "f2"]
-    assert search.looks < 20
+    assert search.visited < 20
