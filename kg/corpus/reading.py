@@ -99,7 +99,7 @@ class Reader:
 
     def sorted_problems(self) -> tuple[Problem, ...]:
         """Return the problems by path, line and code."""
-        return tuple(sorted(self._problems, key=lambda found: (found.path, found.line or 0, found.code)))
+        return tuple(sorted(self._problems, key=lambda problem: (problem.path, problem.line or 0, problem.code)))
 
     @property
     def inputs(self) -> tuple[tuple[str, str], ...]:

@@ -111,9 +111,9 @@ class _Reader:
         figures = content.get("figures", {})
         if not isinstance(figures, dict):
             raise self._error("`figures` is a table", self._line("figures"), "Write [figures].")
-        found = tuple(self._criterion(table, index) for index, table in enumerate(tables))
-        for index, one in enumerate(found):
-            if any(one.name == other.name for other in found[:index]):
+        parsed = tuple(self._criterion(table, index) for index, table in enumerate(tables))
+        for index, one in enumerate(parsed):
+            if any(one.name == other.name for other in parsed[:index]):
                 raise self._error(f"there are two criteria {one.name!r}", one.line, "Give one another name.")
         return Criteria(
             path=self.path,
@@ -121,7 +121,7 @@ class _Reader:
             address=self._text(content, "address", self._line("address")),
             closed=tuple(self._texts(content.get("closed", []), "closed", self._line("closed"))),
             figures={name: tuple(self._texts(value, name, self._line(name))) for name, value in figures.items()},
-            criteria=found,
+            criteria=parsed,
         )
 
     def _criterion(self, table: Any, index: int) -> Criterion:

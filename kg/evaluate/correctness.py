@@ -67,14 +67,14 @@ def _rows(reference: str, ground: Ground) -> Iterator[tuple[Cell, ...]]:
 
 def _share(counts: Mapping[str, Mapping[str, int]], roles: Iterable[str], part: str, whole: str) -> Share | None:
     """Return the share of all these roles together; None without any entries."""
-    found = [counts[role] for role in roles if role in counts]
-    number = sum(one[whole] for one in found)
-    return share(sum(one[part] for one in found), number) if number else None
+    chosen = [counts[role] for role in roles if role in counts]
+    number = sum(one[whole] for one in chosen)
+    return share(sum(one[part] for one in chosen), number) if number else None
 
 
 def _row(reference: str, relation: str, precision: Share | None, recall: Share | None) -> tuple[Cell, ...]:
-    right, found = (one.value if one else None for one in (precision, recall))
+    right, complete = (one.value if one else None for one in (precision, recall))
     harmonic = None
-    if right is not None and found is not None:
-        harmonic = 2 * right * found / (right + found) if right + found else 0.0
+    if right is not None and complete is not None:
+        harmonic = 2 * right * complete / (right + complete) if right + complete else 0.0
     return reference, relation, precision, recall, harmonic

@@ -208,11 +208,11 @@ class Packages:
     def called(self, name: str) -> Spot:
         """Return the package `name` or `repository:name`; UsageError KG723 if it is unknown or ambiguous."""
         repository, _, package = name.rpartition(":")
-        found = [one for one in self._spots if one.package == package and one.repository.endswith(repository)]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            choices = ", ".join(f"{one.repository}:{one.package}" for one in found)
+        matches = [one for one in self._spots if one.package == package and one.repository.endswith(repository)]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            choices = ", ".join(f"{one.repository}:{one.package}" for one in matches)
             raise UsageError("KG723", f"several packages are called `{name}`: {choices}", hint="Name the repository.")
         hint = did_you_mean(name, [one.package for one in self._spots])
         raise UsageError("KG723", f"the store has no package `{name}`", hint=hint or "`kg packages` lists them.")

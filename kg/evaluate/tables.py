@@ -148,14 +148,14 @@ def as_objects(table: Table) -> list[dict[str, object]]:
 
 
 def _object(row: Mapping[str, Cell]) -> dict[str, object]:
-    found: dict[str, object] = {}
+    cells: dict[str, object] = {}
     for name, cell in row.items():
         if not isinstance(cell, Share | Score):
-            found[name] = cell
+            cells[name] = cell
             continue
-        found[name] = cell.value
+        cells[name] = cell.value
         if isinstance(cell, Share):
-            found |= {f"{name} part": cell.part, f"{name} whole": cell.whole}
+            cells |= {f"{name} part": cell.part, f"{name} whole": cell.whole}
         if cell.interval is not None:
-            found |= {f"{name} low": cell.interval[0], f"{name} high": cell.interval[1]}
-    return found
+            cells |= {f"{name} low": cell.interval[0], f"{name} high": cell.interval[1]}
+    return cells

@@ -201,7 +201,7 @@ def packages(graph: Queryable) -> list[PackageSummary]:
     nodes = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:NodeType .")
     definitions = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:InterfaceDefinition .")
     problems = _count(graph, "?package rnkg:hasProblem ?thing .")
-    found = (
+    summaries = (
         PackageSummary(
             *(repository, name, version, int(ros or 0), folder or ""),
             *(nodes[iri], definitions[iri], problems[iri]),
@@ -209,7 +209,7 @@ def packages(graph: Queryable) -> list[PackageSummary]:
         )
         for iri, repository, name, version, ros, folder, deprecated in texts(graph, _PACKAGES)
     )
-    return sorted(found, key=lambda one: (one.repository, one.name))
+    return sorted(summaries, key=lambda one: (one.repository, one.name))
 
 
 def files(graph: Queryable) -> list[FileSummary]:
@@ -217,13 +217,13 @@ def files(graph: Queryable) -> list[FileSummary]:
     counts: Counter[tuple[str, str]] = Counter()
     for iri, kind, number in texts(graph, _IN_FILES):
         counts[iri, kind.removeprefix(v.RNKG)] += int(number)
-    found = []
+    summaries = []
     for iri, repository, package, path, kind in texts(graph, _FILES):
         said = counts[iri, "Description"]
         is_code, is_text = kind in _CODE, kind == FileKind.TEXT or said > 0
         sort = "both" if is_code and is_text else "code" if is_code else "text" if is_text else "other"
-        found.append(FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], said))
-    return sorted(found, key=lambda one: (one.repository, one.package, one.path))
+        summaries.append(FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], said))
+    return sorted(summaries, key=lambda one: (one.repository, one.package, one.path))
 
 
 def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
@@ -235,14 +235,14 @@ def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
     for node, number in texts(graph, _PARAMETERS % those):
         declared[node]["parameters"] = int(number)
     numbers = [*dict.fromkeys(_DECLARES.values()), "parameters"]
-    found = (
+    summaries = (
         NodeSummary(
             *(repository, owner, name, NodeKind(kind.removeprefix(v.RNKG)), int(ros), Location(path, int(line))),
             *(declared[iri][number] for number in numbers),
         )
         for iri, repository, owner, name, kind, ros, path, line in texts(graph, _NODES % those)
     )
-    return sorted(found, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
+    return sorted(summaries, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
 
 
 def package_names(graph: Queryable) -> list[str]:

@@ -128,9 +128,9 @@ def declarations(
     if not those:
         return {}
     either = " UNION ".join(f"{{ {one} }}" for one in those)
-    found = code_facts(graph, f"{{ {either} }} ?subject rnkg:access ?access .")
-    kept = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
-    return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
+    facts_by_iri = code_facts(graph, f"{{ {either} }} ?subject rnkg:access ?access .")
+    parameters = {iri: (owner, fact) for iri, (owner, fact) in facts_by_iri.items() if isinstance(fact, Parameter)}
+    return dict(sorted(parameters.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
 
 
 def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
@@ -140,10 +140,10 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
     rows = list(texts(graph, _SET % those))
     owners = {start.iri: start for start in _starts(graph, {owner for _, owner, _ in rows})}
     properties = _properties(graph, {setting for setting, _, _ in rows})
-    found = []
+    values = []
     for setting, owner, full in rows:
         own, start = properties[setting], owners.get(owner)
-        found.append(
+        values.append(
             SetParameter(
                 name=full.removeprefix(f"{start.name}/") if start else full,
                 absolute=full,
@@ -155,8 +155,8 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
                 declared=one(own, v.SETS),
             )
         )
-    found = [one for one in found if name in {one.name, one.absolute}]
-    return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
+    values = [one for one in values if name in {one.name, one.absolute}]
+    return sorted(values, key=lambda one: (one.absolute, one.system, str(one.location)))
 
 
 def types_started(graph: Queryable, names: Collection[str]) -> set[str]:

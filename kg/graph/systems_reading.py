@@ -122,10 +122,10 @@ def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozen
 
 def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[str]]:
     """Return the absolute names of instances, each with the configurations that start it, sorted; or one `name`."""
-    found: dict[str, set[str]] = {}
+    by_name: dict[str, set[str]] = {}
     for instance, system in texts(graph, _STARTED % ("" if name is None else one_of("name", [name]))):
-        found.setdefault(instance, set()).add(system)
-    return {name: sorted(found[name]) for name in sorted(found)}
+        by_name.setdefault(instance, set()).add(system)
+    return {name: sorted(by_name[name]) for name in sorted(by_name)}
 
 
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[facts.System]:
@@ -159,15 +159,15 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     rows = [(*row, v.bare(relation)) for relation, pattern in parts for row in texts(graph, _PARTS % pattern)]
     if names is None:
         names = system_names(graph, {row[1] for row in rows} | {end.system for end in usual})
-    meant = {iris.configuration(one.repository, one.path): one for one in names}
-    rows = [row for row in rows if row[1] in meant]
-    graphs = {iri: iris.system_graph(name.repository, name.path) for iri, name in meant.items()}
-    unstated = [end for end in usual if end.system in meant]
-    found = {(row[0], part) for row in rows for part in row[1:-1]}
-    found |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
-    wholes = {(graphs[iri], iri) for iri in meant} if launches else set()
+    by_iri = {iris.configuration(one.repository, one.path): one for one in names}
+    rows = [row for row in rows if row[1] in by_iri]
+    graphs = {iri: iris.system_graph(name.repository, name.path) for iri, name in by_iri.items()}
+    unstated = [end for end in usual if end.system in by_iri]
+    chosen_parts = {(row[0], part) for row in rows for part in row[1:-1]}
+    chosen_parts |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
+    wholes = {(graphs[iri], iri) for iri in by_iri} if launches else set()
     relations = list(texts(graph, _LAUNCHES % _pairs(wholes)))
-    content = _properties(graph, iris, found | wholes | {(where, part) for where, _, _, part in relations})
+    content = _properties(graph, iris, chosen_parts | wholes | {(where, part) for where, _, _, part in relations})
     for _, configuration, relation, part in relations:
         _add(content[configuration], relation, part)
     chosen: dict[str, set[str]] = {}
@@ -180,7 +180,9 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
         if relation != settings:
             _add(content[instance], relation, part)
     leads = [v.bare(term) for term in (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY, v.STARTED_WITH)]
-    led = {(where, iri) for where, part in found for term in leads for iri in content.get(part, {}).get(term, ())}
+    led = {
+        (where, iri) for where, part in chosen_parts for term in leads for iri in content.get(part, {}).get(term, ())
+    }
     content |= _properties(graph, iris, {(where, iri) for where, iri in led if iri not in content})
     for _, _, instance, part, relation in rows:
         start, remap = one(content[instance], v.STARTED_WITH), one(content.get(part, {}), v.REMAPPED_BY)
@@ -193,7 +195,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     declared |= {end.code for end in unstated}
     records = _Records(graph, [content], among("subject", declared))
     having = {row[1] for row in rows} | {end.system for end in unstated} | {iri for _, iri in wholes}
-    return [_Reading(name, content, records, iris, chosen).run() for iri, name in meant.items() if iri in having]
+    return [_Reading(name, content, records, iris, chosen).run() for iri, name in by_iri.items() if iri in having]
 
 
 def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
@@ -226,11 +228,11 @@ def _content(graph: Queryable, name: str) -> _Content:
 
 def _read(graph: Readable, starts: _Content, name: str) -> _Content:
     """Return what `_content` does, with all that instances are started with at hand."""
-    found = dict(graph.properties(name))
+    content = dict(graph.properties(name))
     for terms in ((v.STARTED_WITH,), (v.HAS_SETTING, v.READS_ENTRY, v.HAS_REMAP)):
-        led = {iri for own in found.values() for term in terms for iri in own.get(v.bare(term), ())}
-        found |= {iri: starts[iri] for iri in led if iri in starts}
-    return found
+        led = {iri for own in content.values() for term in terms for iri in own.get(v.bare(term), ())}
+        content |= {iri: starts[iri] for iri in led if iri in starts}
+    return content
 
 
 class _Records:

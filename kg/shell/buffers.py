@@ -122,11 +122,11 @@ class Buffers(TabbedContent):
             current.editor.text = text
             current.editor.focus()
             return current
-        made = self._create(text)
-        await self.add_pane(made)
-        self.active = str(made.id)
-        made.editor.focus()
-        return made
+        buffer = self._create(text)
+        await self.add_pane(buffer)
+        self.active = str(buffer.id)
+        buffer.editor.focus()
+        return buffer
 
     async def close_current(self) -> None:
         """Close the visible buffer; the last one is emptied."""
@@ -143,10 +143,10 @@ class Buffers(TabbedContent):
 
     def step(self, by: int) -> None:
         """Show the buffer that many tabs to the right, wrapping around."""
-        found = self.all
+        buffers = self.all
         current = self.current
-        if current in found:
-            aim = found[(found.index(current) + by) % len(found)]
+        if current in buffers:
+            aim = buffers[(buffers.index(current) + by) % len(buffers)]
             self.active = str(aim.id)
             aim.editor.focus()
 

@@ -69,13 +69,13 @@ def spans(text: str) -> Iterator[Span]:
 
 
 def _comments(text: str, start: int, end: int) -> Iterator[Span]:
-    for found in _COMMENTS.finditer(text, start, end):
-        yield Span(found.start(), found.end(), "comment")
+    for match in _COMMENTS.finditer(text, start, end):
+        yield Span(match.start(), match.end(), "comment")
 
 
 def line_starts(text: str) -> list[int]:
     """Return the offset of the first character of each line."""
-    return [0, *(found.end() for found in re.finditer("\n", text))]
+    return [0, *(match.end() for match in re.finditer("\n", text))]
 
 
 def line_spans(text: str) -> dict[int, list[Span]]:

@@ -37,11 +37,11 @@ class Runs:
         if editor.selected_text.strip():
             self.start(buffer, editor.selected_text, editor.offset_at(min(editor.selection)))
             return
-        found = statement_at(buffer.text, editor.offset_of_cursor)
-        if found is None:
+        statement = statement_at(buffer.text, editor.offset_of_cursor)
+        if statement is None:
             self._screen.notify("This buffer has no query.", severity="warning", timeout=3)
         else:
-            self.start(buffer, found.text, found.start)
+            self.start(buffer, statement.text, statement.start)
 
     def start(self, buffer: Buffer, text: str, offset: int, *, whole: bool = False) -> None:
         """Run a query at `offset` of a buffer; `whole` removes the limit of rows."""
@@ -99,11 +99,11 @@ class Runs:
         """Return the prefixes that shorten a result: those of its query override others."""
         declared = {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
         try:
-            known = await self._link.prefixes(result.snapshot)
+            stored = await self._link.prefixes(result.snapshot)
         except KgError:
-            known = PREFIXES
+            stored = PREFIXES
         # Twice: they come first, so that a namespace with several prefixes gets theirs, and override those known.
-        return {**declared, **known, **declared}
+        return {**declared, **stored, **declared}
 
 
 def _place(buffer: Buffer) -> tuple[str, object]:

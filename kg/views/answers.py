@@ -125,21 +125,21 @@ def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None
 
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
-    found = _cached(snapshot, name, kind)
-    if found is None:
+    value = _cached(snapshot, name, kind)
+    if value is None:
         # An answer has no garbage in cycles, which would be searched for again and again as it grows.
         enabled = gc.isenabled()
         gc.disable()
         try:
-            found = make()
+            value = make()
         finally:
             if enabled:
                 gc.enable()
         version = _version()
         if version is not None and snapshot.layout is not None:
             with suppress(OSError):
-                save(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(found)])
-    return found
+                save(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(value)])
+    return value
 
 
 def _cached(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:

@@ -32,10 +32,10 @@ def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]: 
 
 def diagnose(snapshot: Snapshot, settings: Settings, text: str = "") -> dict[str, Any]:
     """Return the `problems` of the query `text` (see `kg.query.diagnosis.problems.diagnose`), and the `snapshot`."""
-    kept = cache_of(snapshot, settings)
-    known = kept.cached_statistics()
-    used = (*known.classes, *known.properties)
-    return {"snapshot": snapshot.identity, "problems": problems.diagnose(text, snapshot, kept.prefixes(), used)}
+    cache = cache_of(snapshot, settings)
+    statistics = cache.cached_statistics()
+    used = (*statistics.classes, *statistics.properties)
+    return {"snapshot": snapshot.identity, "problems": problems.diagnose(text, snapshot, cache.prefixes(), used)}
 
 
 def complete(
@@ -54,14 +54,14 @@ def complete(
         at = int(position)
     except ValueError:
         raise UsageError("KG003", f"the position `{position}` is not a number") from None
-    found = service.complete(
+    completions = service.complete(
         text,
         len(text) if at < 0 else at,
         cache_of(snapshot, settings),
         lambda: list(discover(settings.queries).values()),
         fresh=bool(fresh),
     )
-    return {"snapshot": snapshot.identity, **found}
+    return {"snapshot": snapshot.identity, **completions}
 
 
 def cache_of(snapshot: Snapshot, settings: Settings) -> SnapshotCache:

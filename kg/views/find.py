@@ -81,11 +81,11 @@ def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:
 
 
 def _hit(hit: Hit, where: Places) -> dict[str, Any]:
-    found = hit_object(hit)
+    data = hit_object(hit)
     repository = hit.package.repository
-    for reason in found["reasons"]:
+    for reason in data["reasons"]:
         path, line = reason.pop("file"), reason.pop("line")
         reason["evidence"] = None if path is None else where.evidence(repository, Location(path, line))
-    also = [{**told, "iri": one.iri} for told, (_, one) in zip(found["also"], hit.others, strict=True)]
+    also = [{**named, "iri": one.iri} for named, (_, one) in zip(data["also"], hit.others, strict=True)]
     declared = where.evidence(repository, Location(hit.node.path, hit.node.line))
-    return {**found, "iri": hit.node.iri, "evidence": declared, "also": also}
+    return {**data, "iri": hit.node.iri, "evidence": declared, "also": also}

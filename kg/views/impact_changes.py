@@ -36,11 +36,11 @@ def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settin
             if (key := (one.configuration.repository, one.configuration.path)) in pairs
         ]
         worlds = StoredWorld(old, settings), StoredWorld(new, settings)
-        kept = {(one.repository, one.path) for one in file_records(new)}
+        remaining = {(one.repository, one.path) for one in file_records(new)}
         files = [
             Subject(Kind.FILE, one.path, one.repository)
             for one in file_records(old)
-            if (one.repository, one.path) not in kept
+            if (one.repository, one.path) not in remaining
         ]
         gone = [*definition_changes(definition_records(old), definition_records(new)), *files]
         return broken(compare(*sides), worlds, both, gone)
@@ -56,12 +56,12 @@ def _side(
     return Sources(nodes, systems(snapshot, names, settings.base), findings)
 
 
-def compared_finding(found: Found) -> Finding:
+def compared_finding(finding: Found) -> Finding:
     """Return a finding of `kg lint` as `kg.launch.comparison` takes it."""
-    place = found.place
+    place = finding.place
     location = Location(place.path, place.line) if place and place.line is not None else None
-    subject = found.subjects[0] if found.subjects else ""
-    return Finding(found.system, found.code, subject, found.message, location, place.repository if place else "")
+    subject = finding.subjects[0] if finding.subjects else ""
+    return Finding(finding.system, finding.code, subject, finding.message, location, place.repository if place else "")
 
 
 def _packages(before: State, after: State) -> set[str]:

@@ -96,8 +96,8 @@ class StoredWorld:
     def own(self) -> Sequence[FileRecord]:
         """The rules, queries and programs of the user."""
         folders = {one for name in ("rules", "queries", "ontology") for one in user_paths(self._settings, name)}
-        found = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
-        return [FileRecord("", "", str(path), FileKind.CONFIG) for path in found]
+        paths = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
+        return [FileRecord("", "", str(path), FileKind.CONFIG) for path in paths]
 
     @cached_property
     def files(self) -> Sequence[FileRecord]:
@@ -115,12 +115,12 @@ class StoredWorld:
         if subject not in self._systems:
             snapshot, base, (parts, usual) = self._snapshot, self._settings.base, self._parts(subject)
             if subject.kind is Kind.PARAMETER and not subject.owner:
-                found = partial_systems(snapshot, None, parts, base, usual)
+                partial = partial_systems(snapshot, None, parts, base, usual)
             else:
                 having = {end.system for end in usual} | configurations_in(snapshot, self._graphs(subject))
                 names = system_names(snapshot, having) if having else []
-                found = partial_systems(snapshot, names, parts, base, usual, launches=True)
-            self._systems[subject] = found
+                partial = partial_systems(snapshot, names, parts, base, usual, launches=True)
+            self._systems[subject] = partial
         return self._systems[subject]
 
     def lines(self, repository: str, path: str) -> Sequence[str]:

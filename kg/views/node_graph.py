@@ -26,13 +26,13 @@ _ROLES: Final = {
 _TYPES: Final = {"topic": "has message", "service": "has service type", "action": "has action type"}
 
 
-def node_relations(found: Mapping[str, Any], *, every: bool = False) -> tuple[Relation, ...]:
+def node_relations(node: Mapping[str, Any], *, every: bool = False) -> tuple[Relation, ...]:
     """Return the relations of a node, from the view `node`; those of one name follow each other.
 
     An interface that the code declares is read, not inferred; functions, hardware and capabilities are what rules say.
     `every` adds what frameworks create, and capabilities that follow from others.
     """
-    return tuple(dict.fromkeys(_relations(found, every=every)))
+    return tuple(dict.fromkeys(_relations(node, every=every)))
 
 
 def _relations(found: Mapping[str, Any], *, every: bool) -> Iterator[Relation]:

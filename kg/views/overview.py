@@ -98,32 +98,32 @@ def _source(state: SourceState) -> dict[str, Any]:
 
 def _questions(snapshot: EmbeddedSnapshot, settings: Settings) -> list[dict[str, Any]]:
     """Return the questions; one without its query is left out."""
-    found = []
+    questions = []
     for name, question in QUESTIONS.items():
         try:
-            told = query_object(find(name, settings.queries))
+            query = query_object(find(name, settings.queries))
         except KgError:
             continue
-        parameters = [] if name in _WHOLE else told["parameters"]
+        parameters = [] if name in _WHOLE else query["parameters"]
         for parameter in parameters:
             parameter["example"] = _example(snapshot, name, parameter["name"]) or parameter["example"]
-        del told["text"]
-        found.append({**told, "question": question, "parameters": parameters})
-    return found
+        del query["text"]
+        questions.append({**query, "question": question, "parameters": parameters})
+    return questions
 
 
 @once
 def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | None:
     """Return an example from the store for the first parameter of a question; None if there is none."""
     names, leads = _EXAMPLES.get(query, ("", ""))
-    known = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
-    busiest = None if known else _first(snapshot, _STARTED) or _first(snapshot, _BUSIEST)
+    example = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
+    busiest = None if example else _first(snapshot, _STARTED) or _first(snapshot, _BUSIEST)
     if busiest and parameter in {"node", "from"}:
-        known = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
+        example = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
     elif busiest and names:
         path = f"ros:hasComponent/{leads}" if names == _TYPES else leads
-        known = _first(snapshot, _OF_NODE.format(node=busiest, property=path))
-    return None if known is None else str(getattr(known, "value", known))
+        example = _first(snapshot, _OF_NODE.format(node=busiest, property=path))
+    return None if example is None else str(getattr(example, "value", example))
 
 
 def _first(snapshot: EmbeddedSnapshot, query: str) -> Any:

@@ -43,10 +43,10 @@ def _cached(
         answers: dict[Any, _Found] = _KNOWN.setdefault(snapshot, {}).setdefault(function, {})
         key = (arguments, tuple(sorted(named.items())))
         if key not in answers:
-            found = function(snapshot, *arguments, **named)
+            value = function(snapshot, *arguments, **named)
             if not several:
                 answers.clear()
-            answers[key] = found
+            answers[key] = value
         return answers[key]
 
     return cached

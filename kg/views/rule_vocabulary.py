@@ -85,10 +85,10 @@ def _ontology(files: tuple[Path, ...]) -> _Ontology:
         return ((row[0].value, row[1].value) for row in rows)
 
     def lists(query: str) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = defaultdict(list)
+        values: dict[str, list[str]] = defaultdict(list)
         for term, other in pairs(query):
-            found[term].append(other)
-        return {term: sorted(others) for term, others in found.items()}
+            values[term].append(other)
+        return {term: sorted(others) for term, others in values.items()}
 
     return _Ontology(
         dict(sorted(pairs(_KINDS), reverse=True)),
@@ -163,8 +163,8 @@ def _rules(settings: Settings) -> Iterator[dict[str, str]]:
 @cache
 def _examples() -> list[dict[str, Any]]:
     """Return the rules to begin from that come with kg, by name."""
-    found = []
+    examples = []
     for path in sorted((folder("examples") / "rules").glob("*/*.rq")):
         rule = read(path.read_text("utf-8"), f"{path.parent.name}/{path.stem}", str(path))
-        found.append({"name": rule.name, "title": rule.title, "comment": rule.why, "rule": rule})
-    return found
+        examples.append({"name": rule.name, "title": rule.title, "comment": rule.why, "rule": rule})
+    return examples

@@ -67,10 +67,10 @@ def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozense
     if not name.strip():
         return None
     names = configuration_names(snapshot)
-    found = matching(names, name)
-    if not found:
+    matches = matching(names, name)
+    if not matches:
         raise unknown_launch(names, name)
-    return frozenset(Iris(base).configuration(one.repository, one.path) for one in found)
+    return frozenset(Iris(base).configuration(one.repository, one.path) for one in matches)
 
 
 def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", base: str = "") -> SystemName:
@@ -85,14 +85,14 @@ def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", ba
     names = [one for one in configuration_names(snapshot) if repository in {"", one.repository}]
     thing = Iris(base).parse(name) if base and name.startswith(base) else None
     if thing is not None and thing.kind == "configuration":
-        found = [one for one in names if (one.repository, one.path) == thing.parts]
+        matches = [one for one in names if (one.repository, one.path) == thing.parts]
     else:
-        found = matching(names, name) if name.strip() else []
-    if not found:
+        matches = matching(names, name) if name.strip() else []
+    if not matches:
         raise unknown_launch(names, name)
-    if len(found) > 1:
-        raise several_launches(names, found, name)
-    return found[0]
+    if len(matches) > 1:
+        raise several_launches(names, matches, name)
+    return matches[0]
 
 
 @once

@@ -74,8 +74,8 @@ class Status(Static):
         if job is None:
             self._work = ""
         else:
-            found = f", {count(rows, 'row')} so far" if rows else ""
-            self._work = f"running {job.elapsed:.1f} s{found} (Esc stops)"
+            progress = f", {count(rows, 'row')} so far" if rows else ""
+            self._work = f"running {job.elapsed:.1f} s{progress} (Esc stops)"
         self._draw()
 
     def _draw(self) -> None:
@@ -93,20 +93,20 @@ def _short(path: Path) -> str:
 
 async def diagnosed(link: Link, text: str) -> list[Problem]:
     """Return the problems of each query in a buffer; KgError if the store cannot be queried."""
-    found = []
+    problems = []
     starts = [one.start for one in statements(text)]
     for begin, end in pairwise([*starts, len(text)]):
         answer = await link.call("diagnose", text=text[begin:end].rstrip())
-        found += [_problem(one, begin) for one in answer["problems"]]
-    return found
+        problems += [_problem(one, begin) for one in answer["problems"]]
+    return problems
 
 
-def _problem(found: dict[str, Any], begin: int) -> Problem:
-    words = ". ".join(str(found[key]).rstrip(".") for key in ("message", "hint") if found.get(key))
-    fix = next(iter(found["fixes"]), None)
+def _problem(problem: dict[str, Any], begin: int) -> Problem:
+    words = ". ".join(str(problem[key]).rstrip(".") for key in ("message", "hint") if problem.get(key))
+    fix = next(iter(problem["fixes"]), None)
     edits = tuple((begin + one["start"], begin + one["end"], one["text"]) for one in fix["edits"]) if fix else ()
-    place = (begin + found["start"], begin + found["end"])
-    return Problem(*place, found["severity"], words, fix["title"] if fix else "", edits)
+    place = (begin + problem["start"], begin + problem["end"])
+    return Problem(*place, problem["severity"], words, fix["title"] if fix else "", edits)
 
 
 class MainScreen(Screen[None]):
@@ -181,11 +181,11 @@ class MainScreen(Screen[None]):
 
     def follow(self) -> None:
         """Detect that the store was rebuilt or removed."""
-        found = self.link.snapshot()
-        if found != self._snapshot:
-            back, self._snapshot = self._snapshot is None, found
-            self.status.show_generation(found, "" if found is None or back else "the store was built again")
-            if found is not None:
+        generation = self.link.snapshot()
+        if generation != self._snapshot:
+            back, self._snapshot = self._snapshot is None, generation
+            self.status.show_generation(generation, "" if generation is None or back else "the store was built again")
+            if generation is not None:
                 self.query_one(KnowledgeTree).reload()
                 self._prepare()
 
