@@ -156,20 +156,20 @@ class Artifacts:
     def outcome(self, name: str) -> Outcome | None:
         """Return a result by its name; None if it is missing or damaged."""
         content = self._read(name)
-        found = _decode(content, _Result) if content else None
-        if found is None:
+        stored = _decode(content, _Result) if content else None
+        if stored is None:
             return None
         result = PackageResult(
-            found.source, found.name, found.path, found.counts, found.unresolved, found.problems, found.seconds
+            stored.source, stored.name, stored.path, stored.counts, stored.unresolved, stored.problems, stored.seconds
         )
-        return Outcome(result, found.inputs, dict(found.outside), found.packed, found.known)
+        return Outcome(result, stored.inputs, dict(stored.outside), stored.packed, stored.known)
 
     def _names(self, folder: str) -> Iterable[str]:
         try:
-            found: list[str] = self._files.ls(f"{self._root}/{folder}", detail=False)
+            paths: list[str] = self._files.ls(f"{self._root}/{folder}", detail=False)
         except OSError:
             return ()
-        names = (path.rpartition("/")[2] for path in found)
+        names = (path.rpartition("/")[2] for path in paths)
         return sorted(f"{folder}/{name}" for name in names if len(name) == _NAME_CHARS)
 
     def _read(self, name: str) -> bytes | None:
@@ -214,15 +214,15 @@ def without_extra() -> UsageError:
 
 
 def _packed(outcome: Outcome) -> bytes:
-    found = outcome.result
+    result = outcome.result
     content = _Result(
-        source=found.source,
-        name=found.name,
-        path=found.path,
-        counts=dict(found.counts),
-        unresolved=dict(found.unresolved),
-        problems=found.problems,
-        seconds=found.seconds,
+        source=result.source,
+        name=result.name,
+        path=result.path,
+        counts=dict(result.counts),
+        unresolved=dict(result.unresolved),
+        problems=result.problems,
+        seconds=result.seconds,
         inputs=outcome.inputs,
         outside=tuple(sorted(outcome.outside.items())),
         packed=outcome.packed,

@@ -51,28 +51,28 @@ class Catalogue(NodeTypes):
         self._given: dict[Key, list[NodeRecord]] = {}
         """Node types of other sources."""
         self._decoded: OrderedDict[Key, list[NodeRecord]] = OrderedDict()
-        found = {(key[0], package.name, key): package.known for key, package in packages.items()}
+        visible = {(key[0], package.name, key): package.known for key, package in packages.items()}
         for (repository, package), records in groupby(others, key=lambda one: (one.repository, one.package)):
             whole = {one.iri: one for one in records}
             stated = (
                 Stated(one.node, one.iri, tuple(one.ends.values()), tuple(one.settable.values()))
                 for one in whole.values()
             )
-            ordered, known = visible_types(stated)
+            ordered, view = visible_types(stated)
             key = (repository, f"{package}/")
             self._given[key] = [whole[one.iri] for one in ordered]
-            found[repository, package, key] = known
+            visible[repository, package, key] = view
         files = list(data)
-        for (repository, package, key), known in sorted(found.items(), key=lambda item: item[0]):
-            files += known.data
-            for at, one in enumerate(known.nodes):
+        for (repository, package, key), view in sorted(visible.items(), key=lambda item: item[0]):
+            files += view.data
+            for at, one in enumerate(view.nodes):
                 self._places.append((key, NodeReference(repository, package, one.name), one, at))
         self._add_data(files)
         self._by_reference = {reference: at for at, (_, reference, _, _) in enumerate(self._places)}
         self._index((reference.package, one) for _, reference, one, _ in self._places)
-        self._packages.update((package for _, package, _ in found), programs or ())
+        self._packages.update((package for _, package, _ in visible), programs or ())
         for package, names in (
-            *((package, known.programs) for (_, package, _), known in found.items()),
+            *((package, view.programs) for (_, package, _), view in visible.items()),
             *(programs or {}).items(),
         ):
             self._programs.setdefault(package, set()).update(names)
@@ -118,13 +118,13 @@ class Catalogue(NodeTypes):
 
     def records(self, system: System) -> dict[NodeReference, NodeRecord]:
         """Return the node types referenced in a system."""
-        found = {}
+        records = {}
         for reference in _references(system):
             self.questions["record", reference.repository, reference.package, reference.node] = None
             at = self._by_reference.get(reference)
             if at is not None:
-                found[reference] = self._record(at)
-        return found
+                records[reference] = self._record(at)
+        return records
 
     def mark(self, question: Question) -> str:
         """Return a digest of the result of a look-up."""
@@ -172,9 +172,9 @@ class Catalogue(NodeTypes):
 
 def _references(system: System) -> Iterator[NodeReference]:
     """Yield the node types of instances and plugins in a system, each once."""
-    found: dict[NodeReference | None, None] = {}
+    references: dict[NodeReference | None, None] = {}
     for instance in system.instances:
-        found.update(dict.fromkeys((instance.type, *instance.plugins)))
-        found.update((end.owner, None) for end in instance.interfaces)
-        found.update((parameter.owner, None) for parameter in instance.parameters)
-    yield from (reference for reference in found if reference is not None)
+        references.update(dict.fromkeys((instance.type, *instance.plugins)))
+        references.update((end.owner, None) for end in instance.interfaces)
+        references.update((parameter.owner, None) for parameter in instance.parameters)
+    yield from (reference for reference in references if reference is not None)

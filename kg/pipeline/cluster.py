@@ -51,16 +51,16 @@ _own = threading.local()
 
 def batches(tasks: Iterable[tuple[Task, int]]) -> list[list[Task]]:
     """Return packages, given with their sizes of code, as batches of one source each, in the same order."""
-    found: list[list[Task]] = []
+    result: list[list[Task]] = []
     open_ones: dict[str, tuple[list[Task], int]] = {}
     for task, size in tasks:
         batch, total = open_ones.get(task.source, ([], 0))
         if not batch or total + size > _BATCH_BYTES:
             batch, total = [], 0
-            found.append(batch)
+            result.append(batch)
         batch.append(task)
         open_ones[task.source] = batch, total + size
-    return found
+    return result
 
 
 def announce(source: str, *, fetching: bool = False) -> str:
@@ -77,12 +77,12 @@ def read_packages(request: Request, tasks: Sequence[Task]) -> list[Reading]:
     worker = announce(tasks[0].source)
     if not hasattr(_own, "extractor"):
         _own.extractor = Extractor()
-    found = []
+    readings = []
     for task in tasks:
-        found.append(replace(_own.extractor.read(request, task), worker=worker))
-        if found[-1].code:
+        readings.append(replace(_own.extractor.read(request, task), worker=worker))
+        if readings[-1].code:
             break
-    return found
+    return readings
 
 
 def machine_of(worker: str) -> str:

@@ -79,5 +79,5 @@ def cached_text(place: Path | None, seen: tuple[State, ...], what: object, make:
     return text
 
 
-def _state(path: str, found: os.stat_result) -> State:
-    return State(path, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns)
+def _state(path: str, status: os.stat_result) -> State:
+    return State(path, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns)

@@ -147,9 +147,9 @@ def make_plan(workspace: Workspace, state: State, folder: Path, now: str, limit_
     reused: dict[Key, PackageState] = {}
     for source in workspace.sources:
         name = source.repository.name
-        known = state.sources[name].packages if name in state.sources and state.version == now else {}
+        packages = state.sources[name].packages if name in state.sources and state.version == now else {}
         for package in source.packages:
-            earlier = known.get(package.path)
+            earlier = packages.get(package.path)
             cached = earlier if earlier and cache.exists(folder, earlier.result) else None
             same = cached and _still_holds(workspace, source, package, cached, entries, limit_bytes)
             if same and (state.shape == current or _same_answers(workspace, folder, same)):
@@ -161,12 +161,12 @@ def make_plan(workspace: Workspace, state: State, folder: Path, now: str, limit_
 
 def entries_by_name(sources: Iterable[Source]) -> dict[str, FileEntry]:
     """Return the entries of all files of a build by `repository:path`."""
-    found: dict[str, FileEntry] = {}
+    entries: dict[str, FileEntry] = {}
     for source in sources:
         name = source.repository.name
         for files in (source.loose, *(package.files for package in source.packages)):
-            found.update((f"{name}:{entry.path}", entry) for entry in files)
-    return found
+            entries.update((f"{name}:{entry.path}", entry) for entry in files)
+    return entries
 
 
 def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
@@ -223,8 +223,8 @@ def _size_and_time(workspace: Workspace, key: str) -> str:
 
 
 def _same_answers(workspace: Workspace, folder: Path, earlier: PackageState) -> bool:
-    found = cache.lookups(folder, earlier.result)
-    return found is not None and all(answer(workspace, lookup) == before for lookup, before in found.items())
+    lookups = cache.lookups(folder, earlier.result)
+    return lookups is not None and all(answer(workspace, lookup) == before for lookup, before in lookups.items())
 
 
 def _digest(lines: list[str]) -> str:

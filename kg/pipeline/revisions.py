@@ -87,13 +87,13 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
     with translated(str(root)):
         root.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix="reading-", dir=root.parent) as scratch:
-        tree, made = Path(scratch) / (top.name or "root"), Path(scratch) / ".kg"
+        tree, target = Path(scratch) / (top.name or "root"), Path(scratch) / ".kg"
         _check_out(top, revision, tree)
-        store = EmbeddedStore.create(made)
-        build([str(tree)], store, replace(settings, store=made), report, f"kg diff, at {revision[:12]}")
+        store = EmbeddedStore.create(target)
+        build([str(tree)], store, replace(settings, store=target), report, f"kg diff, at {revision[:12]}")
         with translated(str(root)):
             try:
-                made.rename(root)
+                target.rename(root)
             except OSError:
                 if not root.is_dir():
                     raise

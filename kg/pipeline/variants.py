@@ -90,17 +90,17 @@ def _flipped(system: System, given: Mapping[str, str]) -> Iterator[tuple[str, st
 
 def _unset(system: System, file: LaunchFile, given: Mapping[str, str]) -> dict[str, str]:
     """Return the variables that the files of a system read and that are not given, with another value."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for place in sorted(system.configuration.files):
         text = (file.reader.read(FilePath(*place)) or b"").decode("utf-8", "replace")
         for match in _VARIABLE.finditer(text):
-            held = {key.partition("_")[0] for key, value in match.groupdict().items() if value is not None}
-            for key in held:
+            groups = {key.partition("_")[0] for key, value in match.groupdict().items() if value is not None}
+            for key in groups:
                 name, default = match[key], match.groupdict().get(f"{key}_default")
                 value = {**_OTHER, "0": "1", "1": "0"}.get(default) if default else _SET
                 if name not in given and value is not None:
-                    found.setdefault(name, value)
-    return found
+                    values.setdefault(name, value)
+    return values
 
 
 def united(found: Variants) -> System:

@@ -49,8 +49,8 @@ def _collect(evaluation: Evaluation, limit: int | None, began: float) -> Result:
     if isinstance(evaluation.found, bool):
         return Boolean(evaluation.found, time.perf_counter() - began, evaluation.snapshot)
     window: Window[Any] = Window(evaluation.found, most=limit)
-    found = tuple(window)
+    rows = tuple(window)
     seconds, cut = time.perf_counter() - began, limit if window.more else None
     if evaluation.kind == "graph":
-        return Graph(found, seconds, evaluation.snapshot, cut)
-    return Solutions(evaluation.variables, found, seconds, evaluation.snapshot, cut)
+        return Graph(rows, seconds, evaluation.snapshot, cut)
+    return Solutions(evaluation.variables, rows, seconds, evaluation.snapshot, cut)

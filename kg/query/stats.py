@@ -105,12 +105,12 @@ def _edges(snapshot: Source, numbers: Mapping[str, int]) -> Sequence[tuple[int, 
 def _per_node(graph: Source) -> tuple[tuple[str, float], ...]:
     """Return the mean number of entities of each kind that are related to a node."""
     nodes: set[tuple[str, str]] = set()
-    found: Counter[str] = Counter()
+    numbers: Counter[str] = Counter()
     for row in graph.query(stored.internal("entities-per-node")):
         package, node, kind, _ = map(_text, row)
         nodes.add((package, node))
-        found[kind] += 1
-    return tuple((kind, found[kind] / len(nodes)) for kind in _OF_NODES) if nodes else ()
+        numbers[kind] += 1
+    return tuple((kind, numbers[kind] / len(nodes)) for kind in _OF_NODES) if nodes else ()
 
 
 def _pairs(graph: Source, name: str) -> tuple[tuple[str, int], ...]:

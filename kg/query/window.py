@@ -20,13 +20,13 @@ class Window(Generic[Item]):
 
     def __init__(
         self,
-        found: Iterable[Item],
+        rows: Iterable[Item],
         *,
         offset: int = 0,
         most: int | None = None,
         tick: Callable[[int], object] = lambda _: None,
     ) -> None:
-        self._rows = found
+        self._rows = rows
         self._offset = offset
         self._most = most
         self._tick = tick

@@ -58,7 +58,7 @@ def _features(kind: str, value: str, names: Names) -> tuple[str, ...]:
     if kind == "license":
         return names.licenses(value)
     if kind in {"hardware", "function", "capability"}:
-        found = names.concepts.get(phrase(value), ())
-        return tuple(feature for feature in found if feature.startswith(f"{kind}:"))
+        features = names.concepts.get(phrase(value), ())
+        return tuple(feature for feature in features if feature.startswith(f"{kind}:"))
     feature = f"{kind}:{value}"
     return (feature,) if feature in names.features else ()

@@ -56,8 +56,8 @@ def _stemmed(word: str) -> str:
     """
     if len(word) <= _SHORT:
         return word
-    found: str = _STEMMER.stemWord(_OUR.sub("or", _BRITISH.sub(r"\1z", word)))
-    return found
+    stem_of: str = _STEMMER.stemWord(_OUR.sub("or", _BRITISH.sub(r"\1z", word)))
+    return stem_of
 
 
 @lru_cache(maxsize=1)

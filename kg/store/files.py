@@ -40,11 +40,11 @@ def format_of(path: Path) -> RdfFormat | None:
 
 def required_format_of(path: Path) -> RdfFormat:
     """Return the format that the ending of a file names; GraphError KG601 if it names none."""
-    found = format_of(path)
-    if found is None:
+    form = format_of(path)
+    if form is None:
         hint = "Name the format with `--format`."
         raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
-    return found
+    return form
 
 
 @contextmanager
@@ -143,10 +143,10 @@ class _Lines:
         self._buffer = self._buffer or self._file.read(_CHUNK)
         end = self._buffer.find(b"\n") + 1 or len(self._buffer)
         end = end if size < 0 else min(end, size)
-        found, self._buffer = self._buffer[:end], self._buffer[end:]
+        part, self._buffer = self._buffer[:end], self._buffer[end:]
         self.number += self._at_end
-        self._at_end = found.endswith(b"\n")
-        return found
+        self._at_end = part.endswith(b"\n")
+        return part
 
 
 def _line(rdf_format: RdfFormat, reopened: Reopened) -> int | None:

@@ -217,13 +217,13 @@ class EmbeddedTransaction:
         GRAPH sees the graphs `named`, None for all of them.
         """
         self._begin()
-        found = self._engine.query(
+        result = self._engine.query(
             select,
             prefixes=dict(prefixes),
             default_graph=list(default),
             named_graphs=None if named is None else list(named),
         )
-        return cast("QuerySolutions", found)
+        return cast("QuerySolutions", result)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph at this point; see `kg.store.bulk.table`."""

@@ -70,15 +70,15 @@ class Cursor:
 
     def accept(self, *signs: str) -> bool:
         """Consume one of these signs if it comes next."""
-        if found := self.at(*signs):
+        if is_next := self.at(*signs):
             self.advance()
-        return found
+        return is_next
 
     def accept_word(self, *words: str) -> bool:
         """Consume one of these keywords if it comes next."""
-        if found := self.at_word(*words):
+        if is_next := self.at_word(*words):
             self.advance()
-        return found
+        return is_next
 
     def expect(self, sign: str, what: str = "") -> Token:
         """Consume a sign; raise KG201 for anything else."""
@@ -92,11 +92,11 @@ class Cursor:
             raise self.expected(f"`{word}`", [word])
         return self.advance()
 
-    def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
+    def expected(self, what: str, names: Iterable[str] = ()) -> RuleError:
         """Return the error for an unexpected token; `known` are names for suggestions."""
-        meant = misspelt(self.token.text, known) if self.token.kind is Kind.WORD else ()
+        suggestions = misspelt(self.token.text, names) if self.token.kind is Kind.WORD else ()
         message = f"expected {what}, found {self._token_words()}"
-        return self.error(message, self.token.start, hint=suggest(meant), fixes=map(Fix, meant))
+        return self.error(message, self.token.start, hint=suggest(suggestions), fixes=map(Fix, suggestions))
 
     def error(
         self,
@@ -173,19 +173,19 @@ class Cursor:
 
     def _unknown_prefixes(self, first: Token) -> list[str]:
         """Return the undeclared prefixes from a token on, so one fix can declare them all."""
-        known = set(self.prefixes)
-        found = {first.text.partition(":")[0]: None}
+        declared = set(self.prefixes)
+        undeclared = {first.text.partition(":")[0]: None}
         declares = False
         for token in tokens(self.text[first.start :]):
             # `:=` of SPARQL 1.2 RL begins like a name with the empty prefix.
             if token.kind is Kind.NAME and token.text != ":" and not token.text.startswith("_:"):
                 prefix = token.text.partition(":")[0]
                 if declares:
-                    known.add(prefix)
-                elif prefix not in known:
-                    found[prefix] = None
+                    declared.add(prefix)
+                elif prefix not in declared:
+                    undeclared[prefix] = None
             declares = token.kind is Kind.WORD and token.text.upper() == "PREFIX"
-        return list(found)
+        return list(undeclared)
 
     def _written(self, token: Token) -> str:
         try:

@@ -74,9 +74,9 @@ class Patterns(Triples):
         return self._closed(start, first)
 
     def _closed(self, start: int, first: int) -> tree.Expression:
-        found = self._open.pop()
+        content = self._open.pop()
         tokens = self.consumed[first:]
-        grouped = [call.span for call in found.aggregates]
+        grouped = [call.span for call in content.aggregates]
         names = dict.fromkeys(
             token.text[1:]
             for token in tokens
@@ -86,8 +86,8 @@ class Patterns(Triples):
             self.spelling(tokens),
             tuple(names),
             self.span(start),
-            tuple(found.exists),
-            tuple(found.aggregates),
+            tuple(content.exists),
+            tuple(content.aggregates),
         )
 
     def _operations(self) -> None:
@@ -280,7 +280,7 @@ class Patterns(Triples):
         start: int,
     ) -> None:
         """Refuse columns that assign to a bound variable, or are neither grouped nor aggregated."""
-        known = {key.variable.name for key in keys}
+        key_names = {key.variable.name for key in keys}
         seen: set[str] = set()
         if grouped and not columns:
             raise self.error("`SELECT *` conflicts with GROUP BY", start, hint="Name the columns.")
@@ -289,7 +289,7 @@ class Patterns(Triples):
             if expression and name in inner:
                 raise self.error(f"SELECT assigns to `?{name}`, which is bound before it", offset)
             for used in (expression.variables if expression else (name,)) if grouped else ():
-                if used not in known and not (expression and expression.exists):
+                if used not in key_names and not (expression and expression.exists):
                     hint = "Group by it, or aggregate it, as in SAMPLE."
                     raise self.error(f"`?{used}` is not a GROUP BY key and not aggregated", offset, hint=hint)
             if name in seen:

@@ -61,20 +61,20 @@ class SnapshotCache:
         if self._statistics is not None:
             return self._statistics
         path = None if self._own is None else self._own / "statistics.json"
-        found = _read(path, Statistics)
-        if found is None and not fresh and (earlier := self._earlier()) is not None:
+        statistics = _read(path, Statistics)
+        if statistics is None and not fresh and (earlier := self._earlier()) is not None:
             return earlier
-        if found is None:
-            with _locked(self._folder, wait=fresh) as held:
-                found = _read(path, Statistics)
-                if found is None and not held:
+        if statistics is None:
+            with _locked(self._folder, wait=fresh) as is_locked:
+                statistics = _read(path, Statistics)
+                if statistics is None and not is_locked:
                     return Statistics()
-                if found is None:
-                    found = count(self._snapshot, self.values)
-                    _write(path, found)
+                if statistics is None:
+                    statistics = count(self._snapshot, self.values)
+                    _write(path, statistics)
                     self._forget()
-        self._statistics = found
-        return found
+        self._statistics = statistics
+        return statistics
 
     def cached_statistics(self) -> Statistics:
         """Return the cached statistics, of this snapshot or of an earlier one."""
@@ -92,11 +92,11 @@ class SnapshotCache:
         if key not in self._memory:
             name = hashlib.sha256(key.encode()).hexdigest()[:32] + ".json"
             path = None if self._own is None else self._own / name
-            found = _read(path, kind)
-            if found is None:
-                found = make()
-                _write(path, found)
-            self._memory[key] = found
+            content = _read(path, kind)
+            if content is None:
+                content = make()
+                _write(path, content)
+            self._memory[key] = content
         return self._memory[key]  # type: ignore[return-value] # each key has contents of one kind
 
     def in_memory(self, key: str, make: Callable[[], _Content]) -> _Content:
@@ -110,8 +110,8 @@ class SnapshotCache:
         if self._folder is None or not self._folder.is_dir():
             return None
         numbers = sorted((int(each.name) for each in self._folder.iterdir() if each.name.isdigit()), reverse=True)
-        kept = (_read(self._folder / str(number) / "statistics.json", Statistics) for number in numbers)
-        return next((each for each in kept if each is not None), None)
+        earlier = (_read(self._folder / str(number) / "statistics.json", Statistics) for number in numbers)
+        return next((each for each in earlier if each is not None), None)
 
     def _forget(self) -> None:
         """Delete the entries of other snapshots."""
@@ -152,10 +152,10 @@ def _locked(folder: Path | None, *, wait: bool) -> Iterator[bool]:
         return
     try:
         fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
-        held = True
+        is_locked = True
     except BlockingIOError:
-        held = False
+        is_locked = False
     try:
-        yield held
+        yield is_locked
     finally:
         os.close(handle)

@@ -68,7 +68,7 @@ _STANDS_FOR: Final = {Form.NAME: Kind.NAME, Form.VARIABLE: Kind.VARIABLE, Form.S
 
 
 def site_of(
-    text: str, typed: Typed, kept: SnapshotCache, statistics: Statistics, stored: Callable[[], Sequence[StoredQuery]]
+    text: str, typed: Typed, cache: SnapshotCache, statistics: Statistics, stored: Callable[[], Sequence[StoredQuery]]
 ) -> Site:
     """Return the site of the typed word in `text`."""
     before = outline(typed.before)
@@ -78,4 +78,4 @@ def site_of(
         outline(
             [Token(_STANDS_FOR[typed.form], "?" if typed.form is Form.VARIABLE else "", typed.start, typed.end)], whole
         )
-    return Site(text, typed, before, outline(typed.after, whole), kept, statistics, stored)
+    return Site(text, typed, before, outline(typed.after, whole), cache, statistics, stored)

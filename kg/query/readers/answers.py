@@ -41,12 +41,12 @@ class Answer:
         self._room = copied
 
     @classmethod
-    def of(cls, job: Job, kept: CachedResponse) -> Answer:
+    def of(cls, job: Job, cached: CachedResponse) -> Answer:
         """Return a cached response."""
         answer = cls(job, None)
-        answer.head, answer.end = kept.head, kept.end
-        answer._buffered.append(kept.body)
-        answer.buffered_bytes = len(kept.body)
+        answer.head, answer.end = cached.head, cached.end
+        answer._buffered.append(cached.body)
+        answer.buffered_bytes = len(cached.body)
         return answer
 
     @property

@@ -62,13 +62,13 @@ class AnswerCache:
         if not self._most or snapshot is None:
             return None
         self._move(snapshot)
-        found = self._answers.get(request)
-        if found is None:
+        response = self._answers.get(request)
+        if response is None:
             self._misses += 1
             return None
         self._answers.move_to_end(request)
         self._hits += 1
-        return found
+        return response
 
     def has(self, request: bytes, snapshot: str) -> bool:
         """Return whether the response to a request is cached; not counted as a hit or miss."""

@@ -135,9 +135,9 @@ class _Reader:
             raise QueryError("KG506", f"unknown view `{call.name}`")
         began = time.perf_counter()
         snapshot = self._current()
-        found = functions[call.name](snapshot, self._settings, **call.arguments)
+        result = functions[call.name](snapshot, self._settings, **call.arguments)
         parts = Parts(self._answers, Head("json", "json", snapshot.identity, repeatable=False), None)
-        parts.take(msgspec.json.encode(found))
+        parts.take(msgspec.json.encode(result))
         parts.end(self._end(1, began))
 
     @cached_property

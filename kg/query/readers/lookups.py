@@ -57,10 +57,10 @@ def is_look_up(text: str) -> bool:
     """Return whether a query is a look-up. Texts with an escape are not, as it could be any character."""
     if len(text) > _CHARS or "\\" in text:
         return False
-    found = _LOOK_UP.fullmatch(text)
-    if found is None:
+    match = _LOOK_UP.fullmatch(text)
+    if match is None:
         return False
-    variables = [term[1:] for term in found.groups() if term and term[0] in "?$"]
+    variables = [term[1:] for term in match.groups() if term and term[0] in "?$"]
     return len(variables) == len(set(variables))
 
 
@@ -123,8 +123,8 @@ class LookUps:
     def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> CachedResponse | None:
         began = time.perf_counter()
         text = question.text
-        found = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
-        evaluation = evaluation_of(found, snapshot.identity)
+        result = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
+        evaluation = evaluation_of(result, snapshot.identity)
         name = question.formats.get(evaluation.kind)
         if name is None or name not in (BOOLEAN_FORMATS if evaluation.kind == "boolean" else SOLUTION_FORMATS):
             return None

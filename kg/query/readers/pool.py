@@ -145,9 +145,9 @@ class Readers:
         text = request.text if isinstance(request, Question) else request.name
         entry = Job(job or secrets.token_urlsafe(16), text, client)
         entry.own = isinstance(request, Call) and request.name == self._prepare
-        kept = self._cache.get(message, self._pointer.snapshot()) if room else None
-        if kept is not None:
-            yield Answer.of(entry, kept)
+        cached = self._cache.get(message, self._pointer.snapshot()) if room else None
+        if cached is not None:
+            yield Answer.of(entry, cached)
             return
         if self._closed:
             raise QueryError("KG510", _CLOSED)
@@ -183,10 +183,10 @@ class Readers:
         `message` is the frame of the question.
         """
         snapshot = self._pointer.snapshot()
-        found = None if snapshot is None or self._closed else self._look_ups.answer(question, snapshot)
-        if found is not None:
-            self._cache.put(message, found, snapshot)
-        return found
+        response = None if snapshot is None or self._closed else self._look_ups.answer(question, snapshot)
+        if response is not None:
+            self._cache.put(message, response, snapshot)
+        return response
 
     async def call(
         self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60, client: str = ""
@@ -224,12 +224,12 @@ class Readers:
 
     async def _look(self) -> None:
         """Check for new data regularly."""
-        known = self._pointer.snapshot()
+        current = self._pointer.snapshot()
         while True:
             await asyncio.sleep(_LOOK_SECONDS)
-            found = self._pointer.snapshot()
-            if found != known:
-                known = found
+            newest = self._pointer.snapshot()
+            if newest != current:
+                current = newest
                 self.moved()
                 self._begin_preparing()
 

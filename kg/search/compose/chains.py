@@ -132,8 +132,8 @@ class Search:
         """Queue a path for its step at an index."""
         follow = self._follow(path)
         if place < len(follow):
-            rest, key, _ = follow[place]
-            heappush(waiting, (path.cost + rest, (*path.keys, key), next(self._numbers), place, path))
+            bound, key, _ = follow[place]
+            heappush(waiting, (path.cost + bound, (*path.keys, key), next(self._numbers), place, path))
 
     def _grown(self, path: _Path, step: Step) -> _Path | None:
         """Return a path with one more step, None if that step is not allowed."""
@@ -162,35 +162,35 @@ class Search:
                 for had in subsets:
                     has = had | marks
                     ends = target in self.goals and has == self.wanted
-                    rest = 0 if ends else before.get((target, has))
-                    if rest is not None and cost + rest < now.get((source, had), cost + rest + 1):
-                        now[source, had] = cost + rest
+                    remaining = 0 if ends else before.get((target, has))
+                    if remaining is not None and cost + remaining < now.get((source, had), cost + remaining + 1):
+                        now[source, had] = cost + remaining
             self._remaining.append(now)
 
     def _edges(self) -> dict[tuple[str, str, int], int]:
         """Return the cheapest step between each two types, by its bits."""
-        found: dict[tuple[str, str, int], int] = {}
+        cheapest: dict[tuple[str, str, int], int] = {}
         for steps in self.steps.values():
             for step in steps:
                 edge = step.source, step.target, step.marks & self.wanted
-                if step.cost < found.get(edge, step.cost + 1):
-                    found[edge] = step.cost
-        return found
+                if step.cost < cheapest.get(edge, step.cost + 1):
+                    cheapest[edge] = step.cost
+        return cheapest
 
     def _follow(self, path: _Path) -> _Follow:
         """Return the possible next steps, each with the lower bound of the remaining cost, the cheapest first."""
         left = self.length - len(path.steps)
         key = path.type, path.marks, left
-        found = self._cache.get(key)
-        if found is None:
-            found = self._cache[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
-        return found
+        steps = self._cache.get(key)
+        if steps is None:
+            steps = self._cache[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
+        return steps
 
     def _bounded(self, source: str, had: int, left: int) -> Iterator[tuple[int, str, Step]]:
         if left <= 0:
             return
         for step in self.steps.get(source, ()):
             has = had | (step.marks & self.wanted)
-            rest = 0 if self._ends(step, has) else self._remaining[left - 1].get((step.target, has))
-            if rest is not None:
-                yield step.cost + rest, step.key, step
+            remaining = 0 if self._ends(step, has) else self._remaining[left - 1].get((step.target, has))
+            if remaining is not None:
+                yield step.cost + remaining, step.key, step

@@ -64,39 +64,39 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
         UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
             `using`.
     """
-    known = network(snapshot, cache)
-    resolved = resolve_request(known, snapshot, question.sources, question.targets, question.using)
-    started = searches(known, resolved, question)
-    found = merge(*(one.best() for one in started), key=lambda chain: (chain.cost, chain.keys))
-    first = next(found, None)
+    of_store = network(snapshot, cache)
+    resolved = resolve_request(of_store, snapshot, question.sources, question.targets, question.using)
+    started = searches(of_store, resolved, question)
+    chains_by_cost = merge(*(one.best() for one in started), key=lambda chain: (chain.cost, chain.keys))
+    first = next(chains_by_cost, None)
     if first is None:
-        raise nothing(known, resolved, question.using, question.ros, question.most)
+        raise nothing(of_store, resolved, question.using, question.ros, question.most)
     enough = first.cost + 2 * knowledge().costs.node if question.length is None else None
-    worth = takewhile(lambda chain: enough is None or chain.cost < enough, found)
+    worth = takewhile(lambda chain: enough is None or chain.cost < enough, chains_by_cost)
     chains = [first, *islice(worth, question.limit)]
-    shown = [(chain, _wired(known, chain)) for chain in chains[: question.limit]]
+    shown = [(chain, _wired(of_store, chain)) for chain in chains[: question.limit]]
     starts = [start for _, wiring in shown for start in wiring.starts]
     ports = [port for start in starts for port in (start.taken, start.given)]
     details = read_details(snapshot, [start.part for start in starts], ports)
-    composed = tuple(_composed(known, chain, wiring, details) for chain, wiring in shown)
+    composed = tuple(_composed(of_store, chain, wiring, details) for chain, wiring in shown)
     return Answer(composed, resolved, len(chains) > question.limit, any(one.cut_off for one in started))
 
 
-def searches(known: Network, request: ResolvedRequest, question: Question) -> list[Search]:
+def searches(nodes: Network, request: ResolvedRequest, question: Question) -> list[Search]:
     """Return a search for each requested version of ROS."""
-    link = between(known)
+    link = between(nodes)
     starts = {name: request.types.get(name, 0) for name in request.starts}
     return [
         Search(
-            steps_of(known, request, ros), request.starts, request.goals, question.most, link, request.wanted, starts
+            steps_of(nodes, request, ros), request.starts, request.goals, question.most, link, request.wanted, starts
         )
         for ros in _VERSIONS
         if question.ros in {None, ros}
     ]
 
 
-def _wired(known: Network, chain: Chain) -> Wiring:
-    parts = ((known.parts[step.part], step) for step in chain.steps)
+def _wired(nodes: Network, chain: Chain) -> Wiring:
+    parts = ((nodes.parts[step.part], step) for step in chain.steps)
     return wire([(part, part.inputs[step.taken], part.outputs[step.given]) for part, step in parts])
 
 
@@ -139,10 +139,10 @@ def _missing(network: Network, request: ResolvedRequest, ros: int | None) -> Ite
     parts = [part for part in network.parts if ros in {None, part.ros}]
     taken = {port.type for part in parts for port in part.inputs}
     given = {port.type for part in parts for port in part.outputs}
-    for verb, wanted, known in (("subscribes", request.starts, taken), ("publishes", sorted(request.goals), given)):
+    for verb, wanted, offered in (("subscribes", request.starts, taken), ("publishes", sorted(request.goals), given)):
         for name in wanted:
-            if name not in known:
-                last = {one.rpartition("/")[2]: one for one in sorted(known, reverse=True)}
+            if name not in offered:
+                last = {one.rpartition("/")[2]: one for one in sorted(offered, reverse=True)}
                 near = suggest([last[one] for one in similar(name.rpartition("/")[2], last)])
                 version = f" of ROS {ros}" if ros else ""
                 yield f"No node{version} that can be started {verb} {name}.{f' {near}' if near else ''}"
@@ -161,8 +161,8 @@ def _reached(network: Network, request: ResolvedRequest, length: int, ros: int) 
         if chain is not None:
             yield f"ROS {ros}: the longest way goes {_way(network, chain)}."
     back: dict[str, list[Step]] = {}
-    for found in steps.values():
-        for step in found:
+    for following in steps.values():
+        for step in following:
             back.setdefault(step.target, []).append(step)
     before = _levels(back, sorted(request.goals), length, backwards=True)
     sources = {name: level for name, level in before.items() if level}
@@ -174,13 +174,13 @@ def _levels(
     steps: Mapping[str, Sequence[Step]], starts: Iterable[str], length: int, *, backwards: bool = False
 ) -> dict[str, int]:
     """Return the reachable types that are not generic, with the least number of nodes for each."""
-    found = dict.fromkeys(starts, 0)
-    edge = list(found)
+    levels = dict.fromkeys(starts, 0)
+    edge = list(levels)
     for level in range(1, length + 1):
         reached = [step.source if backwards else step.target for name in edge for step in steps.get(name, ())]
-        edge = [name for name in dict.fromkeys(sorted(reached)) if name not in found and not generic(name)]
-        found.update(dict.fromkeys(edge, level))
-    return found
+        edge = [name for name in dict.fromkeys(sorted(reached)) if name not in levels and not generic(name)]
+        levels.update(dict.fromkeys(edge, level))
+    return levels
 
 
 def _some(levels: Mapping[str, int]) -> str:
