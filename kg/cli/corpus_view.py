@@ -65,7 +65,7 @@ def selection_object(selection: Selection) -> dict[str, Any]:
         "dataset": str(selection.dataset.path),
         "criteria": str(selection.criteria.path),
         "projects": len(selection.dataset.projects),
-        "selected": len(selection.kept),
+        "selected": len(selection.selected),
         "selected_paper": paper.projects,
         "steps": [
             {

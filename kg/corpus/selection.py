@@ -32,12 +32,12 @@ class Selection:
     dataset: Dataset
     criteria: Criteria
     steps: tuple[Step, ...]
-    kept: tuple[Project, ...]
+    selected: tuple[Project, ...]
     figures: Mapping[str, Figures]
 
     def addresses(self) -> tuple[str, ...]:
         """Return the addresses of the remaining projects, in the order of the table."""
-        return tuple(project.cells[self.criteria.address] for project in self.kept)
+        return tuple(project.cells[self.criteria.address] for project in self.selected)
 
 
 def select(dataset: Dataset, criteria: Criteria) -> Selection:

@@ -65,7 +65,7 @@ def at_channel(graph: Queryable, kind: str, name: str, partly: Iterable[str]) ->
 def at_parameter(name: str, candidates: Iterable[str]) -> _Parts:
     """Return the settings whose name may be that of a parameter, the ends that these name, and whom those meet.
 
-    `known` are the names of settings and of the parameters that they set.
+    `candidates` are the names of settings and of the parameters that they set.
     """
     last = re.split(r"[./~]", name)[-1]
     names = {one for one in candidates if last in one}

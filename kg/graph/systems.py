@@ -52,7 +52,7 @@ def system_parts(
 ) -> Iterator[tuple[str, facts.NodeInstance | None, bytes | None]]:
     """Yield the N-Triples of a running system part by part: together they are those of `system_triples`, as a `whole`.
 
-    Each part is told by the IRI of its instance, with the instance and its triples. These are None where `known` has
+    Each part is the IRI of an instance, the instance and its triples. These are None where `written` has
     the same instance for the IRI: it gave the same triples for the same records. What belongs to no instance, and a
     system with names of nodes that IRIs cannot tell from those of ends, comes without an instance.
     """

@@ -226,7 +226,7 @@ def _packed(outcome: Outcome) -> bytes:
         inputs=outcome.inputs,
         outside=tuple(sorted(outcome.outside.items())),
         packed=outcome.packed,
-        known=outcome.known,
+        known=outcome.visible,
     )
     return _encode(content)
 

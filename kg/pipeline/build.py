@@ -399,7 +399,7 @@ class _Build:
             counts=dict(result.counts),
             unresolved=dict(result.unresolved),
             problems=result.problems,
-            known=outcome.known,
+            known=outcome.visible,
         )
 
     def _next_state(  # noqa: PLR0913, PLR0917 - the results of a build

@@ -35,7 +35,7 @@ def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> Sy
 def several_launches(
     names: Sequence[SystemName], matches: Sequence[SystemName], text: str, option: str = ""
 ) -> UsageError:
-    """Return the error KG003: `text` matches all of `found`; the hint lists an unambiguous text for each."""
+    """Return the error KG003: `text` matches all of `matches`; the hint lists an unambiguous text for each."""
     ways = choices([f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in matches])
     return UsageError("KG003", f"{len(matches)} launch files are called `{text}`; choose one", hint=ways)
 

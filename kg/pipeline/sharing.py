@@ -74,9 +74,9 @@ def patch_shared(
     came: Iterable[bytes],
     unchanged: Iterable[bytes],
 ) -> None:
-    """Change the graph from exactly the triples of `gone` and `kept` to those of `came` and `kept`.
+    """Change the graph from exactly the triples of `gone` and `unchanged` to those of `came` and `unchanged`.
 
-    `kept` is only read if something changes.
+    `unchanged` is only read if something changes.
     """
     before = {line for content in gone for line in content.splitlines(keepends=True)}
     after = {line for content in came for line in content.splitlines(keepends=True)}

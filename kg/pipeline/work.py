@@ -55,14 +55,14 @@ class Job:
 class Outcome:
     """Outcome of one package: the result packed for the cache, and the data for the report and the next build.
 
-    `outside` contains look-ups of files that no scan lists, with results; `known` what can be started.
+    `outside` contains look-ups of files that no scan lists, with results; `visible` what can be started.
     """
 
     result: PackageResult
     inputs: dict[str, str]
     outside: dict[Lookup, str]
     packed: bytes
-    known: Known = field(default_factory=Known)
+    visible: Known = field(default_factory=Known)
     reusable: bool = True
 
 

@@ -46,9 +46,9 @@ def run(  # noqa: PLR0913 - the settings of one query, all by name
 
 def _collect(evaluation: Evaluation, limit: int | None, began: float) -> Result:
     """Collect the rows."""
-    if isinstance(evaluation.found, bool):
-        return Boolean(evaluation.found, time.perf_counter() - began, evaluation.snapshot)
-    window: Window[Any] = Window(evaluation.found, most=limit)
+    if isinstance(evaluation.result, bool):
+        return Boolean(evaluation.result, time.perf_counter() - began, evaluation.snapshot)
+    window: Window[Any] = Window(evaluation.result, most=limit)
     rows = tuple(window)
     seconds, cut = time.perf_counter() - began, limit if window.more else None
     if evaluation.kind == "graph":

@@ -50,13 +50,13 @@ class Dataset:
 class Evaluation:
     """Result stream of the engine: `kind` is `rows`, `graph` or `boolean`.
 
-    `found` yields rows or triples as the engine finds them, or is a bool. Errors while iterating are those of
+    `result` yields rows or triples as the engine finds them, or is a bool. Errors while iterating are those of
     `Prepared.evaluate`.
     """
 
     kind: str
     variables: tuple[str, ...]
-    found: Iterator[Row] | Iterator[Triple] | bool
+    result: Iterator[Row] | Iterator[Triple] | bool
     snapshot: str
 
 

@@ -169,7 +169,7 @@ def _used_with(
 ) -> list[_Term]:
     """Return the things called `word` that a property is used with, or else those of a kind that it is, or else all.
 
-    `found` are those that have the name, and perhaps those whose IRI ends in it and that the property is used with.
+    `candidates` have the name, or their IRI ends in it and the property is used with them.
     Where what has exactly the name is of such a kind, nothing else is meant, and not all that is named has to be read.
     """
     used, other = places

@@ -43,7 +43,7 @@ class Question:
 
 
 def question(hits: Sequence[Hit], answered: Mapping[str, object]) -> Question | None:
-    """Return the question that splits the hits best; None if no question other than those `asked` splits them."""
+    """Return the question that splits the hits best; None if no question other than those `answered` splits them."""
     best, most = None, 0.0
     for kind, text in QUESTIONS.items():
         counts = (

@@ -147,7 +147,7 @@ def _rank(name: str) -> float:
 
 
 def prior(index: Index, requested: frozenset[str]) -> Floats:
-    """Return the score factor of each node that is independent of the need, except that `asked` words lower no node."""
+    """Return the score factor of each node independent of the need, but `requested` words lower no node."""
     down = lexicon().weights["down"]
     factors = 1 + np.float32(_rank("started")) * index.started
     for words, lost in ((TESTS, down["test"]), (MARKS - TESTS, down["mark"])):

@@ -93,7 +93,7 @@ class Cursor:
         return self.advance()
 
     def expected(self, what: str, names: Iterable[str] = ()) -> RuleError:
-        """Return the error for an unexpected token; `known` are names for suggestions."""
+        """Return the error for an unexpected token; `names` are names for suggestions."""
         suggestions = misspelt(self.token.text, names) if self.token.kind is Kind.WORD else ()
         message = f"expected {what}, found {self._token_words()}"
         return self.error(message, self.token.start, hint=suggest(suggestions), fixes=map(Fix, suggestions))

@@ -78,7 +78,7 @@ class _Match(NamedTuple):
 
 
 def trial(view: View, file: RuleFile, most: int) -> Tried:
-    """Apply the rules of a file once to all that the store has, inferences among it; at most `told` facts are returned.
+    """Apply the rules of a file once to all that the store has, inferences among it; at most `most` facts are returned.
 
     The store's engine looks for the matches for some seconds: reading what a rule needs takes longer on large stores.
     """

@@ -99,9 +99,9 @@ def select(
         write()
         listing(FIGURE_COLUMNS, figure_rows(found))
         if terminal():
-            note(f"{count(len(found.kept), 'project')} selected; RNKG has {paper_figures().projects}")
+            note(f"{count(len(found.selected), 'project')} selected; RNKG has {paper_figures().projects}")
     if output:
-        title = f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"
+        title = f"# {count(len(found.selected), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"
         save(output, "\n".join([title, *found.addresses(), ""]).encode())
 
 

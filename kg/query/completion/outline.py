@@ -162,7 +162,7 @@ class Outline:
 
 
 def outline(lexed: Iterable[Token], before: Outline | None = None) -> Outline:
-    """Return the outline of tokens; `known` is the outline of those before, which is extended."""
+    """Return the outline of tokens, which extends `before`, that of the tokens before."""
     result = before or Outline()
     for token in lexed:
         frame = result.frame

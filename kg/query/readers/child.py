@@ -118,11 +118,11 @@ class _Reader:
 
     def _write(self, parts: Parts, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
         """Write the response; return the number of its rows, and whether there were more."""
-        if isinstance(evaluation.found, bool):
-            write_boolean(head.format, parts.take, value=evaluation.found)
+        if isinstance(evaluation.result, bool):
+            write_boolean(head.format, parts.take, value=evaluation.result)
             return 1, False
         pulse = Pulse(self._answers)
-        window: Window[Any] = Window(evaluation.found, offset=question.offset, most=question.rows, tick=pulse.tick)
+        window: Window[Any] = Window(evaluation.result, offset=question.offset, most=question.rows, tick=pulse.tick)
         if head.kind == "graph":
             write_graph(head.format, cast("Iterable[Triple]", window), parts.take)
         else:

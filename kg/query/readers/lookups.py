@@ -138,10 +138,10 @@ class LookUps:
 def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, bytes | None]:
     """Return the number of rows, and their serialization; None if there are too many for a look-up."""
     parts: list[bytes] = []
-    if isinstance(evaluation.found, bool):
-        write_boolean(name, parts.append, value=evaluation.found)
+    if isinstance(evaluation.result, bool):
+        write_boolean(name, parts.append, value=evaluation.result)
         return 1, b"".join(parts)
-    rows = _rows(cast("Iterator[Row]", evaluation.found))
+    rows = _rows(cast("Iterator[Row]", evaluation.result))
     if rows is None or (most is not None and len(rows) > most):
         return 0, None
     write_rows(name, evaluation.variables, rows, parts.append)

@@ -185,15 +185,15 @@ class Driver:
             raise await self._ended(found)
         return found.values(newest.value)
 
-    async def changes(self, capability: str, *, asked: float) -> AsyncGenerator[None, None]:
+    async def changes(self, capability: str, *, rate: float) -> AsyncGenerator[None, None]:
         """Yield whenever `latest` may return another value: with the first message and each later one.
 
-        A service is called `asked` times per second. RobotError as `read`.
+        A service is called `rate` times per second. RobotError as `read`.
         """
         found = await self._route(capability, "read", None)
         while found.way.kind == "service":
             yield
-            await self.connection.clock.sleep(1 / asked)
+            await self.connection.clock.sleep(1 / rate)
         following = await self._newest.of(found.way.name, found.way.type)
         told = None
         while self._is_offered(found) and not following.ended:

@@ -100,7 +100,7 @@ async def together(*work: Coroutine[Any, Any, None]) -> None:
 
 
 _FIRST: Final = 10.0  # seconds to wait for the first message of a capability
-_ASKED: Final = 5.0  # calls per second of a service that a condition depends on
+_RATE: Final = 5.0  # calls per second of a service that a condition depends on
 
 
 class Evaluation:
@@ -178,7 +178,7 @@ class Evaluation:
 
     async def _listen(self, name: str, news: asyncio.Event) -> None:
         try:
-            async with aclosing(self._driver.changes(name, asked=_ASKED)) as changes:
+            async with aclosing(self._driver.changes(name, rate=_RATE)) as changes:
                 async for _ in changes:
                     news.set()
         finally:

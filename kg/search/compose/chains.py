@@ -21,7 +21,7 @@ _MOST_LOOKS: Final = 150_000  # how many steps are looked at before a search end
 class Step:
     """A node in a chain: it receives `source` at the input `taken` and publishes `target` at the output `given`.
 
-    `marks` contains the bits of the requirements that it meets. `key` orders steps of equal cost. A `kept` step may
+    `marks` contains the bits of the requirements that it meets. `key` orders steps of equal cost. A `required` step may
     publish the type that it receives.
     """
 
@@ -34,7 +34,7 @@ class Step:
     marks: int = 0
     taken: int = 0
     given: int = 0
-    kept: bool = False
+    required: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class Search:
 
     `steps` contains all steps by input type. A chain must have all bits of `wanted`; `start_marks` contains those of
     the possible first types. `between` returns the cost of linking two steps, 0 or more. No family and no type occurs
-    twice in a chain, except the goal of a search from a type to itself, and types of `kept` steps.
+    twice in a chain, except the goal of a search from a type to itself, and types of `required` steps.
     """
 
     steps: Mapping[str, Sequence[Step]]
@@ -141,7 +141,7 @@ class Search:
             return None
         marks = path.marks | (step.marks & self.wanted)
         had = {path.steps[0].source if path.steps else path.type, *(one.target for one in path.steps), *self.starts}
-        keeps = step.kept and step.source == step.target
+        keeps = step.required and step.source == step.target
         if step.target in had and not keeps and not self._ends(step, marks):
             return None
         between = self.between(path.steps[-1], step) if path.steps else 0

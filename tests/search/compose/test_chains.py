@@ -27,7 +27,7 @@ def networks(draw: st.DrawFn) -> list[Step]:
         kept = draw(st.booleans())
         cost = draw(st.integers(1, 4))
         steps += [
-            Step(part, family, source, target, cost, f"{part}{target}", marks, kept=kept) for source, target in ways
+            Step(part, family, source, target, cost, f"{part}{target}", marks, required=kept) for source, target in ways
         ]
     return steps
 
@@ -50,7 +50,7 @@ def is_chain(
         marks |= step.marks
         if step.target in goals and marks & wanted == wanted:
             return False  # it was complete before
-        if step.target in had and not (step.kept and step.source == step.target):
+        if step.target in had and not (step.required and step.source == step.target):
             return False
         had.add(step.target)
     last = steps[-1]
