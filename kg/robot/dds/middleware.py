@@ -159,14 +159,14 @@ class DdsMiddleware:
     def _reader(
         self, topic: str, kind: str, qos: Qos, deliver: Callable[[bytes, int], None], mark: dict[str, str] | None = None
     ) -> DdsReader:
-        made = self._topic(topic, kind, header=mark is not None)
-        reader = DdsReader(self._bell, made, self._policies(kind, qos, mark), deliver, self._watch.changed)
+        of_kind = self._topic(topic, kind, header=mark is not None)
+        reader = DdsReader(self._bell, of_kind, self._policies(kind, qos, mark), deliver, self._watch.changed)
         self._opened(reader, self._readers)
         return reader
 
     def _writer(self, topic: str, kind: str, qos: Qos, mark: dict[str, str] | None = None) -> DdsWriter:
-        made = self._topic(topic, kind, header=mark is not None)
-        writer = DdsWriter(self._bell, made, self._policies(kind, qos, mark), self._watch.changed)
+        of_kind = self._topic(topic, kind, header=mark is not None)
+        writer = DdsWriter(self._bell, of_kind, self._policies(kind, qos, mark), self._watch.changed)
         self._opened(writer, self._writers)
         return writer
 

@@ -103,5 +103,5 @@ def _policy(qos: DdsQos, policy: Any) -> Any:
 
 
 def _seconds(policy: Any, field: str) -> float | None:
-    found = getattr(policy, field, None)
-    return None if found is None or found >= _INFINITE else found / 1e9
+    nanoseconds = getattr(policy, field, None)
+    return None if nanoseconds is None or nanoseconds >= _INFINITE else nanoseconds / 1e9

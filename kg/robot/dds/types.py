@@ -65,8 +65,8 @@ class Classes:
             name = kind.partition("/")[2] + "_"
             typename = dds_type(kind).replace("::", ".")
             before = {one + "_" * (one in fields): sort for one, sort in HEADER.items()} if header else {}
-            made = make_idl_struct(name, typename, {**before, **fields}, dataclassify=False)
-            self._classes[kind, header] = made
+            struct = make_idl_struct(name, typename, {**before, **fields}, dataclassify=False)
+            self._classes[kind, header] = struct
         return self._classes[kind, header]
 
     def _sort(self, kind: str, field: Field) -> Any:
@@ -91,8 +91,8 @@ async def learned(participant: DomainParticipant, type_id: Any, types: Types) ->
     The library blocks until peers answer, so it is called in a thread.
     """
     try:
-        _, found = await asyncio.to_thread(get_types_for_typeid, participant, type_id, _WAIT)
-        learn_all(types, dict(map(definition, found.values())))
+        _, descriptions = await asyncio.to_thread(get_types_for_typeid, participant, type_id, _WAIT)
+        learn_all(types, dict(map(definition, descriptions.values())))
     except (DDSException, RobotError, TypeError, ValueError):
         return False
     return True

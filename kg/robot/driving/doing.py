@@ -199,8 +199,8 @@ class Parts:
         for other in self._holders.values():
             if self._same(route, other):
                 doing, way = other.capability.name, other.way
-                told = f"`{route.capability.name}` would move what `{doing}` moves (by the {way.kind} {way.name})"
-                raise RobotError("KG827", told, hint=f"Stop `{doing}` first, or wait until it has ended.")
+                message = f"`{route.capability.name}` would move what `{doing}` moves (by the {way.kind} {way.name})"
+                raise RobotError("KG827", message, hint=f"Stop `{doing}` first, or wait until it has ended.")
         self._holders[command] = route
         try:
             yield

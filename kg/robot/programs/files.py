@@ -48,12 +48,12 @@ def decode(data: bytes | str, path: str = "program") -> Program:
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of programs."""
-    made = msgspec.json.decode(msgspec.json.encode(msgspec.json.schema(Program)))
-    for kind in made["$defs"].values():
+    content = msgspec.json.decode(msgspec.json.encode(msgspec.json.schema(Program)))
+    for kind in content["$defs"].values():
         if "description" in kind:
             kind["description"] = cleandoc(kind["description"])  # msgspec before 0.23 leaves it indented
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": _ID, "title": "A program for a robot"}
-    return {**head, **made}
+    return {**head, **content}
 
 
 SUFFIX: Final = ".kgp"

@@ -277,7 +277,7 @@ class Statements:
         index = self._evaluation.index
         capability = index.write(statement.capability)
         arguments = await self._arguments(capability, statement, path)
-        kept_up = await self._evaluation.seconds(statement.seconds, path, statement)
+        duration = await self._evaluation.seconds(statement.seconds, path, statement)
         within = await self._evaluation.seconds(statement.within, path, statement)
         plan = await self._driver.plan(capability.name, arguments)
         moves = plan.rate > 0
@@ -288,7 +288,7 @@ class Statements:
         def work(seconds: float | None) -> Any:
             return self._driver.do(capability.name, arguments, seconds=seconds, on_feedback=feedback)
 
-        left = kept_up if moves or within is None else within
+        left = duration if moves or within is None else within
         if moves or plan.kind == "action":
             outcome = await self._with_pauses(work, left, moves=moves)
             if outcome is not None:

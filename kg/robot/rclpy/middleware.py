@@ -91,8 +91,8 @@ class RclpyMiddleware:
                 (Role.PUBLISHES, self._node.get_publishers_info_by_topic(topic)),
                 (Role.SUBSCRIBES, self._node.get_subscriptions_info_by_topic(topic)),
             )
-            for role, found in sides:
-                for one in found:
+            for role, infos in sides:
+                for one in infos:
                     node = _absolute(one.node_name, one.node_namespace)
                     yield LiveEnd(node, role, topic, short(one.topic_type), _from_ros(one.qos_profile))
 
@@ -101,9 +101,9 @@ class RclpyMiddleware:
             (Role.SERVICES, self._node.get_service_names_and_types_by_node),
             (Role.CLIENTS, self._node.get_client_names_and_types_by_node),
         )
-        for role, found in sides:
+        for role, names_and_types in sides:
             with suppress(rclpy.node.NodeNameNonExistentError):  # it has left in the meantime
-                for service, kinds in found(name, namespace):
+                for service, kinds in names_and_types(name, namespace):
                     yield LiveEnd(_absolute(name, namespace), role, service, short(kinds[0]))
 
     def neighbourhood(self) -> Neighbourhood:
@@ -186,8 +186,8 @@ def _part(kind: str) -> Any:
         return action.Impl.FeedbackMessage
     outer, _, inner = part.partition("_")
     if outer in {"SendGoal", "GetResult"}:
-        made = getattr(action.Impl, f"{outer}Service")
-        return getattr(made, inner) if inner else made
+        service_type = getattr(action.Impl, f"{outer}Service")
+        return getattr(service_type, inner) if inner else service_type
     return getattr(action, part, None)
 
 
@@ -197,12 +197,12 @@ def _installed(kind: str) -> Any:
 
 def _class(kind: str) -> Any:
     """Return the class of a message; RobotError KG804 if its package is not installed."""
-    found = _installed(kind)
-    if found is None:
+    installed = _installed(kind)
+    if installed is None:
         package = kind.partition("/")[0]
         hint = f"Install `{package}` for ROS 2, or source the workspace that has it."
         raise RobotError("KG804", f"the type `{kind}` is not installed for ROS 2", hint=hint)
-    return found
+    return installed
 
 
 def _service_class(kind: str) -> Any:
@@ -212,29 +212,29 @@ def _service_class(kind: str) -> Any:
 
 def _describe(kind: str, texts: dict[str, str]) -> None:
     """Add the definition of an installed type, and of those that it uses, in `.msg` form."""
-    found = _installed(kind)
-    if found is None or kind in texts:
+    installed = _installed(kind)
+    if installed is None or kind in texts:
         return
     texts[kind] = ""
-    fields = found.get_fields_and_field_types()
-    for name, told in fields.items():
-        element, array = _written(told)
+    fields = installed.get_fields_and_field_types()
+    for name, field_type in fields.items():
+        element, array = _written(field_type)
         texts[kind] += f"{element}{array} {name}\n"
         if "/" in element:
             _describe(element, texts)
 
 
-def _written(told: str) -> tuple[str, str]:
+def _written(field_type: str) -> tuple[str, str]:
     """Return the type of an element and its array suffix: `sequence<double, 5>` is `float64` and `[<=5]`."""
-    if told.startswith("sequence<"):
-        element, _, most = told[len("sequence<") : -1].partition(", ")
+    if field_type.startswith("sequence<"):
+        element, _, most = field_type[len("sequence<") : -1].partition(", ")
         return _element(element), f"[<={most}]" if most else "[]"
-    element, bracket, length = told.partition("[")
+    element, bracket, length = field_type.partition("[")
     return _element(element), bracket + length
 
 
-def _element(told: str) -> str:
-    return _BASE.get(told) or told.replace("string<", "string<=").rstrip(">")
+def _element(field_type: str) -> str:
+    return _BASE.get(field_type) or field_type.replace("string<", "string<=").rstrip(">")
 
 
 def _to_ros(qos: Qos) -> QoSProfile:
@@ -254,8 +254,8 @@ def _from_ros(profile: QoSProfile) -> Qos:
         return name if name in names else None
 
     def seconds(duration: Any) -> float | None:
-        found = float(duration.nanoseconds) / 1e9
-        return found if 0 < found < _FOREVER and math.isfinite(found) else None
+        value = float(duration.nanoseconds) / 1e9
+        return value if 0 < value < _FOREVER and math.isfinite(value) else None
 
     history = recognized(profile.history, "keep_last", "keep_all")
     return Qos(

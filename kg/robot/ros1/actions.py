@@ -184,8 +184,8 @@ class ActionClient:
 
     def _is_ready(self) -> bool:
         # The server is the node that publishes states, feedback and results: others may publish one of these, too.
-        heard = set.intersection(*(set(one.connected.values()) for one in self._reading.values()))
-        return bool(heard) and all(one.peers for one in self._writing.values())
+        servers = set.intersection(*(set(one.connected.values()) for one in self._reading.values()))
+        return bool(servers) and all(one.peers for one in self._writing.values())
 
     def _on_status(self, value: Value) -> None:
         for each in value["status_list"]:

@@ -27,12 +27,12 @@ class Parameters:
 
     def get(self, name: str) -> Any:
         """Return a value, or the content of a namespace."""
-        found: Any = self._tree
+        value: Any = self._tree
         for part in _parts(name):
-            if not isinstance(found, dict):
+            if not isinstance(value, dict):
                 raise KeyError(name)
-            found = found[part]
-        return found
+            value = value[part]
+        return value
 
     def has(self, name: str) -> bool:
         """Tell whether there is a value, or a namespace."""
@@ -76,15 +76,15 @@ class Parameters:
 
     def names(self) -> list[str]:
         """Return the names of all values."""
-        found: list[str] = []
-        rest: list[tuple[str, Any]] = [("", self._tree)]
-        while rest:
-            name, value = rest.pop()
+        names: list[str] = []
+        pending: list[tuple[str, Any]] = [("", self._tree)]
+        while pending:
+            name, value = pending.pop()
             if isinstance(value, dict):
-                rest += [(f"{name}/{part}", inner) for part, inner in value.items()]
+                pending += [(f"{name}/{part}", inner) for part, inner in value.items()]
             else:
-                found.append(name)
-        return found
+                names.append(name)
+        return names
 
 
 def _parts(name: str) -> list[str]:

@@ -157,10 +157,10 @@ class Node:
     async def _enrol(self, topic: str, kind: str) -> None:
         """Register as a subscriber, and connect to the publishers that the master lists."""
         async with self._turn(topic):
-            heard = self._updates[topic]
-            told = await self.ask("registerSubscriber", topic, kind, self.uri)
-        if self._updates[topic] == heard:  # a later notification is newer than the answer
-            self._update(topic, told)
+            version = self._updates[topic]
+            publishers = await self.ask("registerSubscriber", topic, kind, self.uri)
+        if self._updates[topic] == version:  # a later notification is newer than the answer
+            self._update(topic, publishers)
 
     async def leave(self, subscription: Ros1Subscription) -> None:
         """Unsubscribe after the last subscription of the topic."""
@@ -269,11 +269,11 @@ class Node:
         try:
             header = await read_header(reader)
             wanted = header.get("service", header.get("topic", ""))
-            found = self.services.get(wanted) if "service" in header else self.offers.get(wanted)
-            if found is None:
+            served = self.services.get(wanted) if "service" in header else self.offers.get(wanted)
+            if served is None:
                 writer.write(pack({"error": f"`{shown(wanted)}` is not here"}))
             else:
-                await found.serve(header, reader, writer)
+                await served.serve(header, reader, writer)
         except RobotError as error:
             self.note(error.code, host, error.message)
         except (OSError, asyncio.CancelledError):

@@ -137,9 +137,9 @@ class Ros2Connection:
         self._present()
         if kind is None:
             kind = await self._type_of(topic)
-        found = {one.type for one in self.ends(Role.PUBLISHES, topic)} - {None}
-        if found and kind not in found:
-            raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, found))}, not {kind}")
+        types = {one.type for one in self.ends(Role.PUBLISHES, topic)} - {None}
+        if types and kind not in types:
+            raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, types))}, not {kind}")
         await self.ensure_type(kind, kind, topic)
         subscription = Ros2Subscription(self, topic, kind, queue)
         subscription.adapt()
@@ -177,9 +177,9 @@ class Ros2Connection:
         """
         self._present()
         await self.ensure_type(kind, kind, topic)
-        asked = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
-        kept = latch or any(one.durability == "transient_local" for one in asked)
-        writer = self.wire.writer(topic, kind, LATCHED if kept else OFFERED)
+        requested = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
+        is_latched = latch or any(one.durability == "transient_local" for one in requested)
+        writer = self.wire.writer(topic, kind, LATCHED if is_latched else OFFERED)
         publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
         self._open.add(publication)
         return publication
@@ -202,21 +202,21 @@ class Ros2Connection:
         servers = self.ends(Role.SERVICES, service)
         if not servers:
             raise RobotError("KG807", f"no node serves `{service}`")
-        told = {one.type for one in servers if one.type}
-        if told and kind is not None and kind not in told:
-            raise RobotError("KG806", f"`{service}` is of the type {min(told)}, not {kind}")
-        if kind is None and not told:
+        types = {one.type for one in servers if one.type}
+        if types and kind is not None and kind not in types:
+            raise RobotError("KG806", f"`{service}` is of the type {min(types)}, not {kind}")
+        if kind is None and not types:
             raise RobotError("KG804", f"no node reports the type of `{service}`")
-        return kind or min(told)
+        return kind or min(types)
 
     async def client(self, service: str, kind: str) -> Client:
         """Return our client of a service, which is reused, since its discovery by the server takes time."""
-        found = self._clients.get((service, kind))
-        if found is None:
+        client = self._clients.get((service, kind))
+        if client is None:
             await self.ensure_type(kind, f"{kind}_Response", service)
-            found = self._clients[service, kind] = Client(self.types, kind, self.wire.caller(service, kind))
-            self._open.add(found)
-        return found
+            client = self._clients[service, kind] = Client(self.types, kind, self.wire.caller(service, kind))
+            self._open.add(client)
+        return client
 
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None

@@ -28,12 +28,12 @@ _MOST: Final = 1000
 """Maximum number of reported mismatches."""
 
 
-def computation_graph(told: Neighbourhood, *, complete: bool) -> ComputationGraph:
+def computation_graph(reported: Neighbourhood, *, complete: bool) -> ComputationGraph:
     """Return the graph of the ends of others."""
-    ends = {one for end in told.ends if (one := _folded(end)) is not None}
+    ends = {one for end in reported.ends if (one := _folded(end)) is not None}
     ordered = sorted(ends, key=lambda one: (one.name, one.role, one.node, one.type or "", str(one.qos)))
-    problems = {*told.problems, *_misfits(ordered)}
-    return ComputationGraph(2, tuple(_nodes(told.nodes)), tuple(ordered), tuple(sorted(problems)), complete)
+    problems = {*reported.problems, *_misfits(ordered)}
+    return ComputationGraph(2, tuple(_nodes(reported.nodes)), tuple(ordered), tuple(sorted(problems)), complete)
 
 
 def is_hidden(topic: str) -> bool:
@@ -42,13 +42,13 @@ def is_hidden(topic: str) -> bool:
 
 
 def _folded(end: LiveEnd) -> LiveEnd | None:
-    found = _HIDDEN.fullmatch(end.name)
-    if found is None:
+    match = _HIDDEN.fullmatch(end.name)
+    if match is None:
         return end
-    if found[2] != "send_goal" or end.role not in _ROLES:
+    if match[2] != "send_goal" or end.role not in _ROLES:
         return None
     kind = end.type.removesuffix("_SendGoal") if end.type else None
-    return replace(end, role=_ROLES[end.role], name=found[1], type=kind, qos=None)
+    return replace(end, role=_ROLES[end.role], name=match[1], type=kind, qos=None)
 
 
 def _nodes(nodes: Iterable[LiveNode]) -> list[LiveNode]:
@@ -68,27 +68,27 @@ def _misfits(ends: list[LiveEnd]) -> list[GraphProblem]:
     for end in ends:
         if end.role.channel == "topic":
             topics[end.name][end.role].append(end)
-    found: list[GraphProblem] = []
+    problems: list[GraphProblem] = []
     for name, sides in topics.items():
-        found += _misfits_of(name, sides[Role.PUBLISHES], sides[Role.SUBSCRIBES])
-        if len(found) > _MOST:
+        problems += _misfits_of(name, sides[Role.PUBLISHES], sides[Role.SUBSCRIBES])
+        if len(problems) > _MOST:
             break
-    return found[:_MOST]
+    return problems[:_MOST]
 
 
 def _misfits_of(name: str, publishers: list[LiveEnd], subscribers: list[LiveEnd]) -> list[GraphProblem]:
     """Compare distinct kinds of ends: `/rosout` has hundreds of identical ones."""
     offers, asks = _kinds(publishers), _kinds(subscribers)
-    found = []
+    problems = []
     for (offered, offer), writer in offers.items():
-        for (asked, ask), reader in asks.items():
-            if offered is not None and asked is not None and offered != asked:
-                told = f"{writer.node} publishes {offered}, {reader.node} subscribes to {asked}"
-                found.append(GraphProblem("KG806", name, told))
+        for (requested, ask), reader in asks.items():
+            if offered is not None and requested is not None and offered != requested:
+                message = f"{writer.node} publishes {offered}, {reader.node} subscribes to {requested}"
+                problems.append(GraphProblem("KG806", name, message))
             elif offer and ask and (why := misfit(offer, ask)):
-                told = f"{reader.node} receives nothing from {writer.node}: {why}"
-                found.append(GraphProblem("KG815", name, told))
-    return found
+                message = f"{reader.node} receives nothing from {writer.node}: {why}"
+                problems.append(GraphProblem("KG815", name, message))
+    return problems
 
 
 def _kinds(ends: list[LiveEnd]) -> dict[tuple[str | None, Qos | None], LiveEnd]:

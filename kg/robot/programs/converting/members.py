@@ -68,7 +68,7 @@ class Reading:
         self.helpers |= {helper, *_NEEDS.get(helper, ())}
 
     def _call(self, call: Call, root: str) -> str:
-        first, *rest = call.arguments
+        first, *others = call.arguments
         match call.function:
             case "yaw" | "pitch" | "roll":
                 self._need(call.function)
@@ -81,20 +81,20 @@ class Reading:
             case "first":
                 return f"next(iter({self.of(first, root)}), None)"
             case "minimum" | "maximum":
-                found = self.of(first, root)
+                operand = self.of(first, root)
                 if self.kind.endswith(_SCAN):
                     self._need("valid")
-                    found = f"valid({root}, {found})"
-                return f"{call.function[:3]}({found}, default=math.nan)"
+                    operand = f"valid({root}, {operand})"
+                return f"{call.function[:3]}({operand}, default=math.nan)"
             case "at":
                 self._need("reading")
-                return f"reading({root}, {', '.join(self.of(one, root) for one in rest)})"
+                return f"reading({root}, {', '.join(self.of(one, root) for one in others)})"
             case "nearest":
                 self._need("length")
-                distance = f"length({self.of(rest[0], 'one')})"
+                distance = f"length({self.of(others[0], 'one')})"
                 return f"min({self.of(first, root)}, key=lambda one: {distance}, default=None)"
             case "scaled":
-                return f"{self.of(first, root)} * {self.of(rest[0], root)}"
+                return f"{self.of(first, root)} * {self.of(others[0], root)}"
         raise RobotError("KG839", f"no code is made for `{call}`")
 
 
@@ -206,16 +206,16 @@ class Members:
         """Return the method that returns the newest message of a topic."""
         key = f"newest {way.name}"
         if key not in self._names_by_key:
-            held = self.names.of("message", way.name)
+            message = self.names.of("message", way.name)
             callback = self.names.of("callback", way.name, f"on_{snake(way.name)}")
             self._names_by_key[key] = self.names.of("newest", way.name, f"newest_{snake(way.name)}")
             kind = way.type.rpartition("/")[2]
             self.topics = True
             self.classes += self.dialect.of_way("classes of", way)
-            self.create += [f"self.{held}: {kind} | None = None"]
+            self.create += [f"self.{message}: {kind} | None = None"]
             self.create += self.dialect.of_way("subscriber", way, attribute=callback)
             newest = str(self._names_by_key[key])
-            self._add("newest", callback=callback, kind=kind, topic=way.name, held=held, newest=newest)
+            self._add("newest", callback=callback, kind=kind, topic=way.name, held=message, newest=newest)
         return str(self._names_by_key[key])
 
     def _response(self, way: Way) -> str:
@@ -233,8 +233,8 @@ class Members:
     @staticmethod
     def argument(name: str) -> str:
         """Return the argument name of a parameter."""
-        made = snake(name)
-        return f"{made}_" if keyword.iskeyword(made) or made in _ARGUMENTS else made
+        word = snake(name)
+        return f"{word}_" if keyword.iskeyword(word) or word in _ARGUMENTS else word
 
     def do(self, capability: Capability, given: tuple[str, ...]) -> tuple[str, str]:
         """Return the method that executes a capability with these parameters; it is a `move`, `once` or `reach`."""
@@ -251,18 +251,18 @@ class Members:
     def _doer(self, name: str, capability: Capability, way: Way, given: tuple[str, ...], how: str) -> None:
         dialect, label = self.dialect, plain(capability.label)
         root = {"topic": "message", "service": "request", "action": "goal"}[way.kind]
-        known = {parameter.name: parameter for parameter in capability.parameters}
+        parameters = {parameter.name: parameter for parameter in capability.parameters}
         arguments = ["self", *(["seconds: float"] if how == "move" else [])]
         named = []
-        for parameter in (known[one] for one in given):
+        for parameter in (parameters[one] for one in given):
             default = "" if parameter.default is None else f" = {_default(parameter)}"
             named.append(f"{self.argument(parameter.name)}: {_TYPES[parameter.type]}{default}")
         named += ["within: float = math.inf"] if how == "reach" else []
         arguments += ["*", *named] if named else []
-        made = "\n".join(dialect.of_way("message of", way))
-        body = [f"{root} = {made}", *self._fields(capability, way, given, root)]
+        message = "\n".join(dialect.of_way("message of", way))
+        body = [f"{root} = {message}", *self._fields(capability, way, given, root)]
         if how == "move":
-            body += self._moving(way, made)
+            body += self._moving(way, message)
         elif how == "reach":
             self.goals = True
             body += dialect.lines("reach", attribute=self._client(way), label=label)
@@ -307,9 +307,9 @@ class Members:
         """Return the fields of a message; none if its type is unknown."""
         return self._types.fields(message) if self._types.has(message) else ()
 
-    def _moving(self, way: Way, made: str) -> list[str]:
+    def _moving(self, way: Way, message: str) -> list[str]:
         publisher = self._publisher(way)
-        halt = f"self.{publisher}.publish({made})"
+        halt = f"self.{publisher}.publish({message})"
         if halt not in self.halt:
             self.halt.append(halt)
         return COMMON.lines("moving", publisher=publisher, period=f"{1 / way.rate:.6g}", halt=halt)

@@ -55,7 +55,7 @@ def _imports(members: Members, used: set[str], code: str) -> str:
     return "\n".join(["from __future__ import annotations", "", *standard, "", *plain_ones, *others])
 
 
-def _class(program: Program, members: Members, used: set[str], run: list[str], made: str) -> str:
+def _class(program: Program, members: Members, used: set[str], run: list[str], name_of_class: str) -> str:
     dialect = members.dialect
     parallel = bool(used & {*_PARALLEL})
     limited = program.seconds is not None
@@ -82,7 +82,7 @@ def _class(program: Program, members: Members, used: set[str], run: list[str], m
     inner = {name: "\n".join(["", *indented(lines, 2)]) for name, lines in bodies.items()}
     return COMMON.text(
         "class",
-        name=made,
+        name=name_of_class,
         base=dialect.text("base"),
         sentence=_sentence(program),
         methods="\n".join(indented(methods)),
