@@ -270,7 +270,7 @@ def _line(*parts: str) -> str:
 
 
 def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = FURTHER) -> str:
-    """Return a page of lines of at most `size` bytes, with what tells of the others; pages count from 1.
+    """Return a page of lines of at most `size` bytes, with a line about the others; pages count from 1.
 
     A line that is longer than a page is cut. Every page ends with the legend. `further` names the page of a number.
     """

@@ -45,7 +45,7 @@ Names = Annotated[
     Field(description="Message, service or action types or names, e.g. sensor_msgs/LaserScan or /scan."),
 ]
 Words = Annotated[
-    list[str] | None, Field(description="Names as kg knows them; an unknown one is an error with suggestions.")
+    list[str] | None, Field(description="Names in the store; an unknown one is an error with suggestions.")
 ]
 System = Annotated[str, Field(description="A launch file as `wiring` lists them without arguments.")]
 Detail = Annotated[bool, Field(description="More about each fact, on longer pages.")]

@@ -80,7 +80,7 @@ def takes(declared: Iterable[Declaration]) -> Callable[[_Command], _Command]:
 def with_options(options: Mapping[str, Any]) -> Callable[[_Command], _Command]:
     """Give a command options that are declared elsewhere; what the user gave is in its keyword arguments.
 
-    `options` maps names of arguments to their types, `Annotated` with what typer has to know.
+    `options` maps names of arguments to their types, `Annotated` with what typer needs.
     """
     added = [_parameter(name, kind) for name, kind in options.items()]
 

@@ -109,7 +109,7 @@ class Bar(ProgressBar, Silent):
         """Show the progress of fetching a git address."""
         self.show(message)
 
-    def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the end tells them
+    def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the final summary has them
         """Set the length of the bar."""
         self.begin(read)
         self.show("reading")

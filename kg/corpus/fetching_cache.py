@@ -35,7 +35,7 @@ LIMITS: Final = Limits()
 _BYTES: Final = 16
 _UNFINISHED: Final = ".fetching-"
 _TIME_DIGITS: Final = 15
-"""Hexadecimal digits of a commit that stand for the time of its files."""
+"""Number of hexadecimal digits of a commit from which the time of its files is computed."""
 
 
 def checkout(pin: Pin, name: str, cache: Path) -> tuple[Entry, Path]:

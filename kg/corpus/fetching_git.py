@@ -123,7 +123,7 @@ class Watch:
         surroundings = environment(protocols) | {"GIT_SSH_COMMAND": "ssh -o BatchMode=yes"}
         surroundings.pop("SSH_ASKPASS", None)
         with out.open("wb") as printed, err.open("wb") as errors, into.open("rb") as read:
-            process = subprocess.Popen(  # noqa: S603  (fixed program; addresses stand behind `--`)
+            process = subprocess.Popen(  # noqa: S603  (fixed program; addresses follow `--`)
                 line, stdin=read, stdout=printed, stderr=errors, env=surroundings, start_new_session=True
             )
             try:

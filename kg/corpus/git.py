@@ -60,7 +60,7 @@ def run_git(
 
     Without `network` no protocol is allowed, so a partial clone cannot fetch missing objects.
     """
-    done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
+    done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths follow `--`)
         command(arguments, folder=folder),
         check=True,
         capture_output=True,

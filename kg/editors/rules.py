@@ -54,7 +54,7 @@ class Knowledge:
 
 
 class Rules:
-    """The answers about rules to one editor; None and empty answers stand for files that are not rules."""
+    """The answers about rules to one editor; None and empty answers are for files that are not rules."""
 
     def __init__(self, workspace: Workspace, knowledge: Knowledge) -> None:
         self._workspace = workspace
@@ -154,7 +154,7 @@ class Rules:
         return types.PrepareRenamePlaceholder(text.range(symbol.start, symbol.end), shown)
 
     def rename(self, uri: str, position: types.Position, new: str, *, files: bool) -> types.WorkspaceEdit | None:
-        """Return the edits that rename what is at a position; `files` tells whether the editor can rename files.
+        """Return the edits that rename what is at a position; `files` is whether the editor can rename files.
 
         Raises UsageError KG003 for a new name of another form or one that is taken, and for what cannot be renamed.
         """

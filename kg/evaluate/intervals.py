@@ -1,4 +1,4 @@
-"""Figures that come from samples: their intervals, how many to take of each group, and what these tell of all."""
+"""Figures that come from samples: their intervals, the size of the sample of each group, and the estimate for all."""
 
 from __future__ import annotations
 

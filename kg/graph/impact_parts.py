@@ -31,7 +31,7 @@ SELECT DISTINCT ?name WHERE { ?start rnkg:hasSetting ?part . ?part rnkg:name|(rn
 
 
 def partial_names(graph: Queryable) -> list[str]:
-    """Return the names of ends that are not known whole, sorted."""
+    """Return the names of ends with unknown parts, sorted."""
     return sorted(column(graph, _UNKNOWN))
 
 

@@ -1,4 +1,4 @@
-"""What `kg.impact` needs besides nodes and systems: packages, definitions, files, and which systems name a thing."""
+"""What `kg.impact` needs in addition to nodes and systems: packages, definitions, files, and systems naming a thing."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ SELECT DISTINCT ?graph WHERE {
     GRAPH ?graph { ?instance rnkg:startedWith ?start }
   }
 }"""
-"""What instances are started with stands in a graph of its own, for all systems that start the same."""
+"""What instances are started with is in a separate graph, shared by systems that start the same."""
 _STARTING: Final = """
 SELECT DISTINCT ?graph WHERE {
   VALUES ?type { %(values)s }

@@ -160,7 +160,7 @@ def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:
 
 
 def validate(triples: bytes, shapes: Path | None = None) -> tuple[ShapeFinding, ...]:
-    """Return where data (N-Triples) does not conform to SHACL shapes, those of `kg` unless told.
+    """Return where data (N-Triples) does not conform to SHACL shapes, by default those of `kg`.
 
     Raise `GraphError`: KG601 for shapes or data that do not parse, KG605 without pyshacl.
     """
@@ -194,7 +194,7 @@ def _entailments(triples: bytes, java: str, archive: Path) -> frozenset[Triple] 
     """Return what follows about classes, properties and individuals beyond `triples`; None for a contradiction.
 
     These are the direct super-classes and super-properties, equivalent ones, and the direct classes of individuals.
-    What a reader knows anyway, such as subclasses of owl:Thing, is left out. The parameters and errors are
+    Trivial axioms, such as subclasses of owl:Thing, are left out. The parameters and errors are
     those of `_unsatisfiable`.
     """
     outcome = _run(triples, java, archive, "-c", "-O", "-D", "-I")
@@ -223,7 +223,7 @@ def _triples(printed: str, stated: Collection[Triple]) -> Iterator[Triple]:
 def _run(triples: bytes, java: str, archive: Path, *options: str) -> subprocess.CompletedProcess[str]:
     """Return what HermiT prints about triples with options; imports are left out."""
     lines = triples.splitlines(keepends=True)
-    # owlready2 adds classes to HermiT, which it keeps in folders beside the archive: they know `-I`.
+    # owlready2 adds classes to HermiT, in folders next to the archive: these implement `-I`.
     path = os.pathsep.join([str(archive.parent), str(archive)])
     with TemporaryDirectory(prefix="kg-") as folder:
         checked = Path(folder) / "checked.nt"

@@ -71,8 +71,8 @@ SELECT ?node ?repository ?package ?name ?kind ?ros ?path ?line WHERE {
   %s
   ?node rnkg:name ?name ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line .
 }"""
-# Ordered for the engine (docs/query-core.md): what every end has stands in a group that begins from nodes, since most
-# ends are of launch files; the LIMIT, which no store reaches, lets the engine look up what follows end by end, and
+# Ordered for the engine (docs/query-core.md): what every end has is in a group that begins from nodes, since most
+# ends are of launch files; the LIMIT, which no store reaches, makes the engine look up the rest end by end, and
 # MINUS reads what frameworks make once.
 _DECLARED: Final = """
 SELECT ?node ?class (COUNT(?end) AS ?number) WHERE {

@@ -75,7 +75,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class SetParameter:
-    """A parameter that a launch or parameter file sets: `name` as the node knows it, `absolute` with that of the node.
+    """A parameter that a launch or parameter file sets: `name` relative to the node, `absolute` with its name.
 
     `start` is None where it is set for all nodes of a configuration; `declared` is the IRI of the declaration in code.
     `value` is a text of YAML, None where it is not known, for this `reason`. `location` is None for the default in
@@ -103,7 +103,7 @@ def declared_among(graph: Queryable, names: Collection[str]) -> set[str]:
 
 
 def set_names(graph: Queryable) -> list[str]:
-    """Return the names of parameters that files set, as the nodes know them, sorted."""
+    """Return the names of parameters that files set, relative to their nodes, sorted."""
     return sorted({name.removeprefix(f"{node}/") for node, name in texts(graph, _SET_NAMES)})
 
 
@@ -134,7 +134,7 @@ def declarations(
 
 
 def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
-    """Return the parameters that files set and that have a name, as the node knows it or absolute."""
+    """Return the parameters that files set and that have a name, relative to the node or absolute."""
     # An absolute name is looked up; another one is the end of absolute names, all of which are read.
     those = one_of("name", [name]) if name.startswith("/") else f"FILTER(STRENDS(?name, {literal(name)}))"
     rows = list(texts(graph, _SET % those))

@@ -342,7 +342,7 @@ def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[s
 def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:
     """Return the node that a part belongs to: its IRI is a fragment of that of its node (`kg.graph.iris.fragment`).
 
-    `nodes` has the IRIs of nodes by what stands before their fragment; only nodes of one name have one of their own.
+    `nodes` has the IRIs of nodes by their part before the fragment; only nodes of one name have one of their own.
     """
     whole = part.partition("#")[0]
     return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)

@@ -79,7 +79,7 @@ def _hosted(system: System, host: NodeInstance) -> Iterator[Effect]:
 
 
 def _keys(system: System, own: Sequence[NodeInstance]) -> Iterator[Effect]:
-    """Yield the parameters of a file that stand below the name of a node, one effect for each file."""
+    """Yield the parameters of a file below the name of a node, one effect for each file."""
     for instance in own:
         by_file: defaultdict[Location, list[Location]] = defaultdict(list)
         for one in instance.parameters:

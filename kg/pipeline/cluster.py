@@ -135,7 +135,7 @@ class Cluster:
         preferred = [one for one in self._workers if near and (machine_of(one) == machine) != other]
         some = 0 < len(preferred) < len(self._workers)
         choice = {"workers": preferred, "allow_other_workers": True} if some else {}
-        # A scheduler answers a key that it knows with the result it has, also that of a first attempt.
+        # A scheduler responds to a known key with its earlier result, also that of a first attempt.
         future = self._client.submit(function, *arguments, key=f"{key}-{uuid4().hex}", pure=False, **choice)
         self._given[future] = work
         future.add_done_callback(self._news.put)

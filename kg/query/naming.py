@@ -83,7 +83,7 @@ def facts(
         ]
         stored = _stored(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
     elif not stored:
-        # Of what only ends in the names, the property tells what can be meant.
+        # Among things whose IRI only ends in the names, the property selects.
         subjects, values = ends = [
             terms(snapshot, word, among=_among(places[0], predicates), prefixes=prefixes)
             for word, places in zip(words, _PLACES, strict=True)

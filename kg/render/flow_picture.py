@@ -33,7 +33,7 @@ _KEY: Final = (
     "boxes are rules, rounded names what they derive for others; a dashed line with a bar: absence or counting"
 )
 _COLORS: Final = 8
-"""Groups that the style tells apart by colour."""
+"""Groups that the style distinguishes by colour."""
 
 
 @dataclass(frozen=True, slots=True)

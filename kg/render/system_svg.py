@@ -79,7 +79,7 @@ class _Drawing:
         """Return the boxes to be placed: hosts, what lies in them, and channels."""
         nodes = []
         for member in self.graph.members:
-            # The layout lets a host grow around what lies in it, so its own size is only the least.
+            # The layout enlarges a host to hold its content, so its own size is a minimum.
             across, down = (60.0, 40.0) if member.key in self.hosts else self.size(member)
             nodes.append(Node(member.key, across, down, member.host))
         hosts = {member.key: member.host for member in self.graph.members}

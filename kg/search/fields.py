@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 _COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
 """Fields that variants of a node share."""
 _PROSE: Final = ("manifest", "readme")
-_OFTEN: Final = 2.0  # however often a term stands in a field, it counts less than so many times
-_SHORTEST: Final = 0.2  # A field counts as at least so long, beside the mean of all nodes
+_OFTEN: Final = 2.0  # upper bound of the count of a term in a field
+_SHORTEST: Final = 0.2  # minimum length of a field, relative to the mean of all nodes
 
 
 def own_words(node: Document) -> Iterator[tuple[str, str]]:

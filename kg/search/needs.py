@@ -55,7 +55,7 @@ _MOST: Final = 2000
 _LONGEST: Final = 6  # so many words has the longest phrase of the lexicon
 _TOLD: Final = 3  # behind so many significant words, `for` begins an aside
 _SHORT_NAME: Final = 2
-_OF_EVERY: Final = ("ros", "msg", "msgs")  # names that tell nothing of a node
+_OF_EVERY: Final = ("ros", "msg", "msgs")  # names without information about a node
 
 
 @dataclass(frozen=True, slots=True)

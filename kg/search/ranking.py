@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from kg.search.needs import Alternative, Need, Wish, Wording
 
 _RAREST: Final = 2.0
-_ABOUT: Final = ("ros", "license", "kind", "package")  # filters that tell nothing of what a node does
+_ABOUT: Final = ("ros", "license", "kind", "package")  # filters without information about what a node does
 _FILTERED: Final = 0.01  # what fulfils the filters is a hit, whatever else the words say
 
 

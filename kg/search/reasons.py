@@ -43,7 +43,7 @@ _KINDS: Final = {
     "plugin": "its description says",
 }
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
-_EXCERPT: Final = 90  # so many characters of a text stand in a reason
+_EXCERPT: Final = 90  # maximum number of characters of a text in a reason
 _MORE: Final = " …"
 
 

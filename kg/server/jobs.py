@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def _description(job: Job, *, whole: bool) -> dict[str, Any]:
-    """Return the public description of a job, without identity and text for clients that do not know them."""
+    """Return the public description of a job, without identity and text unless `whole`."""
     progress = {"seconds": round(job.elapsed, 3), "rows": job.rows}
     return {"id": job.identity, "query": job.text, **progress} if whole else progress
 

@@ -66,7 +66,7 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
 
 
 class _Continued:
-    """A file whose first bytes were read before; a method in Python lets Ctrl-C end a load at the next read."""
+    """A file whose first bytes were read before; through a method in Python, Ctrl-C ends a load at the next read."""
 
     def __init__(self, start: bytes, file: IO[bytes]) -> None:
         self._start = start

@@ -208,7 +208,7 @@ class Cursor:
             if is_name(token):
                 pieces.append(str(self.named(token)))
             else:
-                # The engine knows these two keywords in lower case only.
+                # The engine accepts these two keywords in lower case only.
                 pieces.append(token.text.lower() if token.text.upper() in {"TRUE", "FALSE"} else token.text)
             previous = token
         return "".join(pieces)

@@ -103,7 +103,7 @@ def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
 
 
 def partial_names(snapshot: EmbeddedSnapshot) -> list[str]:
-    """Return the names of ends that are not known whole, as `kg.graph.impact_parts.partly_known` does."""
+    """Return the names of ends with unknown parts, as `kg.graph.impact_parts.partial_names` does."""
     return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partial_names(columns_of(snapshot)))
 
 

@@ -40,7 +40,7 @@ def cells(  # noqa: PLR0913 - each list is of another kind
 ) -> dict[str, Any]:
     """Return details of some cells, each list as long as the one given.
 
-    `inferred` tells for each of the `triples` (subject, predicate, object, as N-Triples writes terms) whether rules
+    `inferred` has for each of the `triples` (subject, predicate, object, as N-Triples writes terms) whether rules
     derived it. `places` has for each pair of a path and a line the evidence (see `kg.views.evidence`), or null where no
     source, or more than one, has such a file. `nodes` tells for each of the `iris` whether it is a node with a page of
     its own. `things` has for each of those IRIs its `label`, null where nothing that has one is known of it, and its

@@ -46,7 +46,7 @@ def channel(
 
     * `kind`, `name` (the absolute name that is shown, None if several are meant), `iri`, `types`, `systems` (names of
       the launch files that have it);
-    * `meant`: what else the given name stands for; objects of name, `types`, `givers` and `takers` (`package/node`) and
+    * `meant`: what else the given name may mean; objects of name, `types`, `givers` and `takers` (`package/node`) and
       `systems` (how many launch files);
     * `endpoints`: one for each line of code of each start of a node, however many launch files include it. It has the
       fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,

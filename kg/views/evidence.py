@@ -121,7 +121,7 @@ class Places:
     def own(path: Path | str, line: int | None) -> dict[str, Any]:
         """Return a place in a file of `kg` itself or of the user (a rule, an ontology), with the keys of `evidence`.
 
-        The `path` of what `kg` ships is relative to where that stands.
+        The `path` of a file that `kg` ships is relative to the folder of these files.
         """
         file = Path(path).absolute()
         shipped, there = folder("rules").absolute().parent, file.is_file()

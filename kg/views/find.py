@@ -29,7 +29,7 @@ def find(
 ) -> dict[str, Any]:
     """Return the nodes that match `text` and all `filters` (`kg.search.options.FILTERS`).
 
-    Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
+    Several values of one filter are separated by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
     whether another name was meant, where nothing was found), `fits` (false where the hits are only the nearest),
     `unknown` (sentences about the words that describe no node) and `hits`: objects as of `kg search --json` with `iri`,

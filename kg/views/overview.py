@@ -38,9 +38,9 @@ _STARTED: Final = """SELECT ?node { ?instance rnkg:instanceOf ?node
 """The node that launch files start most often, of those about which every question has an answer."""
 _BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
     GROUP BY ?node ORDER BY DESC(COUNT(?end)) ?node LIMIT 1"""
-"""Counted with what frameworks make, since to tell that apart takes seconds in a large store."""
+"""Counted with the parts that frameworks create, since excluding these takes seconds in a large store."""
 _TOPICS: Final = '"/scan" "/cmd_vel" "/odom" "/image_raw" "/joint_states"'
-_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'  # what everybody knows
+_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'  # well-known types
 _KNOWN: Final = """SELECT ?label {{ VALUES ?label {{ {names} }}
     FILTER EXISTS {{ ?known rdfs:label ?label . ?node {property} ?known }} }} LIMIT 1"""
 _OF_NODE: Final = """SELECT ?label {{ {node} {property} ?known . ?known rdfs:label ?label

@@ -22,8 +22,8 @@ def capabilities(
 ) -> dict[str, Any]:
     """Return the capabilities of a launch configuration, a running system, or a package.
 
-    `system` is named as in the view `system`, `package` is `name` or `repository:name`; of a package beside a system
-    only what it would add is there. Without `every` (any text) general capabilities, which others imply, are left out.
+    `system` is named as in the view `system`, `package` is `name` or `repository:name`. With both, only what the
+    package would add is there. Without `every` (any text) general capabilities, which others imply, are left out.
     The answer is `{"of", "general", "capabilities"}`: `general` is how many were left out, the objects are those of
     `kg robot capabilities --json` without the keys that are empty.
 

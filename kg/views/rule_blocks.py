@@ -41,7 +41,7 @@ _LAST: Final[dict[tuple[str, str], Context]] = {}
 """What rules were checked against last, by the digest of the rules and the snapshot."""
 
 
-def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and how much is told
+def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and the extent of the answer
     snapshot: EmbeddedSnapshot,
     settings: Settings,
     *,
@@ -89,7 +89,7 @@ def blocks_open(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str) ->
     return {"rule": blocks, "text": file.text}
 
 
-def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is told
+def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and the extent of the answer
     snapshot: EmbeddedSnapshot,
     settings: Settings,
     *,

@@ -150,7 +150,7 @@ def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str,
 
 
 def _place(entry: Entry, path: Path) -> dict[str, Any]:
-    """Return the place of a file of a rule, by the name that people know it by."""
+    """Return the place of a file of a rule, by the name that is shown."""
     return {**Places.own(path, 1), "path": f"{entry.name}{path.suffix}"}
 
 

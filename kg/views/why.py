@@ -30,7 +30,7 @@ _MOST_WAYS: Final = 25  # so many ways in which a fact comes about are counted
 _MOST_PROOFS: Final = 10
 
 
-def why(  # noqa: PLR0913 - a fact, and how much is told of it
+def why(  # noqa: PLR0913 - a fact, and the extent of the answer
     snapshot: EmbeddedSnapshot,
     settings: Settings,
     *,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule, Term
 
 _DEEPEST: Final = 40
-"""So many levels of a proof are told: programs that read JSON, and people, do not follow thousands."""
+"""Maximum number of levels of a proof, since neither programs nor people follow thousands."""
 
 
 class Telling:

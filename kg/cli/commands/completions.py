@@ -1,4 +1,4 @@
-"""`kg completions`: what lets a shell complete commands, options and names."""
+"""`kg completions`: completion scripts for shells."""
 
 import os
 from pathlib import Path

@@ -137,7 +137,7 @@ def fetch(  # noqa: PLR0913 - the options of a command
     """
     if into is None and lock is None:
         raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
-    # Either tells where the other is.
+    # The place of each follows from the other.
     folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
     file = Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
     if repositories is None:

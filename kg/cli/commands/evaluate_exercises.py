@@ -1,4 +1,4 @@
-"""`kg eval exercises`: programs beside the code that they stand for, and whether they reach what they should."""
+"""`kg eval exercises`: programs next to equivalent code, and whether they reach their goals."""
 
 from typing import Annotated
 

@@ -86,7 +86,7 @@ def _row(instance: "NodeInstance") -> tuple[object, ...]:
     remark = _REMARKS.get(str(instance.missing), "") if not instance.type else ""
     started = instance.started
     if started.kind is StartKind.RUNNING and not instance.type:
-        # What was seen is there; of clients in ROS 1, and of parameters, nobody tells all.
+        # Observed parts are certain; clients in ROS 1, and parameters, are never reported completely.
         numbers = tuple(
             number or ("" if title in _UNTOLD else 0) for title, number in zip(_COUNTS, numbers, strict=True)
         )

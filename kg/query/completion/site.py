@@ -74,7 +74,7 @@ def site_of(
     before = outline(typed.before)
     whole = outline(typed.before)
     if typed.form in _STANDS_FOR:
-        # A token stands in for the typed word; without it, the rest of the query would be parsed one slot too early.
+        # A token replaces the typed word; without it, the rest of the query would be parsed one slot too early.
         outline(
             [Token(_STANDS_FOR[typed.form], "?" if typed.form is Form.VARIABLE else "", typed.start, typed.end)], whole
         )

@@ -49,7 +49,7 @@ class Driver:
         graph: the computation graph of the capabilities, to avoid reading it again at once.
     """
 
-    def __init__(  # noqa: PLR0913 - what a driver can be told
+    def __init__(  # noqa: PLR0913 - the options of a driver
         self,
         connection: Connection,
         capabilities: Capabilities,
@@ -210,7 +210,7 @@ class Driver:
         return chosen.answer(await self.connection.call(chosen.way.name, chosen.way.type, request, seconds=_ANSWER))
 
     async def _ended(self, chosen: Route) -> RobotError:
-        await asyncio.sleep(0)  # the watcher of the connection might know why in a moment
+        await asyncio.sleep(0)  # the watcher of the connection may report the reason
         if self._lost is None and not self._is_offered(chosen):
             return _vanished(chosen)
         return self._lost_error(f"`{chosen.way.name}` has ended")

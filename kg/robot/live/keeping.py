@@ -169,7 +169,7 @@ class Keeper:
         return StoredState(generation, labels, matches, problems)
 
     def save(self) -> None:
-        """Save the state that lets the next process start its rules quickly."""
+        """Save the state with which the next process starts its rules quickly."""
         self._inference.save()
 
     def _write(self, transaction: EmbeddedTransaction, system: System) -> bool:

@@ -196,7 +196,7 @@ class Node:
         for service in list(self.services.values()):
             await service.aclose()
         if not self.lost.done():
-            # What was withdrawn just before is no longer listed, but the master may not know it yet.
+            # What was withdrawn just before is no longer listed, but the master may not have received it yet.
             for turn in list(self._turns.values()):
                 async with turn:
                     pass
@@ -215,7 +215,7 @@ class Node:
                 self.note(error.code, self.master, error.message)
 
     async def _keep_registered(self) -> None:
-        """Check that the master is alive and knows us; register again with a restarted one."""
+        """Check that the master is alive and lists this node; register again with a restarted one."""
         missed = 0
         while not self.lost.done():
             await asyncio.sleep(_HEARTBEAT)

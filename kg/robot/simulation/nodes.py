@@ -197,7 +197,7 @@ async def _localisation(node: Node, robot: Wheeled) -> None:
 
 
 def _nothing(_value: Value) -> None:
-    """Ignore messages: the simulation knows the pose, but the graph should be that of a robot which computes it."""
+    """Ignore messages: the simulation has the exact pose, but the graph should be that of a robot which computes it."""
 
 
 _MILLI: Final = 1000.0

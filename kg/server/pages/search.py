@@ -48,7 +48,7 @@ async def _search(request: Request) -> Response:
         try:
             hits = await view(request, "find", text=text, limit=limit, **filters)
         except KgError as error:
-            if STATUS.get(error.code, 400) != 400:  # noqa: PLR2004 - what is wrong with the words is told beside them
+            if STATUS.get(error.code, 400) != 400:  # noqa: PLR2004 - errors in the words are shown next to them
                 raise
             problem, status = error, 400
     return page(

@@ -274,7 +274,7 @@ class Guarded(HttpToolsProtocol):
         cycle = self.cycle
         if cycle.response_started or self.pipeline:
             return False
-        cycle.disconnected = True  # the application is told that the client left, and sends nothing
+        cycle.disconnected = True  # reported to the application, which then sends nothing
         cycle.message_event.set()
         return True
 
