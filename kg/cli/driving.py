@@ -217,7 +217,7 @@ async def _do(settings: Settings, name: str, chosen: Doing) -> None:
             async for changed in driver.connection.changes():
                 driver.saw(changed)
 
-        following = spawn(follow(), "following who else drives the robot")
+        following = spawn(follow(), "following other controllers of the robot")
         try:
             outcome = await driver.do(name, arguments, seconds=seconds, way=chosen.way, on_feedback=feedback)
         finally:

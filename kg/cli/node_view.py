@@ -102,7 +102,7 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     if start:
         yield _field("start", start)
     elif node.kind is NodeKind.CLASS:
-        yield _field("start", "not by itself: a class that programs make nodes of")
+        yield _field("start", "not on its own: a class that programs instantiate as nodes")
     if node.plugin:
         text = _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
         if node.exported is not None:

@@ -102,7 +102,9 @@ def publish(
     """
     place = _place(address)
     if isinstance(place, Path) and place.exists() and any(place.iterdir()) and not (place / _MANIFEST).exists():
-        raise StoreError("KG566", "there is something else here", place=Place(str(place)), hint="Name another folder.")
+        raise StoreError(
+            "KG566", "the folder contains something else", place=Place(str(place)), hint="Name another folder."
+        )
     with translated(address), tempfile.TemporaryDirectory(prefix="kg-") as temporary:
         folder = Path(temporary)
         lines = canonical(snapshot.quads())

@@ -43,7 +43,7 @@ class Metrics:
         self._running = Gauge("kg_jobs", "Queries and views that run or wait.", registry=registry)
         self._readers = Gauge("kg_readers", "Reader processes that run at a time.", registry=registry)
         self._snapshot = Gauge("kg_snapshot", "The generation of the data in force.", registry=registry)
-        self._age = Gauge("kg_snapshot_age_seconds", "Seconds since it came into force.", registry=registry)
+        self._age = Gauge("kg_snapshot_age_seconds", "Seconds since it became current.", registry=registry)
 
         self._children: dict[tuple[str, int], Counter] = {}
         self._outcomes: dict[str, Counter] = {}

@@ -177,7 +177,7 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
     ("POST", "/robot/stop"): Operation("Stop whatever moves.", answers=_DONE),
     ("POST", "/robot/do"): Operation("Do something, for an open page.", bodies=_JSON, answers=_DONE, token=True),
     ("POST", "/robot/read"): Operation("Let an open page follow values.", bodies=_JSON, answers=_DONE),
-    ("POST", "/robot/here"): Operation("Say that somebody is at an open page.", bodies=_JSON, answers=_DONE),
+    ("POST", "/robot/here"): Operation("Confirm that a page is still open.", bodies=_JSON, answers=_DONE),
 }
 """Operations by method and address; pages are described by their routes alone."""
 

@@ -362,9 +362,7 @@ def _inner(path: Path | None, message: Value, whole: Path) -> Value:
 def _function(call: Call) -> Function:
     function = FUNCTIONS.get(call.function)
     if function is None:
-        raise RobotError(
-            "KG826", f"`{call}` uses no function that there is", hint=did_you_mean(call.function, FUNCTIONS)
-        )
+        raise RobotError("KG826", f"`{call}`: unknown function", hint=did_you_mean(call.function, FUNCTIONS))
     return function
 
 
@@ -395,7 +393,7 @@ def type_at(path: Argument, types: Types, kind: str, whole: str = "") -> str | N
     if inner is None:
         return None
     if "/" not in inner:
-        raise RobotError("KG826", f"`{whole}`: `{path.of}` has no fields, for it is a {inner}")
+        raise RobotError("KG826", f"`{whole}`: `{path.of}` has no fields: it is a {inner}")
     fields = {one.name: one for one in types.fields(inner)}
     if path.name not in fields:
         hint = did_you_mean(path.name, fields) or f"Its fields are: {', '.join(fields)}."

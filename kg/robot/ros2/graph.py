@@ -101,15 +101,15 @@ def misfit(offer: Qos, ask: Qos) -> str | None:
     Source: DDS 1.4, 2.2.3, "requested / offered" of reliability, durability, deadline and liveliness.
     """
     if offer.reliability == "best_effort" and ask.reliability == "reliable":
-        return "it offers best effort, reliable delivery is asked for"
+        return "it offers best effort, but reliable delivery is requested"
     if offer.durability == "volatile" and ask.durability == "transient_local":
         return "it does not keep messages for late subscribers (transient local), which the subscriber requires"
     if ask.deadline is not None and (offer.deadline is None or offer.deadline > ask.deadline):
-        return f"a message every {ask.deadline:g} s is asked for, which it does not promise"
+        return f"a message every {ask.deadline:g} s is requested, which it does not offer"
     if offer.liveliness == "automatic" and ask.liveliness == "manual_by_topic":
-        return "it does not assert its liveliness by topic, which is asked for"
+        return "it does not assert its liveliness by topic, as requested"
     if ask.lease_duration is not None and (offer.lease_duration is None or offer.lease_duration > ask.lease_duration):
-        return f"a sign of life every {ask.lease_duration:g} s is asked for, which it does not promise"
+        return f"a sign of life every {ask.lease_duration:g} s is requested, which it does not offer"
     return None
 
 

@@ -33,9 +33,7 @@ def configuration(place: str) -> zenoh.Config:
     """Return the settings of a session connected to `HOST:PORT`, as those of rmw_zenoh_cpp for a node."""
     host, _, port = place.rpartition(":") if ":" in place.rpartition("]")[2] else (place, "", "")
     if not (port or str(_PORT)).isdecimal():
-        raise RobotError(
-            "KG801", f"`{place}` has no port that is a number", hint="Write HOST:PORT, as in localhost:7447."
-        )
+        raise RobotError("KG801", f"`{place}` has no numeric port", hint="Write HOST:PORT, as in localhost:7447.")
     config = zenoh.Config()
     settings: dict[str, Any] = {
         "mode": "peer",

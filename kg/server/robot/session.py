@@ -69,7 +69,7 @@ class Session:
         """Begin to connect, without waiting for the connection."""
         self._tasks = [
             spawn(self._link.keep(), "staying connected to the robot"),
-            spawn(self._hands.watch(), "watching who drives by hand"),
+            spawn(self._hands.watch(), "watching manual driving"),
             spawn(self._show(), "showing the robot from above"),
             spawn(self._release(), "releasing unused topics"),
         ]
