@@ -64,8 +64,8 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     if groups:
         parts += [Text(), interface_table(groups, record.repository, links, columns)]
     # One row per parameter, even if code reads and writes it at many places.
-    told = parameter_groups(fact for fact in record.node.parameters if every or not fact.implicit)
-    parameters = [_parameter(group, via=via) for group in told]
+    by_name = parameter_groups(fact for fact in record.node.parameters if every or not fact.implicit)
+    parameters = [_parameter(group, via=via) for group in by_name]
     shown = parameters if every else parameters[:most]
     if shown:
         parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]

@@ -53,13 +53,13 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
     """
     by_name: dict[str, Wanted] = {}
     for one in map(_wanted, addresses):
-        held = by_name.setdefault(one.name, one)
+        earlier = by_name.setdefault(one.name, one)
         # Names with a host determine the address; those of local repositories do not.
-        urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, held)}
-        if one.ref != held.ref or (one.name.startswith("local/") and len(urls) > 1):
+        urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, earlier)}
+        if one.ref != earlier.ref or (one.name.startswith("local/") and len(urls) > 1):
             whole = _whole(one)
             by_name.setdefault(
-                whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(held)}")
+                whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(earlier)}")
             )
     folders: dict[str, str] = {}
     for name, one in by_name.items():

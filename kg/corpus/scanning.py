@@ -67,7 +67,7 @@ def scan(root: Path, repository: Repository | None = None) -> Source:
 def scan_tree(root: Path) -> tuple[Source, ...]:
     """Scan a folder and its nested checkouts (repositories of a workspace, submodules), each as a source."""
     source, nested = _scan(root, None)
-    inner = tuple(found for path in nested for found in scan_tree(Path(path)))
+    inner = tuple(inner_source for path in nested for inner_source in scan_tree(Path(path)))
     return (source, *inner) if source.packages or not inner else inner
 
 

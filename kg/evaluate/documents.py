@@ -234,8 +234,8 @@ def read_page(path: Path, spot: Spot, *, closed: bool = False) -> tuple[Referenc
     """
     text = references.text_of(path)
     nodes = wiki_nodes(text) if is_wiki(text) else readme_nodes(text) if path.suffix.lower() == ".md" else ()
-    found = (_reference(node, path, spot, closed=closed) for node in nodes)
-    return tuple(one for one in found if one.entries)
+    documented = (_reference(node, path, spot, closed=closed) for node in nodes)
+    return tuple(one for one in documented if one.entries)
 
 
 def _reference(node: WikiNode, path: Path, spot: Spot, *, closed: bool) -> Reference:

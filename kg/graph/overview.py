@@ -219,10 +219,12 @@ def files(graph: Queryable) -> list[FileSummary]:
         counts[iri, kind.removeprefix(v.RNKG)] += int(number)
     summaries = []
     for iri, repository, package, path, kind in texts(graph, _FILES):
-        said = counts[iri, "Description"]
-        is_code, is_text = kind in _CODE, kind == FileKind.TEXT or said > 0
+        descriptions = counts[iri, "Description"]
+        is_code, is_text = kind in _CODE, kind == FileKind.TEXT or descriptions > 0
         sort = "both" if is_code and is_text else "code" if is_code else "text" if is_text else "other"
-        summaries.append(FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], said))
+        summaries.append(
+            FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], descriptions)
+        )
     return sorted(summaries, key=lambda one: (one.repository, one.package, one.path))
 
 
@@ -266,11 +268,11 @@ def channels(
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    found = _ends(graph, given if implicit else given | {"own": "FILTER(!?implicit)"})
-    if not implicit and found:
-        own = one_of("channel", {name for name, *_ in found})
-        found += _ends(graph, given | {"named": _named(own), "own": "FILTER(?implicit)"})
-    for name, role, node, message in found:
+    rows = _ends(graph, given if implicit else given | {"own": "FILTER(!?implicit)"})
+    if not implicit and rows:
+        own = one_of("channel", {name for name, *_ in rows})
+        rows += _ends(graph, given | {"named": _named(own), "own": "FILTER(?implicit)"})
+    for name, role, node, message in rows:
         side = 0 if role.endswith(f"#{local}") else 1
         ends[name][side].update(names[node] if node is not None else ())
         types[name].update({message} if message else ())

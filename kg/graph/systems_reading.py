@@ -250,16 +250,18 @@ class _Records:
             for iri in properties.get(v.bare(term), ())
         }
         every = f"{these(graph, 'owner', types)} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
-        found = code_facts(graph, declared or every) if types else {}
+        facts_by_iri = code_facts(graph, declared or every) if types else {}
         self._by_iri = references(graph, types) if types else {}
-        self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, facts.Interface)}
+        self.ends = {
+            iri: (owner, fact) for iri, (owner, fact) in facts_by_iri.items() if isinstance(fact, facts.Interface)
+        }
         self.usual: dict[facts.NodeReference, dict[str, facts.Interface]] = {}
         """The ends that frameworks make, by node type and IRI."""
         for iri, (owner, fact) in self.ends.items():
             if fact.implicit:
                 self.usual.setdefault(owner, {})[iri] = fact
         self.settable = {
-            iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, facts.Parameter)
+            iri: (owner, fact) for iri, (owner, fact) in facts_by_iri.items() if isinstance(fact, facts.Parameter)
         }
         self.qualities: Mapping[str, facts.Qos] = qualities(graph) if types else {}
 
@@ -418,10 +420,10 @@ class _Reading:
     ) -> facts.InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
-        known = self._code(own) or self._seen(own) or self._foreign(own)
-        if known is None:
+        source = self._code(own) or self._seen(own) or self._foreign(own)
+        if source is None:
             return None
-        owner, declared = known
+        owner, declared = source
         remap, named, channel = (one(own, term) for term in (v.REMAPPED_BY, v.NAMED_BY, v.CONNECTS_TO))
         led = chain if (named or "").startswith(f"{self._iris.base}start/") else ()
         setting = (settings.get(named) or self._setting(named, led)) if named else None
@@ -481,13 +483,13 @@ class _Reading:
         return owner, replace(declared, resolved=None, parameter=None)
 
     def _similar(self) -> tuple[tuple[str, str, str], ...]:
-        found = set()
+        triples = set()
         for iri, properties in self._content.items():
             for other in properties.get(v.bare(v.RESEMBLES), ()):
                 kind = iri.partition("#")[2].partition("/")[0]
                 first, second = sorted(one(self._content[each], v.LABEL) or "" for each in (iri, other))
-                found.add((kind, first, second))
-        return tuple(sorted(found))
+                triples.add((kind, first, second))
+        return tuple(sorted(triples))
 
 
 def _sighting(own: Properties) -> facts.Sighting | None:

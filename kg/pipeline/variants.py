@@ -103,11 +103,11 @@ def _unset(system: System, file: LaunchFile, given: Mapping[str, str]) -> dict[s
     return values
 
 
-def united(found: Variants) -> System:
+def united(evaluated: Variants) -> System:
     """Return the system with the additions of its variants: each such node and end has its variants as condition."""
-    instances = {_key(one): one for one in found.system.instances}
+    instances = {_key(one): one for one in evaluated.system.instances}
     labels: dict[object, list[str]] = {}
-    for label, system in found.others:
+    for label, system in evaluated.others:
         for one in system.instances:
             if _key(one) not in instances:
                 instances[_key(one)] = one
@@ -115,7 +115,7 @@ def united(found: Variants) -> System:
             if _key(one) in labels:
                 labels[_key(one)].append(label)
     ends = {key: {_end(end): end for end in one.interfaces} for key, one in instances.items()}
-    for label, system in found.others:
+    for label, system in evaluated.others:
         for one in system.instances:
             for end in one.interfaces if _key(one) not in labels else ():
                 if _end(end) not in ends[_key(one)]:
@@ -124,7 +124,7 @@ def united(found: Variants) -> System:
                 if (_key(one), _end(end)) in labels:
                     labels[_key(one), _end(end)].append(label)
     return replace(
-        found.system,
+        evaluated.system,
         instances=tuple(_marked(one, ends[key].values(), labels, key) for key, one in instances.items()),
     )
 

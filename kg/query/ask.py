@@ -76,9 +76,9 @@ def suggestion(
             continue
         column = result.variables.index(name)
         column_terms = (row[column] for row in result.rows)
-        values_found = {term.value for term in column_terms if isinstance(term, Literal | NamedNode)}
+        candidates = {term.value for term in column_terms if isinstance(term, Literal | NamedNode)}
         wanted = query.bind({name: values[name]})[name].value
-        if wanted not in values_found:
-            hint = did_you_mean(wanted, values_found)
+        if wanted not in candidates:
+            hint = did_you_mean(wanted, candidates)
             return f"unknown {name} `{wanted}`" + (f". {hint}" if hint else "")
     return None

@@ -65,8 +65,8 @@ class QueryRequest:
         """
         pairs = [(name, value) for name, value in self.pairs if name not in changed]
         pairs += [(name, value) for name, value in changed.items() if value is not None]
-        found = f"{url(request.url.path)}?{urlencode(pairs)}"
-        return found if len(found) <= ADDRESS_BYTES else None
+        linked = f"{url(request.url.path)}?{urlencode(pairs)}"
+        return linked if len(linked) <= ADDRESS_BYTES else None
 
 
 def digest(message: bytes, choices: Mapping[str, Choice]) -> str:

@@ -81,15 +81,15 @@ def line_starts(text: str) -> list[int]:
 def line_spans(text: str) -> dict[int, list[Span]]:
     """Return the spans by line, with columns instead of offsets; spans of several lines are split."""
     starts = line_starts(text)
-    found: dict[int, list[Span]] = {}
+    by_line: dict[int, list[Span]] = {}
     for span in spans(text):
         line = bisect_right(starts, span.start) - 1
         while line < len(starts) and starts[line] < span.end:
             end = starts[line + 1] - 1 if line + 1 < len(starts) else len(text)
             part = Span(max(span.start - starts[line], 0), min(span.end, end) - starts[line], span.kind)
-            found.setdefault(line, []).append(part)
+            by_line.setdefault(line, []).append(part)
             line += 1
-    return found
+    return by_line
 
 
 @dataclass(frozen=True, slots=True)

@@ -160,5 +160,5 @@ def _candidates(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> se
         Kind.ARGUMENT: lambda: [name for name, _ in arguments(snapshot)],
         Kind.FILE: lambda: [one.path.rpartition("/")[2] for one in (*file_records(snapshot), *world.own)],
     }
-    found = {name for one, names in names_by_kind.items() if kind in {"", one} for name in names()}
-    return found if kind else found.union(*world.channels.values())
+    candidates = {name for one, names in names_by_kind.items() if kind in {"", one} for name in names()}
+    return candidates if kind else candidates.union(*world.channels.values())

@@ -97,12 +97,12 @@ def _others(snapshot: EmbeddedSnapshot, channels: Iterable[str]) -> dict[str, li
     """Return for each channel the ends at it."""
     ends = list(rows(snapshot, _ENDS % listing(channels)))
     types = dict(rows(snapshot, _TYPES % listing(end for _, end, _ in ends)))
-    found: defaultdict[str, list[_End]] = defaultdict(list)
+    by_channel: defaultdict[str, list[_End]] = defaultdict(list)
     for channel, end, node in ends:
         kind = types.get(end)
         name = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
-        found[channel].append(_End(node, name, role_of(end)))
-    return found
+        by_channel[channel].append(_End(node, name, role_of(end)))
+    return by_channel
 
 
 def users(snapshot: EmbeddedSnapshot, iri: str, where: Places, iris: Iris) -> dict[str, Any]:
@@ -186,26 +186,26 @@ def _records(snapshot: EmbeddedSnapshot, iri: str, name: str) -> list[NodeRecord
 
 
 def _header(record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any]:
-    known, repository = record.node, record.repository
+    declared, repository = record.node, record.repository
     return {
         "iri": record.iri,
-        "name": known.name,
+        "name": declared.name,
         "full_name": record.full_name,
-        "kind": str(known.kind),
-        "language": LANGUAGES.get(known.language, known.language),
-        "ros": known.ros,
+        "kind": str(declared.kind),
+        "language": LANGUAGES.get(declared.language, declared.language),
+        "ros": declared.ros,
         "package": {"name": record.package, "iri": iris.package(repository, record.package)},
         "repository": {"name": repository, "iri": iris.repository(repository)},
         "commit": record.commit,
-        "executable": known.executable,
-        "plugin": known.plugin,
-        "node_name": known.node_name,
-        "aliases": list(known.aliases),
-        "base_class": known.base_class,
-        "exported": where.evidence(repository, known.exported) if known.exported is not None else None,
+        "executable": declared.executable,
+        "plugin": declared.plugin,
+        "node_name": declared.node_name,
+        "aliases": list(declared.aliases),
+        "base_class": declared.base_class,
+        "exported": where.evidence(repository, declared.exported) if declared.exported is not None else None,
         "start": how_to_start(record),
-        "evidence": where.evidence(repository, known.location),
-        "sources": [where.evidence(repository, Location(path, 0)) for path in known.sources],
+        "evidence": where.evidence(repository, declared.location),
+        "sources": [where.evidence(repository, Location(path, 0)) for path in declared.sources],
     }
 
 

@@ -145,9 +145,9 @@ class _About:
             # VALUES cannot name blank nodes, so they are left out of such a page.
             listed = " ".join(str(term) for term in terms if not isinstance(term, BlankNode))
             return self._terms(f"SELECT ?other ?g {{ VALUES ?other {{ {listed} }} GRAPH ?g {{ {pattern} }} }}")
-        found = self._terms(f"SELECT ?other ?g {{ {where} }}")
-        chosen = set(sorted({str(term) for term, _ in found})[offset : offset + most])
-        return [(term, graph) for term, graph in found if str(term) in chosen]
+        others = self._terms(f"SELECT ?other ?g {{ {where} }}")
+        chosen = set(sorted({str(term) for term, _ in others})[offset : offset + most])
+        return [(term, graph) for term, graph in others if str(term) in chosen]
 
     def _terms(self, query: str) -> list[tuple[Any, str | None]]:
         answer: Any = self.snapshot.query(query, union=False)

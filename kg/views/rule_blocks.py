@@ -177,9 +177,9 @@ def _context(snapshot: EmbeddedSnapshot, settings: Settings) -> Context:
     """
     key = (digest(settings), snapshot.identity)
     if key not in _LAST:
-        made = check_context(settings, None)
+        fresh = check_context(settings, None)
         _LAST.clear()
-        _LAST[key] = replace(made, seconds=_SECONDS, rules=rules_in_force(settings, []), schema=schema_of(snapshot))
+        _LAST[key] = replace(fresh, seconds=_SECONDS, rules=rules_in_force(settings, []), schema=schema_of(snapshot))
     used = cache_of(snapshot, settings).cached_statistics()
     store = StoreOf(View(snapshot, explained_vocabulary(settings)))
     context = _LAST[key]

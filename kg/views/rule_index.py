@@ -73,9 +73,9 @@ def _documentation(entry: Entry) -> Documentation:
         return Documentation()
 
 
-def _contains(entry: Entry, told: Documentation, words: Iterable[str]) -> bool:
+def _contains(entry: Entry, documented: Documentation, words: Iterable[str]) -> bool:
     """Return whether the name, title and documentation of a rule contain all words, in lower case."""
-    text = " ".join((entry.name, told.title, *told.sections.values())).lower()
+    text = " ".join((entry.name, documented.title, *documented.sections.values())).lower()
     return all(word in text for word in words)
 
 

@@ -62,8 +62,8 @@ def blocks(snapshot: EmbeddedSnapshot, settings: Settings, *, fresh: str = "") -
     still being counted; with `fresh` it is counted now. `rules` are those that can be opened: `name`, `title`,
     `family`. `examples` are rules to begin from: `name`, `title`, `comment`, `rule` (`kg.rules.blocks.tree`).
     """
-    kept = cache_of(snapshot, settings)
-    counted = kept.statistics(fresh=True) if fresh else kept.cached_statistics()
+    cached = cache_of(snapshot, settings)
+    counted = cached.statistics(fresh=True) if fresh else cached.cached_statistics()
     ontology = _ontology(ontologies_in_force(settings))
     return {
         "snapshot": snapshot.identity,

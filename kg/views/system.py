@@ -77,16 +77,16 @@ def lint(  # noqa: PLR0913 - what is looked at
     least = level if level in {"error", "warning", "note"} else "note"
     if system:
         name = system_named(snapshot, system, repository, settings.base)
-        found, looked_at = system_report(snapshot, settings, name, least), 1
+        reported, looked_at = system_report(snapshot, settings, name, least), 1
     else:
         if package:
             require_package(snapshot, package)
         checked = check(snapshot, Question(package=package or None, level=least), settings, Path.cwd())
-        found, looked_at = checked.report, checked.systems
+        reported, looked_at = checked.report, checked.systems
     where = places(snapshot)
     return {
-        "findings": finding_objects(found.findings, where),
-        "allowed": len(found.allowed),
+        "findings": finding_objects(reported.findings, where),
+        "allowed": len(reported.allowed),
         "systems": looked_at,
     }
 

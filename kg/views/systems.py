@@ -38,12 +38,12 @@ def systems(
     many of each severity `kg lint --all` has, before anything is allowed.
     """
     words = text.lower().split()
-    found = [
+    matching_rows = [
         one for one in all_systems(snapshot, settings.base)
         if all(word in f"{one['name']} {one['repository']}".lower() for word in words)
     ]  # fmt: skip
     start, most = whole(offset, 0), min(whole(limit, 200), _MOST)
-    return {"total": len(found), "offset": start, "systems": found[start : start + most]}
+    return {"total": len(matching_rows), "offset": start, "systems": matching_rows[start : start + most]}
 
 
 @once
@@ -104,15 +104,15 @@ def all_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], 
 def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
     iris, inner = Iris(base), included_names(snapshot)
     nodes = Counter({system: int(number) for system, number in rows(snapshot, _STARTED)})
-    channels = {system: Counter(kind for kind, _ in found) for system, found in channels_by_system(snapshot).items()}
+    channels = {system: Counter(kind for kind, _ in listed) for system, listed in channels_by_system(snapshot).items()}
     none = Counter[str]()
     severities: dict[str, dict[str, int]] = {}
     for system, severity, number in rows(snapshot, _FINDINGS):
         severities.setdefault(system, {})[severity] = int(number)
-    found = []
+    listed = []
     for one in configuration_names(snapshot):
         iri = iris.configuration(one.repository, one.path)
-        found.append(
+        listed.append(
             {
                 "name": one.name,
                 "iri": iri,
@@ -126,4 +126,4 @@ def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
                 "findings": severities.get(iri, {}),
             }
         )
-    return sorted(found, key=lambda one: (one["included"], one["name"], one["repository"]))
+    return sorted(listed, key=lambda one: (one["included"], one["name"], one["repository"]))

@@ -172,8 +172,8 @@ def _of_node(snapshot: EmbeddedSnapshot, iri: str, kind: str) -> list[_Branch]:
     if kind == _PARAMETERS:
         parts = rows(snapshot, _PARTS % (f"<{iri}>", "rnkg:hasParameter"))
         return _leaves(parts, "parameter")
-    found = list(rows(snapshot, _PARTS % (f"<{iri}>", "ros:hasComponent")))
-    by_role = {role: [row for row in found if role_of(row[0]) is role] for role in Role}
+    components = list(rows(snapshot, _PARTS % (f"<{iri}>", "ros:hasComponent")))
+    by_role = {role: [row for row in components if role_of(row[0]) is role] for role in Role}
     if kind in by_role:
         return _leaves(by_role[Role(kind)], kind)
     groups = {str(role): (TITLES[role], len(by_role[role])) for role in Role}

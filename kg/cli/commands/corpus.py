@@ -91,18 +91,20 @@ def select(
     """
     from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS  # noqa: PLC0415 - start-up time
 
-    found = _selected(table, criteria)
+    chosen = _selected(table, criteria)
     if json:
-        json_lines([selection_object(found)])
+        json_lines([selection_object(chosen)])
     else:
-        listing(STEP_COLUMNS, step_rows(found))
+        listing(STEP_COLUMNS, step_rows(chosen))
         write()
-        listing(FIGURE_COLUMNS, figure_rows(found))
+        listing(FIGURE_COLUMNS, figure_rows(chosen))
         if terminal():
-            note(f"{count(len(found.selected), 'project')} selected; RNKG has {paper_figures().projects}")
+            note(f"{count(len(chosen.selected), 'project')} selected; RNKG has {paper_figures().projects}")
     if output:
-        title = f"# {count(len(found.selected), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"
-        save(output, "\n".join([title, *found.addresses(), ""]).encode())
+        title = (
+            f"# {count(len(chosen.selected), 'project')} of {chosen.dataset.path.name}, by {chosen.criteria.path.name}"
+        )
+        save(output, "\n".join([title, *chosen.addresses(), ""]).encode())
 
 
 def _selected(table: str, criteria: str | None) -> "Selection":

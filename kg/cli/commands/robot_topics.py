@@ -138,9 +138,9 @@ def _topics(graph: "ComputationGraph") -> list[dict[str, Any]]:
         nodes = one["publishers" if end.role is Role.PUBLISHES else "subscribers"]
         if end.node not in nodes:
             nodes.append(end.node)
-        if (told := recorded.get(end.name)) is not None:
-            one["messages"] = told.count
-            one["rate"] = round(told.count / told.seconds, 3) if told.seconds else None
+        if (recording := recorded.get(end.name)) is not None:
+            one["messages"] = recording.count
+            one["rate"] = round(recording.count / recording.seconds, 3) if recording.seconds else None
     return [topics_by_name[name] for name in sorted(topics_by_name)]
 
 

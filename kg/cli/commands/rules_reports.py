@@ -113,7 +113,7 @@ def _form(form: str | None, output: str | None) -> str:
     if form is None:
         ending = Path(output or "").suffix
         if ending and ending not in _ENDINGS:
-            hint = f"Write to {', '.join(f'*{known}' for known in _ENDINGS)}, or name one of them with --format."
+            hint = f"Write to {', '.join(f'*{suffix}' for suffix in _ENDINGS)}, or name one of them with --format."
             raise UsageError("KG003", f"unsupported picture format `{ending}`", hint=hint)
         return _ENDINGS.get(ending, "svg")
     require_one_of(form, _FORMATS, "format")

@@ -18,8 +18,8 @@ _SHARE: Final = 0.1
 def asserted(term: str, patterns: Iterable[Pattern]) -> list[str]:
     """Return the classes that the query asserts for a term, the last one first."""
     kind = (Step(TYPE, inverse=False),)
-    found = (each.object for each in patterns if each.subject == term and each.path == kind)
-    return list(reversed([each for each in dict.fromkeys(found) if not each.startswith(("?", "_:"))]))
+    kinds = (each.object for each in patterns if each.subject == term and each.path == kind)
+    return list(reversed([each for each in dict.fromkeys(kinds) if not each.startswith(("?", "_:"))]))
 
 
 def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> list[str]:

@@ -26,8 +26,8 @@ def prefixes(site: Site) -> Iterator[Candidate]:
 
 def declarations(site: Site) -> Iterator[Candidate]:
     """Yield declarations after PREFIX; well-known prefixes that the store does not use come last."""
-    for rank, known in ((0, site.prefixes), (1, WELL_KNOWN)):
-        for prefix, namespace in known.items():
+    for rank, namespaces_by_prefix in ((0, site.prefixes), (1, WELL_KNOWN)):
+        for prefix, namespace in namespaces_by_prefix.items():
             if prefix not in site.before.prefixes and (rank == 0 or prefix not in site.prefixes):
                 yield Candidate(prefix + ":", f"{prefix}: <{namespace}>", "prefix", prefix, namespace, rank=rank)
 

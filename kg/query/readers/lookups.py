@@ -148,11 +148,11 @@ def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, 
     return len(rows), b"".join(parts)
 
 
-def _rows(found: Iterator[Row]) -> list[Row] | None:
+def _rows(source: Iterator[Row]) -> list[Row] | None:
     """Return all rows; None if they are many or large, or contain quoted triples."""
     rows: list[Row] = []
     chars = 0
-    for row in islice(found, _ROWS + 1):
+    for row in islice(source, _ROWS + 1):
         rows.append(row)
         for term in row:
             if term is None or isinstance(term, Triple):

@@ -122,8 +122,8 @@ class Planner:
         near = sorted((math.hypot(down, right), down, right) for down in around for right in around)
         cells = ((row + down, column + right) for _, down, right in near)
         begin = next((cell for cell in cells if self._free(cell)), None)
-        found = self._search(begin, end) if begin else None
-        return None if found is None else [*self._straightened(found)[1:-1], goal]
+        path = self._search(begin, end) if begin else None
+        return None if path is None else [*self._straightened(path)[1:-1], goal]
 
     def _free(self, cell: Cell) -> bool:
         row, column = cell

@@ -131,8 +131,8 @@ class Rosbridge(Bridge):
             self._nodes = dict(zip(ordered, details, strict=True))
             new = sorted(offered - set(self._services))
             kinds = await asyncio.gather(*(self._api("service_type", service=one) for one in new))
-            kept = {name: kind for name, kind in self._services.items() if name in offered}
-            self._services = kept | {name: short(one["type"]) for name, one in zip(new, kinds, strict=True)}
+            remaining = {name: kind for name, kind in self._services.items() if name in offered}
+            self._services = remaining | {name: short(one["type"]) for name, one in zip(new, kinds, strict=True)}
         return before != (self._topics, self._services, self._nodes)
 
     async def _api(self, name: str, /, **arguments: Any) -> dict[str, Any]:

@@ -100,12 +100,14 @@ def _wired(nodes: Network, chain: Chain) -> Wiring:
     return wire([(part, part.inputs[step.taken], part.outputs[step.given]) for part, step in parts])
 
 
-def _composed(known: Network, chain: Chain, wiring: Wiring, details: Details) -> Composed:
+def _composed(of_store: Network, chain: Chain, wiring: Wiring, details: Details) -> Composed:
     nodes = []
     published: set[tuple[str, str]] = set()
     for step, start in zip(chain.steps, wiring.starts, strict=True):
         part = start.part
-        others = tuple(one for place, one in enumerate(known.parts) if one.family == step.family and place != step.part)
+        others = tuple(
+            one for place, one in enumerate(of_store.parts) if one.family == step.family and place != step.part
+        )
         wanted = needs(part, start.taken)
         fed = tuple(port for port in wanted if (start.own(port), port.type) in published)
         missing = tuple(port for port in wanted if port not in fed)

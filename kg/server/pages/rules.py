@@ -29,7 +29,7 @@ async def _rules(request: Request) -> Response:
     except KgError as error:
         if error.code not in ABSENT:
             raise
-        return missing(request, error, f"Rules of {family}", family, lambda known: url("/rules", family=known))
+        return missing(request, error, f"Rules of {family}", family, lambda other: url("/rules", family=other))
     title = f"Rules of {family}" if family else "Rules"
     twin = url("/api/rule_index", **chosen)
     return page(request, "rules.html", title=title, twin=twin, rules=rules, family=family, text=text)
@@ -44,7 +44,7 @@ async def _rule(request: Request) -> Response:
     except KgError as error:
         if error.code not in ABSENT:
             raise
-        return missing(request, error, f"Rule {name}", name, lambda known: url("/rule", name=known))
+        return missing(request, error, f"Rule {name}", name, lambda other: url("/rule", name=other))
     return page(request, "rule.html", title=f"Rule {rule['rule']}", twin=url("/api/rule", name=rule["rule"]), rule=rule)
 
 

@@ -158,9 +158,9 @@ async def _convert(request: Request) -> Response:
     program = sent.program
     if program is None and robot is not None:
         program = await asyncio.to_thread(program_of, sent.bt or "", robot.capabilities)
-    found = await _judged(None, program)
+    checked = await _judged(None, program)
     if sent.to == "text" or robot is None or program is None:
-        return _json({"text": found["text"]})
+        return _json({"text": checked["text"]})
     make = behavior_tree if sent.to == "bt" else partial(convert, to=sent.to)
     return _json({"text": await asyncio.to_thread(make, placed(program, robot.places), robot.capabilities)})
 
@@ -176,12 +176,12 @@ def _connected(request: Request) -> Robot:
 async def _run(request: Request) -> Response:
     session = _session(request)
     sent = await _read(request, _Given)
-    found = await _judged(session, sent.program, sent.text)
-    for problem in found["problems"]:
+    checked = await _judged(session, sent.program, sent.text)
+    for problem in checked["problems"]:
         if problem["severity"] == "error":
             place = None if sent.text is None else _place(sent.text, problem)
             raise RobotError(problem["code"], problem["message"], place=place, hint=problem["hint"])
-    await session.run(sent.program or msgspec.convert(found["program"], Program))
+    await session.run(sent.program or msgspec.convert(checked["program"], Program))
     return Response(status_code=204)
 
 

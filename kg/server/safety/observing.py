@@ -59,8 +59,8 @@ class Observed:
                 raise
             identity = secrets.token_hex(8)
             if not recorded.status:
-                told = RequestError("KG900", f"a defect in kg; the log of the server has more under {identity}")
-                await answer(request, told)(scope, receive, sending)
+                internal = RequestError("KG900", f"a defect in kg; the log of the server has more under {identity}")
+                await answer(request, internal)(scope, receive, sending)
             recorded.outcome = "KG900"
             defect = DefectError(identity)
             defect.__cause__ = error
