@@ -214,8 +214,8 @@ def instances(
             file.
     """
     given, target = settings.load({"store": store}), open_store(store)
-    found = chosen(given, target, None if launch is None else str(launch), arguments or {}, environment or {})
-    return [instance_object(system, one) for system in found for one in system.instances]
+    systems = chosen(given, target, None if launch is None else str(launch), arguments or {}, environment or {})
+    return [instance_object(system, one) for system in systems for one in system.instances]
 
 
 def nodes(*, package: str | None = None, store: str | Path | None = None) -> list[dict[str, Any]]:

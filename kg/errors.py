@@ -88,8 +88,8 @@ class Place:
             return None
         if self.end_line is not None and self.end_column is not None:
             return self.line, self.column, self.end_line, self.end_column
-        found = _NAME_OR_SIGN.match(line or self.excerpt or "", self.column - 1)
-        return self.line, self.column, self.line, found.end() + 1 if found else self.column + 1
+        match = _NAME_OR_SIGN.match(line or self.excerpt or "", self.column - 1)
+        return self.line, self.column, self.line, match.end() + 1 if match else self.column + 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,10 +60,10 @@ def whole(least: int, most: int | None = None) -> Form:
     bounds = f"a whole number of at least {least}" if most is None else f"a whole number from {least} to {most}"
 
     def read(value: object, _base: Path) -> int:
-        found = _number(value, float("-inf"), bounds)
-        if found != int(found) or found < least or (most is not None and found > most):
+        parsed = _number(value, float("-inf"), bounds)
+        if parsed != int(parsed) or parsed < least or (most is not None and parsed > most):
             raise FormError(bounds)
-        return int(found)
+        return int(parsed)
 
     return read
 
@@ -72,10 +72,10 @@ def size(value: object, _base: Path) -> int:
     """Parse a number of bytes: `800`, `500K`, `4M` or `1G`."""
     text = str(value).strip()
     unit = _UNITS.get(text[-1:].lower(), 0)
-    found = _number(text[:-1] if unit else text, float("-inf"), "a size: bytes, or 500K, 4M, 1G")
-    if found * (1 << unit) < 1:
+    parsed = _number(text[:-1] if unit else text, float("-inf"), "a size: bytes, or 500K, 4M, 1G")
+    if parsed * (1 << unit) < 1:
         raise FormError("a size of at least 1 byte")
-    return int(found * (1 << unit))
+    return int(parsed * (1 << unit))
 
 
 def size_or_none(value: object, base: Path) -> int:
@@ -102,10 +102,10 @@ def text(value: object, _base: Path) -> str:
 
 def words(value: object, _base: Path) -> tuple[str, ...]:
     """Parse a list of words; a text separates them by commas or spaces."""
-    found = value.replace(",", " ").split() if isinstance(value, str) else value
-    if not isinstance(found, list | tuple) or not all(isinstance(one, str) and one for one in found):
+    items = value.replace(",", " ").split() if isinstance(value, str) else value
+    if not isinstance(items, list | tuple) or not all(isinstance(one, str) and one for one in items):
         raise FormError("a list of words")
-    return tuple(found)
+    return tuple(items)
 
 
 def codes(value: object, base: Path) -> tuple[str, ...]:
@@ -115,10 +115,10 @@ def codes(value: object, base: Path) -> tuple[str, ...]:
 
 def root_path(value: object, _base: Path) -> str:
     """Parse the root path of a web server, `/` or `/kg`; returns it without a trailing slash."""
-    found = value.strip().rstrip("/") if isinstance(value, str) else None
-    if found is None or not _ROOT_PATH.fullmatch(found):
+    stripped = value.strip().rstrip("/") if isinstance(value, str) else None
+    if stripped is None or not _ROOT_PATH.fullmatch(stripped):
         raise FormError("a path such as /kg, of letters, digits, `-`, `_` and `.`")
-    return found
+    return stripped
 
 
 def word(value: object, _base: Path) -> str:
@@ -132,10 +132,10 @@ def one_of(*choices: str) -> Form:
     """Return the form of a choice from `choices`."""
 
     def read(value: object, _base: Path) -> str:
-        found = str(value).lower()
-        if found not in choices:
+        chosen = str(value).lower()
+        if chosen not in choices:
             raise FormError("one of " + ", ".join(choices))
-        return found
+        return chosen
 
     return read
 
@@ -172,11 +172,11 @@ def pipeline(value: object, base: Path) -> str:
 
 def iri(value: object, _base: Path) -> str:
     """Parse the base of IRIs; returns it with a trailing slash."""
-    found = str(value)
-    host = found.partition("://")[2].partition("/")[0]
-    if not found.startswith(("http://", "https://")) or not host or any(sign in found for sign in ' <>"{}|\\^`#?'):
+    given = str(value)
+    host = given.partition("://")[2].partition("/")[0]
+    if not given.startswith(("http://", "https://")) or not host or any(sign in given for sign in ' <>"{}|\\^`#?'):
         raise FormError("an IRI that starts with http:// or https:// and has no # or ?")
-    return found if found.endswith("/") else found + "/"
+    return given if given.endswith("/") else given + "/"
 
 
 def address(value: object, _base: Path) -> str:
@@ -189,12 +189,12 @@ def address(value: object, _base: Path) -> str:
 
 def cluster(value: object, _base: Path) -> str:
     """Parse the optional address of a Dask cluster."""
-    found = value.strip() if isinstance(value, str) else ""
-    kind, mark, rest = found.partition(":")
-    local = kind == "local" and (not mark or rest.isdecimal())
-    if value != "" and not local and not re.fullmatch(r"(tcp|tls|ws|wss)://[^\s/]+:\d+", found):
+    given = value.strip() if isinstance(value, str) else ""
+    kind, mark, workers = given.partition(":")
+    local = kind == "local" and (not mark or workers.isdecimal())
+    if value != "" and not local and not re.fullmatch(r"(tcp|tls|ws|wss)://[^\s/]+:\d+", given):
         raise FormError("tcp://HOST:PORT of a scheduler, local, or local:N")
-    return found
+    return given
 
 
 def store(value: object, base: Path) -> Path | str:
@@ -212,9 +212,9 @@ def folder_or_address(value: object, base: Path) -> str:
 def _number(value: object, least: float, form: str = "") -> float:
     form = form or f"a number of at least {least:g}"
     try:
-        found = float(str(value).replace("_", ""))
+        parsed = float(str(value).replace("_", ""))
     except ValueError:
         raise FormError(form) from None
-    if isinstance(value, bool) or not math.isfinite(found) or found < least:
+    if isinstance(value, bool) or not math.isfinite(parsed) or parsed < least:
         raise FormError(form)
-    return found
+    return parsed

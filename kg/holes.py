@@ -144,24 +144,26 @@ def pattern(name: str, unknown: str = r"[^/.]+") -> re.Pattern[str]:
 
     Holes with the same label match equal text.
     """
-    found: list[str] = []
+    parts_of_pattern: list[str] = []
     groups: dict[str, int] = {}
     parts = parse(name)
     for index, part in enumerate(parts):
         if isinstance(part, str):
-            found.append(re.escape(part))
+            parts_of_pattern.append(re.escape(part))
             continue
-        beside = [one for one in (*parts[index - 1 : index], *parts[index + 1 : index + 2]) if isinstance(one, Hole)]
+        neighbours = [
+            one for one in (*parts[index - 1 : index], *parts[index + 1 : index + 2]) if isinstance(one, Hole)
+        ]
         if index and isinstance(parts[index - 1], Hole):
             continue
-        if not part.label or beside:
-            found.append(unknown)
+        if not part.label or neighbours:
+            parts_of_pattern.append(unknown)
         elif part.label in groups:
-            found.append(rf"(?:\{groups[part.label]})")
+            parts_of_pattern.append(rf"(?:\{groups[part.label]})")
         else:
             groups[part.label] = len(groups) + 1
-            found.append(f"({unknown})")
-    return re.compile("".join(found), re.DOTALL)
+            parts_of_pattern.append(f"({unknown})")
+    return re.compile("".join(parts_of_pattern), re.DOTALL)
 
 
 def fits(name: str, concrete: str, unknown: str = r"[^/.]+") -> bool:

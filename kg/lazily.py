@@ -98,10 +98,10 @@ class Lazy:
 def loaded(lazy: Lazy) -> Any:
     """Return what a lazy name stands for, after importing it if necessary."""
     module, name = lazy._module, lazy._name  # noqa: SLF001 - not found by `__getattr__`, which would import
-    found = sys.modules.get(module) or import_module(module)
+    imported = sys.modules.get(module) or import_module(module)
     if not name:
-        return found
+        return imported
     try:
-        return getattr(found, name)
+        return getattr(imported, name)
     except AttributeError:
         return import_module(f"{module}.{name}")

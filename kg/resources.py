@@ -32,14 +32,14 @@ def folder(name: str) -> Path:
 
 def digest(roots: Iterable[Path]) -> str:
     """Return the digest of the names and contents of files, and of all files in folders, except Python's bytecode."""
-    found = hashlib.blake2b(digest_size=_BYTES)
+    hashed = hashlib.blake2b(digest_size=_BYTES)
     for root in roots:
         for path in sorted(_files(root)):
             content = path.read_bytes()
             name = str(path.relative_to(root.parent))
-            found.update(f"{len(name)} {len(content)} {name}".encode("utf-8", "surrogateescape"))
-            found.update(content)
-    return found.hexdigest()
+            hashed.update(f"{len(name)} {len(content)} {name}".encode("utf-8", "surrogateescape"))
+            hashed.update(content)
+    return hashed.hexdigest()
 
 
 def _files(root: Path) -> Iterable[Path]:

@@ -334,9 +334,9 @@ def load(
     `flags` maps names of settings to values from the command line, None if absent. `UsageError` KG002 names the flag,
     variable or line with an invalid value.
     """
-    found = _values(DECLARED, flags or {}, environment, folder or Path.cwd(), folder or Path.cwd())
-    origins = {name: origin for name, (_, origin) in found.items()}
-    return Settings(**{name: value for name, (value, _) in found.items()}, origins=MappingProxyType(origins))
+    values = _values(DECLARED, flags or {}, environment, folder or Path.cwd(), folder or Path.cwd())
+    origins = {name: origin for name, (_, origin) in values.items()}
+    return Settings(**{name: value for name, (value, _) in values.items()}, origins=MappingProxyType(origins))
 
 
 def load_table(

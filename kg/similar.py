@@ -11,7 +11,7 @@ from kg.errors import UnknownNameError
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["asked", "did_you_mean", "folded", "misspelt", "similar", "unknown"]
+__all__ = ["did_you_mean", "folded", "misspelt", "similar", "suggest", "unknown"]
 
 _FEW = 3
 _ALIKE = 0.6
@@ -70,10 +70,10 @@ def _letters(name: str) -> str:
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """Return a "did you mean" question for an error about an unknown `name`; None if no name is similar."""
-    return asked(similar(name, known))
+    return suggest(similar(name, known))
 
 
-def asked(names: Iterable[str]) -> str | None:
+def suggest(names: Iterable[str]) -> str | None:
     """Return a "did you mean" question for suggested names, in their order; None if there are none."""
     found = [f"`{name}`" for name in names]
     if not found:

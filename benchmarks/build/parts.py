@@ -44,7 +44,7 @@ PARTS: Stages = {
     "reading texts": [(texts, "read_descriptions")],
     "loading the language model": [(annotating, "prepare")],
     "tagging texts": [(work, "annotate")],
-    "triples of packages": [(work, "package_parts"), (work, "split"), (work, "known_as"), (work, "count")],
+    "triples of packages": [(work, "package_parts"), (work, "split"), (work, "visible_types"), (work, "count")],
     "cache": [(cache, name) for name in ("pack", "store", "launches", "triples", "shared", "keep_only")],
     "loading the store": [
         (EmbeddedTransaction, name)

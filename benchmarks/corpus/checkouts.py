@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from bugs.workspaces import MissingError, git_folder, unpack
 
 from kg.corpus.fetching_lock import FETCHED, Entry, Lock, read_lock, write_lock
-from kg.corpus.fetching_one import ros_versions, stands_at
+from kg.corpus.fetching_one import is_at_commit, ros_versions
 from kg.corpus.git import environment, run_git
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def check_out_all(wanted: Iterable[Wanted], mirrors: Path, folder: Path) -> Lock
 def _entry(one: Wanted, mirror: Path, folder: Path, known: Entry | None) -> Entry:
     commit = run_git(("--git-dir", str(mirror), "rev-parse", "HEAD")).strip()
     target = folder / one.name
-    if known and known.state == FETCHED and known.commit == commit and stands_at(target, commit):
+    if known and known.state == FETCHED and known.commit == commit and is_at_commit(target, commit):
         return known
     partial = folder / ".partial"
     shutil.rmtree(partial, ignore_errors=True)

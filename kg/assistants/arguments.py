@@ -19,21 +19,21 @@ _MOST: Final = 60
 
 def unknown_tool(name: str, tools: Iterable[str]) -> UsageError:
     """Return the error for a tool that does not exist."""
-    known = sorted(tools)
+    names = sorted(tools)
     return UsageError(
-        "KG001", f"unknown tool `{name}`", hint=did_you_mean(name, known) or f"Tools: {', '.join(known)}."
+        "KG001", f"unknown tool `{name}`", hint=did_you_mean(name, names) or f"Tools: {', '.join(names)}."
     )
 
 
 def names_error(tool: str, schema: Mapping[str, Any], given: Iterable[str]) -> UsageError | None:
     """Return the error for arguments that are missing or that the tool does not have; None if there are none."""
-    known, needed, names = schema.get("properties", {}), schema.get("required", ()), set(given)
-    unknown, missing = sorted(names - known.keys()), [name for name in needed if name not in names]
+    properties, needed, names = schema.get("properties", {}), schema.get("required", ()), set(given)
+    unknown, missing = sorted(names - properties.keys()), [name for name in needed if name not in names]
     if not unknown and not missing:
         return None
     problems = [f"unknown argument `{name}`" for name in unknown]
     problems += [f"missing argument `{name}`" for name in missing]
-    advice = [did_you_mean(name, known) for name in unknown]
+    advice = [did_you_mean(name, properties) for name in unknown]
     return UsageError(_CODE, f"{tool}: {', '.join(problems)}", hint=_hint(schema, advice))
 
 

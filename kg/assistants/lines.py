@@ -46,26 +46,26 @@ class Where:
         return text if source == self._source else f"{source} {text}"
 
 
-def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def node(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield what is known of a node type (view `node`)."""
-    ros = f", ROS {found['ros']}" if found["ros"] else ""
+    ros = f", ROS {data['ros']}" if data["ros"] else ""
     yield _line(
-        f"{found['package']['name']}/{found['name']}: {found['language']} {found['kind']}{ros}",
-        found["repository"]["name"],
-        where(found["evidence"]),
+        f"{data['package']['name']}/{data['name']}: {data['language']} {data['kind']}{ros}",
+        data["repository"]["name"],
+        where(data["evidence"]),
     )
-    if found["start"]:
-        yield f"start: {found['start']}"
+    if data["start"]:
+        yield f"start: {data['start']}"
     for kind in ("functions", "hardware", "devices", "capabilities"):
-        shown = [one for one in found[kind] if detail or kind != "capabilities" or one["evidence"]]
+        shown = [one for one in data[kind] if detail or kind != "capabilities" or one["evidence"]]
         if shown:
             graded = (f"{one['label']} ({one['grade']})" if one["grade"] else str(one["label"]) for one in shown)
             yield f"{kind}: {'; '.join(graded)}"
-    for one in found["descriptions"][: None if detail else _TEXTS]:
+    for one in data["descriptions"][: None if detail else _TEXTS]:
         text = one["text"] if detail or len(one["text"]) <= _WORDS else f"{one['text'][:_WORDS]}..."
         yield _line(f"{one['kind']}: {' '.join(text.split())}", where(one["evidence"]))
     left_out = 0
-    for one in found["interfaces"]:
+    for one in data["interfaces"]:
         if one["implicit"] and not detail:
             left_out += 1
             continue
@@ -79,34 +79,34 @@ def node(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
         )
     if left_out:
         yield f"and {left_out} interfaces that frameworks create"
-    for one in found["slots"]:
+    for one in data["slots"]:
         yield _line("plugin", one.get("name") or one.get("base_class") or "", where(one["evidence"]))
-    for one in found["parameters"]:
+    for one in data["parameters"]:
         default = f"= {one['default']}" if one.get("default") is not None else ""
         yield _line("parameter", one["name"] or "a name not known", one["type"] or "", default, where(one["evidence"]),
                     _code(one, detail=detail))  # fmt: skip
-    for one in found["neighbours"] if detail else ():
+    for one in data["neighbours"] if detail else ():
         names = ", ".join(f"{other['package']}/{other['name']}" for other in one["nodes"])
         yield f"{one['kind']} {one['channel']} {'to' if one['outward'] else 'from'} {one['count']}: {names}"
-    for one in found["used_in"]["instances"]:
+    for one in data["used_in"]["instances"]:
         yield _line("started as", one["name"], "in", one["system"], where(one["evidence"]))
 
 
-def nodes(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+def nodes(data: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
     """Yield the names of the nodes of each package (view `list` of nodes), all of them whatever `detail` is."""
     del detail
     packages: defaultdict[str, list[str]] = defaultdict(list)
-    for one in found["rows"]:
+    for one in data["rows"]:
         packages[one["package"]].append(one["node"])
     for package in sorted(packages):
         yield f"{package}: {', '.join(sorted(packages[package]))}"
-    if found["total"] > len(found["rows"]):
-        yield f"{found['total']} nodes in all; `find_nodes` with `package` lists others"
+    if data["total"] > len(data["rows"]):
+        yield f"{data['total']} nodes in all; `find_nodes` with `package` lists others"
 
 
-def systems(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+def systems(data: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
     """Yield the launch files of a store (view `systems`); those that others include only with `detail`."""
-    for one in found["systems"]:
+    for one in data["systems"]:
         if one["included"] and not detail:
             continue
         wrong = ", ".join(
@@ -117,13 +117,13 @@ def systems(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[s
         yield _line(one["name"], f"ROS {one['ros']}", counts, wrong, one["repository"])
 
 
-def system(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def system(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield what a launch file starts, and the channels between (view `system`)."""
-    yield _line(found["name"], f"ROS {found['ros']}", where(found["evidence"]))
-    yield from findings({"findings": found["findings"]}, where, detail=detail)
+    yield _line(data["name"], f"ROS {data['ros']}", where(data["evidence"]))
+    yield from findings({"findings": data["findings"]}, where, detail=detail)
     ends: defaultdict[str, list[str]] = defaultdict(list)
     types: dict[str, str] = {}
-    for one in found["instances"]:
+    for one in data["instances"]:
         starts = one["starts"] or one["missing"] or "a node not known"
         yield _line("starts", one["name"], starts, one["condition"] or "", where(one["evidence"]))
         for end in one["ends"]:
@@ -134,18 +134,18 @@ def system(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str
             types[end["channel"]] = end["type"] or ""
     for name in sorted(ends):
         yield _line(name, types[name], f": {'; '.join(ends[name])}")
-    for one in found["settings"] if detail else ():
+    for one in data["settings"] if detail else ():
         yield _line("sets", one["name"], f"= {one['value']}", where(one["evidence"]))
 
 
-def channel(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def channel(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield the ends of a topic, service or action (view `channel`)."""
-    if not found["name"]:
-        yield from (f"may be {name}" for name in found["meant"])
+    if not data["name"]:
+        yield from (f"may be {name}" for name in data["meant"])
         return
-    launches = found["systems"]
-    yield _line(found["kind"], found["name"], ", ".join(found["types"]), f"in {len(launches)} launch files")
-    for one in found["endpoints"]:
+    launches = data["systems"]
+    yield _line(data["kind"], data["name"], ", ".join(data["types"]), f"in {len(launches)} launch files")
+    for one in data["endpoints"]:
         started = f"started {where(one['launched'])}" if one.get("launched") else ""
         yield _line(
             one["role"].replace("_", " "),
@@ -159,16 +159,16 @@ def channel(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[st
         yield from (f"  does not fit: {message}" for message in one["mismatches"])
 
 
-def parameter(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def parameter(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield the declarations and values of a parameter (view `parameter`)."""
-    if not found["name"]:
-        yield from (f"may be {name}" for name in found["meant"])
+    if not data["name"]:
+        yield from (f"may be {name}" for name in data["meant"])
         return
-    for one in found["declared"]:
+    for one in data["declared"]:
         default = f"= {one['default']}" if one["default"] is not None else ""
-        name = f"{one['package']}/{one['node']} {one['name'] or found['name']}"
+        name = f"{one['package']}/{one['node']} {one['name'] or data['name']}"
         yield _line("declared", name, one["type"] or "", default, where(one["evidence"]))
-    for one in found["values"]:
+    for one in data["values"]:
         value = one["value"] if one["value"] is not None else f"not known: {one['reason']}"
         yield _line(
             "value",
@@ -179,55 +179,55 @@ def parameter(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[
         )
 
 
-def findings(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def findings(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield what is wrong in launch files (view `lint`); evidence and remedy only with `detail`."""
-    for one in found["findings"]:
+    for one in data["findings"]:
         yield _line(one["severity"], one["code"], one["message"], where(one["place"]))
         if detail:
             yield f"  remedy: {one['way_out']}"
             yield from (f"  see {where(other)}" for other in one["evidence"])
 
 
-def hits(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def hits(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield nodes that were found (view `find`), each with its best reasons."""
-    yield from found["unknown"]
-    if found["hits"] and not found["fits"]:
+    yield from data["unknown"]
+    if data["hits"] and not data["fits"]:
         yield "nothing here fits; nearest are"
-    for one in found["hits"]:
+    for one in data["hits"]:
         ros = f"ROS {one['ros']}" if one["ros"] else ""
         yield _line(f"{one['rank']}. {one['package']}/{one['name']}", one["kind"], ros, where(one["evidence"]))
         for reason in one["reasons"][: None if detail else 2]:
             yield _line(f"  {reason['text']}", where(reason["evidence"]))
-    if found["total"] > len(found["hits"]):
-        yield f"{found['total']} hits in all; `limit` shows more"
-    if not found["hits"]:
+    if data["total"] > len(data["hits"]):
+        yield f"{data['total']} hits in all; `limit` shows more"
+    if not data["hits"]:
         yield "no node fits"
 
 
-def impact(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+def impact(data: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
     """Yield what breaks if a name changes (view `impact`)."""
-    yield f"{found['kind']} {found['name']}: {found['breaks']} places break, {found['may']} may break"
-    for one in found["effects"]:
+    yield f"{data['kind']} {data['name']}: {data['breaks']} places break, {data['may']} may break"
+    for one in data["effects"]:
         place = f"{one['file']}:{one['line']}" if one.get("line") else one.get("file") or ""
         systems_ = f"in {', '.join(one['systems'])}" if detail and one.get("systems") else ""
         yield _line(one["grade"], one["what"], one.get("reason") or "", place, systems_)
 
 
-def capabilities(found: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
+def capabilities(data: dict[str, Any], _where: Where, *, detail: bool) -> Iterator[str]:
     """Yield what a launch file or package can do (view `capabilities`)."""
-    yield f"{found['of']} can:"
-    for one in found["capabilities"]:
+    yield f"{data['of']} can:"
+    for one in data["capabilities"]:
         ways = [f"{way['kind']} {way['name']}" for way in one["ways"]]
         yield _line(one["modality"], one["name"], f"({one['label']})", "; ".join(ways if detail else ways[:1]))
 
 
-def proofs(found: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
+def proofs(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     """Yield why a fact holds (view `why`): each fact with its rule or its place, indented below what it proves."""
-    for proof in found["proofs"]:
+    for proof in data["proofs"]:
         yield from _proof(proof, where, 0, detail=detail)
-    if found["ways"] > 1:
-        more = "or more " if found["more_ways"] else ""
-        yield f"{found['ways']} {more}ways lead to it"
+    if data["ways"] > 1:
+        more = "or more " if data["more_ways"] else ""
+        yield f"{data['ways']} {more}ways lead to it"
 
 
 def _proof(fact: dict[str, Any], where: Where, depth: int, *, detail: bool) -> Iterator[str]:
@@ -246,12 +246,12 @@ def _proof(fact: dict[str, Any], where: Where, depth: int, *, detail: bool) -> I
             yield _line(f"{'  ' * (depth + 2)}{one['text']}", where(one.get("evidence")))
 
 
-def lacking(found: dict[str, Any], where: Where, *, detail: bool, depth: int = 0) -> Iterator[str]:
+def lacking(data: dict[str, Any], where: Where, *, detail: bool, depth: int = 0) -> Iterator[str]:
     """Yield why a fact does not hold (view `why_not`): what each rule that could derive it lacks."""
     indent = "  " * depth
     if not depth:
-        yield f"{found['fact']['text']} does not hold"
-    for one in found["attempts"]:
+        yield f"{data['fact']['text']} does not hold"
+    for one in data["attempts"]:
         yield _line(f"{indent}rule {one['rule']['name']}", one["fails"], where(one["rule"]["evidence"]))
         for near in (one.get("nearest") or ())[: None if detail else 1]:
             yield f"{indent}  nearest: {near}"
@@ -270,7 +270,7 @@ def _line(*parts: str) -> str:
 
 
 def paged(lines: Iterable[str], legend: list[str], page: int, size: int, *, further: str = FURTHER) -> str:
-    """Return a page of lines of at most `size` bytes, with what tells of the others; pages count from 1.
+    """Return a page of lines of at most `size` bytes, with a line about the others; pages count from 1.
 
     A line that is longer than a page is cut. Every page ends with the legend. `further` names the page of a number.
     """

@@ -45,7 +45,7 @@ Names = Annotated[
     Field(description="Message, service or action types or names, e.g. sensor_msgs/LaserScan or /scan."),
 ]
 Words = Annotated[
-    list[str] | None, Field(description="Names as kg knows them; an unknown one is an error with suggestions.")
+    list[str] | None, Field(description="Names in the store; an unknown one is an error with suggestions.")
 ]
 System = Annotated[str, Field(description="A launch file as `wiring` lists them without arguments.")]
 Detail = Annotated[bool, Field(description="More about each fact, on longer pages.")]
@@ -63,8 +63,8 @@ async def ask_person(program: str, dry_run: bool, context: Context[Any]) -> _Con
     """Ask a person whether a program may move the robot; ToolError where nobody can be asked."""
     if dry_run:
         return _Consent(run=False)
-    known = context.client_capabilities
-    if known is None or known.elicitation is None:
+    capabilities = context.client_capabilities
+    if capabilities is None or capabilities.elicitation is None:
         raise ToolError(
             "no person can be asked: this client does not support elicitation. Nothing was run; give the program to "
             "the person, who can run it by `kg robot run FILE`"
@@ -142,8 +142,8 @@ class Tools:
         Each fact has its line of code. Functions, hardware and capabilities are inferred, with a grade (certain,
         strong, weak); `why` proves them. `detail` adds what frameworks create, all texts, and the nodes around it.
         """
-        asked = {"iri": name} if "://" in name else {"name": name}
-        return await self._lines("node", asked, lines.node, detail=detail, page=page)
+        arguments = {"iri": name} if "://" in name else {"name": name}
+        return await self._lines("node", arguments, lines.node, detail=detail, page=page)
 
     async def wiring(self, system: System = "", *, detail: Detail = False, page: Page = 1) -> str:
         """Show what a launch file starts, the topics and services between its nodes, and what is wrong.
@@ -169,10 +169,10 @@ class Tools:
 
         Each end has its node, line of code, launch line and QoS, and what does not fit. Several names are listed.
         """
-        asked = {"name": name, "system": system}
+        arguments = {"name": name, "system": system}
         if kind == "parameter":
-            return await self._lines("parameter", asked, lines.parameter, detail=detail, page=page)
-        return await self._lines("channel", {"kind": kind, **asked}, lines.channel, detail=detail, page=page)
+            return await self._lines("parameter", arguments, lines.parameter, detail=detail, page=page)
+        return await self._lines("channel", {"kind": kind, **arguments}, lines.channel, detail=detail, page=page)
 
     async def lint(
         self,
@@ -186,8 +186,8 @@ class Tools:
 
         Each finding has a code and its place; `detail` adds the remedy and the evidence.
         """
-        asked = {"system": system, "package": package}
-        return await self._lines("lint", asked, lines.findings, none="nothing is wrong", detail=detail, page=page)
+        arguments = {"system": system, "package": package}
+        return await self._lines("lint", arguments, lines.findings, none="nothing is wrong", detail=detail, page=page)
 
     async def impact(
         self,
@@ -244,13 +244,13 @@ class Tools:
             raise tool_error(error) from error
         if answer.head.kind == "boolean":
             return "yes" if json.loads(body)["boolean"] else "no"
-        found = body.splitlines()
-        if answer.head.kind == "rows" and len(found) < _HEADED:
+        answer_lines = body.splitlines()
+        if answer.head.kind == "rows" and len(answer_lines) < _HEADED:
             problems = (await self._answer("diagnose", {"text": sparql}))["problems"]
             hints = [f"{one['message']}. {one['hint'] or ''}".rstrip() for one in problems]
-            return lines.paged([*found, "no rows", *hints], [], page, PAGE)
+            return lines.paged([*answer_lines, "no rows", *hints], [], page, PAGE)
         more = [f"there are more rows than {limit}"] if answer.end and answer.end.more else []
-        return lines.paged(found or ["no triples"], more, page, PAGE)
+        return lines.paged(answer_lines or ["no triples"], more, page, PAGE)
 
     async def why(
         self,
@@ -267,12 +267,12 @@ class Tools:
         """
         fact = {"subject": subject, "predicate": predicate, "object": value}
         try:
-            found = await self._answer("why", fact)
+            answer = await self._answer("why", fact)
         except KgError as error:
             if error.code != _DOES_NOT_HOLD:
                 raise tool_error(error) from error
             return await self._lines("why_not", fact, lines.lacking, detail=detail, page=page)
-        return _text(found, lines.proofs, detail=detail, page=page)
+        return _text(answer, lines.proofs, detail=detail, page=page)
 
     async def capabilities(self, system: System, *, detail: Detail = False, page: Page = 1) -> str:
         """List what the robot of a launch file can sense and do, with the topics, services and actions to use."""
@@ -327,27 +327,27 @@ class Tools:
 
     async def nodes(self, page: int = 1) -> str:
         """Return the names of the nodes by package, for the resource of that name."""
-        found = await self._answer("list", {"of": "nodes", "limit": str(_MOST_NODES)})
-        return _document("nodes", lines.nodes(found, lines.Where(), detail=False), page)
+        answer = await self._answer("list", {"of": "nodes", "limit": str(_MOST_NODES)})
+        return _document("nodes", lines.nodes(answer, lines.Where(), detail=False), page)
 
     async def launch_files(self, page: int = 1) -> str:
         """Return the launch files with their counts, for the resource of that name."""
-        found = await self._answer("systems", {})
-        return _document("launch-files", lines.systems(found, lines.Where(), detail=False), page)
+        answer = await self._answer("systems", {})
+        return _document("launch-files", lines.systems(answer, lines.Where(), detail=False), page)
 
     async def rules(self, page: int = 1) -> str:
         """Return the names and titles of the rules in force, for the resource of that name."""
-        found = await self._answer("rules", {})
-        every = (one for family in found["families"] if family["in_force"] for one in family["rules"])
+        answer = await self._answer("rules", {})
+        every = (one for family in answer["families"] if family["in_force"] for one in family["rules"])
         return _document("rules", (f"{one['rule']}: {one['title']}" for one in every), page)
 
     async def rule(self, name: str, page: int = 1) -> str:
         """Return a page of the text of a rule, for the resource of that name."""
         try:
-            found = await self._answer("rule", {"name": name})
+            answer = await self._answer("rule", {"name": name})
         except KgError as error:
             raise tool_error(error) from error
-        return lines.paged(str(found["text"]).splitlines(), [], page, PAGE, further=_further("rule", name))
+        return lines.paged(str(answer["text"]).splitlines(), [], page, PAGE, further=_further("rule", name))
 
     async def node(self, name: str, page: int = 1) -> str:
         """Return a page of `describe_node`, for the resource of that name."""
@@ -370,14 +370,14 @@ class Tools:
         further: str = lines.FURTHER,
     ) -> str:
         try:
-            found = await self._answer(view, arguments)
+            answer = await self._answer(view, arguments)
         except KgError as error:
             raise tool_error(error) from error
-        return _text(found, written, none=none, detail=detail, page=page, further=further)
+        return _text(answer, written, none=none, detail=detail, page=page, further=further)
 
     async def _answer(self, view: str, arguments: dict[str, Any]) -> dict[str, Any]:
-        found: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
-        return found
+        answer: dict[str, Any] = json.loads(await self._open.call(view, arguments, seconds=self._seconds))
+        return answer
 
     async def _command(self, *arguments: str, seconds: float, page: int = 1, hidden: str = "", advice: str = "") -> str:
         try:
@@ -399,7 +399,7 @@ class Tools:
 
 
 def _text(  # noqa: PLR0913 - how an answer is shown
-    found: dict[str, Any],
+    answer: dict[str, Any],
     written: Callable[..., Any],
     *,
     none: str = "nothing",
@@ -408,7 +408,7 @@ def _text(  # noqa: PLR0913 - how an answer is shown
     further: str = lines.FURTHER,
 ) -> str:
     where = lines.Where()
-    shown = list(written(found, where, detail=detail)) or [none]
+    shown = list(written(answer, where, detail=detail)) or [none]
     return lines.paged(shown, where.legend, page, _DETAILED if detail else PAGE, further=further)
 
 

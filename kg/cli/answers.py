@@ -40,12 +40,12 @@ def format_for(name: str) -> str:
     """
     if name == "auto":
         return "table" if terminal() else "tsv"
-    found = _OTHER_NAMES.get(name, name)
-    known = ("table", *SOLUTION_FORMATS, parquet.NAME, *GRAPH_FORMATS)
-    if found not in known:
-        near = did_you_mean(name, known)
-        raise QueryError("KG504", f"unknown format `{name}`", hint=near or f"The formats are {', '.join(known)}.")
-    return found
+    full = _OTHER_NAMES.get(name, name)
+    formats = ("table", *SOLUTION_FORMATS, parquet.NAME, *GRAPH_FORMATS)
+    if full not in formats:
+        near = did_you_mean(name, formats)
+        raise QueryError("KG504", f"unknown format `{name}`", hint=near or f"The formats are {', '.join(formats)}.")
+    return full
 
 
 def answer(result: Result, name: str, *, automatic: bool = False, links: Links | None = None) -> None:
@@ -106,8 +106,8 @@ def _add_places(
     rows: list[list[object]], result: Solutions, at: Mapping[str, int], room: int, links: Links | None
 ) -> None:
     """Add the place of each row, if there is room."""
-    found = [(display(row[at["file"]]), display(row[at["line"]])) for row in result.rows]
-    shown = fitted([f"{file}:{line}" if line else file for file, line in found], room)
-    for row, (file, line), text in zip(rows, found, shown, strict=True):
+    places = [(display(row[at["file"]]), display(row[at["line"]])) for row in result.rows]
+    shown = fitted([f"{file}:{line}" if line else file for file, line in places], room)
+    for row, (file, line), text in zip(rows, places, shown, strict=True):
         address = links.find(file, int(line)) if links and line.isdigit() else None
         row.append(Linked(text, address))

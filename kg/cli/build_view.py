@@ -34,9 +34,9 @@ def summary(report: BuildReport, store: Path, *, every: bool) -> Iterator[str]:
         gone = f", {removed:,} gone" if removed else ""
         yield f"read {count(report.read, 'package')} of {sources}{unchanged}{gone} in {report.seconds:.2f} s"
     kinds = (("nodes", "node"), ("interfaces", "interface"), ("parameters", "parameter"))
-    found = [count(report.total(key), noun) for key, noun in kinds]
+    counts = [count(report.total(key), noun) for key, noun in kinds]
     definitions = count(report.total("definitions"), "interface type")
-    yield f"found {', '.join(found)}, {definitions} in {count(report.total('files'), 'file')}"
+    yield f"found {', '.join(counts)}, {definitions} in {count(report.total('files'), 'file')}"
     if report.systems and report.systems.configurations:
         instances = count(report.systems.instances, "instance")
         yield f"wired {instances} of {count(report.systems.configurations, 'launch file')}"
@@ -61,9 +61,9 @@ def _unresolved(report: BuildReport, *, every: bool) -> Iterator[str]:
     shown = list(reasons.items())[: None if every else _FEW_REASONS]
     for reason, number in shown:
         yield f"  {number:>5,}  {printable(reason)}"
-    rest = total - sum(number for _, number in shown)
-    if rest > 0:
-        yield f"  {rest:>5,}  other reasons (`kg build --problems` lists all)"
+    others = total - sum(number for _, number in shown)
+    if others > 0:
+        yield f"  {others:>5,}  other reasons (`kg build --problems` lists all)"
 
 
 def _problems_of(source: SourceReport) -> list[Problem]:

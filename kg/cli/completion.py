@@ -58,9 +58,9 @@ def features(kind: str) -> Callable[[str], list[str]]:
 
     @completing
     def complete(_: str) -> Iterable[str]:
-        from kg.search.filters import known  # noqa: PLC0415 - start-up time
+        from kg.search.filters import filter_values  # noqa: PLC0415 - start-up time
 
-        whole = known(kind, open_search(existing(load())).names)
+        whole = filter_values(kind, open_search(existing(load())).names)
         return sorted({*whole, *(name.rpartition("/")[2] for name in whole)})
 
     return complete
@@ -93,11 +93,11 @@ def channels(kind: str) -> Callable[[str], list[str]]:
 
     @completing
     def complete(incomplete: str) -> Iterable[str]:
-        from kg.graph.channels_reading import names as known  # noqa: PLC0415 - start-up time
+        from kg.graph.channels_reading import names as filter_values  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
-            found = known(snapshot, kind)
-        return [name.removeprefix("/") for name in found] if incomplete and not incomplete.startswith("/") else found
+            names = filter_values(snapshot, kind)
+        return [name.removeprefix("/") for name in names] if incomplete and not incomplete.startswith("/") else names
 
     return complete
 

@@ -30,17 +30,17 @@ FIGURE_COLUMNS: Final = (
 RNKG_COLUMNS: Final = (Column("as RNKG counts", "name"), Column("here", "number"), Column("RNKG", "number"))
 
 
-def step_rows(found: Selection) -> Iterator[tuple[object, ...]]:
+def step_rows(selection: Selection) -> Iterator[tuple[object, ...]]:
     """Yield what each criterion removed, below the number of all projects."""
-    yield "all", "", len(found.dataset.projects), ""
-    for step in found.steps:
+    yield "all", "", len(selection.dataset.projects), ""
+    for step in selection.steps:
         yield step.criterion.name, len(step.removed), step.left, step.criterion.says
 
 
-def figure_rows(found: Selection) -> Iterator[tuple[object, ...]]:
+def figure_rows(selection: Selection) -> Iterator[tuple[object, ...]]:
     """Yield the rows of Table 2: our figure, the paper's, and the difference in percent."""
     paper = paper_figures()
-    for key, ours in found.figures.items():
+    for key, ours in selection.figures.items():
         name, theirs = key.replace("_", " "), paper.table.get(key, {})
         yield name, "ours", *(_figure(ours.get(one), one) for one in STATISTICS)
         if theirs:
@@ -58,14 +58,14 @@ def _more(ours: float | None, paper: float | None) -> str:
     return f"{(ours / paper - 1) * 100:+.1f} %" if ours is not None and paper else "-"
 
 
-def selection_object(found: Selection) -> dict[str, Any]:
+def selection_object(selection: Selection) -> dict[str, Any]:
     """Return a selection as plain values for JSON."""
     paper = paper_figures()
     return {
-        "dataset": str(found.dataset.path),
-        "criteria": str(found.criteria.path),
-        "projects": len(found.dataset.projects),
-        "selected": len(found.kept),
+        "dataset": str(selection.dataset.path),
+        "criteria": str(selection.criteria.path),
+        "projects": len(selection.dataset.projects),
+        "selected": len(selection.selected),
         "selected_paper": paper.projects,
         "steps": [
             {
@@ -73,14 +73,14 @@ def selection_object(found: Selection) -> dict[str, Any]:
                 "says": step.criterion.says,
                 "removed": len(step.removed),
                 "left": step.left,
-                "projects": [project.cells[found.criteria.project] for project in step.removed],
+                "projects": [project.cells[selection.criteria.project] for project in step.removed],
             }
-            for step in found.steps
+            for step in selection.steps
         ],
         "figures": {
-            name: {"ours": ours, "paper": dict(paper.table.get(name, {}))} for name, ours in found.figures.items()
+            name: {"ours": ours, "paper": dict(paper.table.get(name, {}))} for name, ours in selection.figures.items()
         },
-        "addresses": list(found.addresses()),
+        "addresses": list(selection.addresses()),
     }
 
 

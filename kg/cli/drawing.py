@@ -31,22 +31,22 @@ Output = Annotated[
 ]
 
 
-def form_of(asked: Mapping[str, bool], output: str | None) -> str:
+def form_of(flags: Mapping[str, bool], output: str | None) -> str:
     """Return the format of a flag or of the file name's suffix; `text` without either.
 
     UsageError KG003 for two flags, or an unknown suffix.
     """
-    chosen = [form for form, is_asked in asked.items() if is_asked]
+    chosen = [form for form, is_given in flags.items() if is_given]
     if len(chosen) > 1:
         raise UsageError("KG003", f"--{chosen[0]} and --{chosen[1]} do not go together", hint="Choose one form.")
     if chosen:
         return chosen[0]
     ending = Path(output or "").suffix
-    known = {ending: form for ending, form in _ENDINGS.items() if form in asked or form == "text"}
-    if ending and ending not in known:
-        hint = f"Write to {', '.join(f'*{one}' for one in known)}, or name the form with a flag."
+    forms = {ending: form for ending, form in _ENDINGS.items() if form in flags or form == "text"}
+    if ending and ending not in forms:
+        hint = f"Write to {', '.join(f'*{one}' for one in forms)}, or name the form with a flag."
         raise UsageError("KG003", f"this cannot be written as `{ending}`", hint=hint)
-    return known.get(ending, "text")
+    return forms.get(ending, "text")
 
 
 def deliver(text: str, form: str, output: str | None, name: str) -> None:

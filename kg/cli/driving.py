@@ -106,119 +106,123 @@ async def _driver(settings: Settings, **options: Any) -> AsyncIterator[tuple[Dri
             yield driver, graph
 
 
-def read_capability(settings: Settings, name: str, asked: Reading) -> None:
+def read_capability(settings: Settings, name: str, options: Reading) -> None:
     """Write the values of a capability as they arrive; RobotError as `Driver.read`, KG825 if none arrived in time."""
     read = _read_topic if name.startswith("/") else _read
-    interruptible(read(settings, name, asked))
+    interruptible(read(settings, name, options))
 
 
-async def _read(settings: Settings, name: str, asked: Reading) -> None:
+async def _read(settings: Settings, name: str, options: Reading) -> None:
     async with _driver(settings) as (driver, _):
         capability = find(driver.capabilities, name, "read")
-        for doubt in await driver.doubts(name, "read", way=asked.way):
-            warn(doubt, json=asked.json)
-        values = driver.read(name, way=asked.way, rate=asked.rate)
-        await _tell_in_time(
-            values, capability.name, asked, driver.connection, lambda one: tell(one, capability, json=asked.json)
+        for doubt in await driver.doubts(name, "read", way=options.way):
+            warn(doubt, json=options.json)
+        values = driver.read(name, way=options.way, rate=options.rate)
+        await _write_in_time(
+            values,
+            capability.name,
+            options,
+            driver.connection,
+            lambda one: write_values(one, capability, json=options.json),
         )
 
 
-async def _read_topic(settings: Settings, topic: str, asked: Reading) -> None:
+async def _read_topic(settings: Settings, topic: str, options: Reading) -> None:
     """Write the messages of a topic as JSON."""
-    if asked.way is not None:
+    if options.way is not None:
         raise UsageError("KG003", f"`{topic}` is a topic, so --way has no effect", hint="Leave out --way.")
     async with connected(address_of(settings)) as connection:
         subscription = await connection.subscribe(topic, queue=_QUEUE)
-        throttle = Throttle(asked.rate)
+        throttle = Throttle(options.rate)
         values = (one.value async for one in subscription if throttle.takes(one.at))
         try:
-            await _tell_in_time(values, topic, asked, connection, tell_message)
-            if asked.count is None and asked.seconds is None and not is_recording(connection.address):
+            await _write_in_time(values, topic, options, connection, write_message)
+            if options.count is None and options.seconds is None and not is_recording(connection.address):
                 raise RobotError("KG803", f"`{topic}` has ended")
         finally:
             await subscription.aclose()
 
 
-async def _tell_in_time(
+async def _write_in_time(
     values: AsyncGenerator[dict[str, Any], None],
     name: str,
-    asked: Reading,
+    options: Reading,
     connection: Connection,
     show: Callable[[dict[str, Any]], None],
 ) -> None:
     """Write values up to the requested number or duration; KG825 if there was none."""
     try:
         # Until the first value, seconds are wall-clock: connecting takes as long however fast a simulation runs.
-        seconds = None if asked.seconds is None else max(asked.seconds, _FIRST)
+        seconds = None if options.seconds is None else max(options.seconds, _FIRST)
         first = await asyncio.wait_for(anext(values), seconds)
     except (TimeoutError, StopAsyncIteration):
         raise RobotError("KG825", f"nothing was read of `{name}`") from None
     show(first)
 
-    async def show_rest() -> None:
+    async def show_values() -> None:
         shown = 1
-        while asked.count is None or shown < asked.count:
+        while options.count is None or shown < options.count:
             value = await anext(values, None)
             if value is None:
                 return
             show(value)
             shown += 1
 
-    if asked.seconds is None:
-        await show_rest()
+    if options.seconds is None:
+        await show_values()
     else:
         with suppress(TimeoutError):
-            await within(connection.clock, asked.seconds, show_rest())
+            await within(connection.clock, options.seconds, show_values())
 
 
-def do_capability(settings: Settings, name: str, asked: Doing) -> None:
+def do_capability(settings: Settings, name: str, options: Doing) -> None:
     """Execute a capability and write its progress; raises as `Driver.do`, and KG003 for an endless movement."""
-    interruptible(_do(settings, name, asked), moves=True)
+    interruptible(_do(settings, name, options), moves=True)
 
 
-async def _do(settings: Settings, name: str, asked: Doing) -> None:
+async def _do(settings: Settings, name: str, chosen: Doing) -> None:
     # Without `at`, the file is not read: landing must not fail because it is missing.
-    own = read_places(settings.places) if AT in asked.arguments else {}
-    options = {"exclusive": asked.exclusive, "on_problem": lambda one: warn(one, json=asked.json)}
+    own = read_places(settings.places) if AT in chosen.arguments else {}
+    options = {"exclusive": chosen.exclusive, "on_problem": lambda one: warn(one, json=chosen.json)}
     if is_recording(address_of(settings)):
         raise not_commanded(address_of(settings))
     async with _driver(settings, **options) as (driver, graph):
         capability = find(driver.capabilities, name, "write")
-        arguments = asked.arguments
+        arguments = chosen.arguments
         if AT in arguments:
             arguments = at_place(capability, arguments, {**await offered(driver.connection, graph), **own})
-        seconds = asked.timeout if asked.keep is None else asked.keep
-        plan = await driver.plan(name, arguments, seconds=seconds, way=asked.way)
-        if asked.dry_run:
-            show_plan(plan, json=asked.json)
+        seconds = chosen.timeout if chosen.keep is None else chosen.keep
+        plan = await driver.plan(name, arguments, seconds=seconds, way=chosen.way)
+        if chosen.dry_run:
+            show_plan(plan, json=chosen.json)
             return
-        if plan.rate and asked.keep is None:
+        if plan.rate and chosen.keep is None:
             raise UsageError("KG003", f"`{plan.capability}` needs a duration", hint="For example: --for 2.")
-        if not plan.rate and asked.keep is not None:
+        if not plan.rate and chosen.keep is not None:
             raise UsageError(
                 "KG003",
                 f"`{plan.capability}` ends by itself",
                 hint="Leave out --for; --timeout bounds it.",
             )
-        for doubt in await driver.doubts(name, "write", way=asked.way):
-            warn(doubt, json=asked.json)
-        throttle = Throttle(None if asked.json else _FEEDBACK)
+        for doubt in await driver.doubts(name, "write", way=chosen.way):
+            warn(doubt, json=chosen.json)
+        throttle = Throttle(None if chosen.json else _FEEDBACK)
 
-        def feedback(told: Mapping[str, Any]) -> None:
+        def feedback(values: Mapping[str, Any]) -> None:
             # Wall-clock: people do not read faster when a simulation runs faster.
             if throttle.takes(monotonic()):
-                tell_feedback(told, capability, json=asked.json)
+                write_feedback(values, capability, json=chosen.json)
 
         async def follow() -> None:
             async for changed in driver.connection.changes():
                 driver.saw(changed)
 
-        following = spawn(follow(), "following who else drives the robot")
+        following = spawn(follow(), "following other controllers of the robot")
         try:
-            outcome = await driver.do(name, arguments, seconds=seconds, way=asked.way, on_feedback=feedback)
+            outcome = await driver.do(name, arguments, seconds=seconds, way=chosen.way, on_feedback=feedback)
         finally:
             await ended(following)
-        show_outcome(outcome, capability, json=asked.json)
+        show_outcome(outcome, capability, json=chosen.json)
         if outcome.problem is not None:
             raise outcome.problem
 
@@ -228,16 +232,16 @@ _WIDEST: Final = 100  # maximum columns of a progress line
 _QUATERNION: Final = {"x", "y", "z", "w"}
 
 
-def tell(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
+def write_values(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
     """Write values by parameter, with units on a terminal, else as a line of JSON."""
     if json or not terminal():
-        tell_message(value)
+        write_message(value)
     else:
         write(_words(value, capability))
         sys.stdout.flush()
 
 
-def tell_message(value: Mapping[str, Any]) -> None:
+def write_message(value: Mapping[str, Any]) -> None:
     """Write a message as a line of JSON."""
     json_lines([json_value(value, _of_bytes)])
     sys.stdout.flush()
@@ -249,14 +253,14 @@ def warn(doubt: GraphProblem, *, json: bool) -> None:
     report(error, "warning")
     if json:
         hint = CATALOGUE[doubt.code].way_out
-        told = {"event": "warning", "code": doubt.code, "name": doubt.subject, "message": doubt.message, "hint": hint}
-        tell_message(told)
+        event = {"event": "warning", "code": doubt.code, "name": doubt.subject, "message": doubt.message, "hint": hint}
+        write_message(event)
 
 
-def tell_feedback(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
+def write_feedback(value: Mapping[str, Any], capability: Capability, *, json: bool) -> None:
     """Write the progress of a goal: as a line of data with `json`, else as a short text."""
     if json:
-        tell({"feedback": value}, capability, json=True)
+        write_values({"feedback": value}, capability, json=True)
     elif words := _words(value, capability):
         say(words if len(words) <= _WIDEST else f"{words[: _WIDEST - 3]}...")
 
@@ -264,10 +268,10 @@ def tell_feedback(value: Mapping[str, Any], capability: Capability, *, json: boo
 def show_outcome(outcome: Outcome, capability: Capability, *, json: bool) -> None:
     """Write the outcome of a command and its results."""
     if json or not terminal():
-        found = {"ended": outcome.ended, "sent": outcome.sent, "values": outcome.values}
+        result = {"ended": outcome.ended, "sent": outcome.sent, "values": outcome.values}
         if outcome.moved is not None:
-            found["moved"] = outcome.moved
-        json_lines([json_value(found, _of_bytes)])
+            result["moved"] = outcome.moved
+        json_lines([json_value(result, _of_bytes)])
         return
     if outcome.values:
         write(_words(outcome.values, capability))
@@ -294,20 +298,22 @@ def show_plan(plan: Plan, *, json: bool) -> None:
 
 
 def _lines(value: Mapping[str, Any], depth: int = 0) -> list[str]:
-    found = []
+    lines = []
     for name, one in value.items():
         if isinstance(one, dict):
-            found += [f"{'  ' * depth}{name}:", *_lines(one, depth + 1)]
+            lines += [f"{'  ' * depth}{name}:", *_lines(one, depth + 1)]
         else:
-            found.append(f"{'  ' * depth}{name}: {_short(one)}")
-    return found
+            lines.append(f"{'  ' * depth}{name}: {_short(one)}")
+    return lines
 
 
 def _words(value: Mapping[str, Any], capability: Capability) -> str:
     units = {one.name: one.unit for one in capability.parameters}
     leaves = dict(_leaves(value))
     shared = Counter(ending for name in leaves for ending in _endings(name))
-    short = {next((one for one in _endings(name) if shared[one] == 1), name): told for name, told in leaves.items()}
+    short = {
+        next((one for one in _endings(name) if shared[one] == 1), name): value_of for name, value_of in leaves.items()
+    }
     parts = []
     for name, one in short.items():
         unit = f" {units[name]}" if units.get(name) and isinstance(one, int | float) else ""

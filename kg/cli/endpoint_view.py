@@ -34,23 +34,23 @@ _SHOWN: Final = (
 
 
 def endpoint_view(
-    found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
+    channel: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
 ) -> Iterator[RenderableType]:
     """Yield the output for the view `channel` at a width in columns.
 
     `every` gives each launch file a row, `via` adds the calls from a line to the framework.
     """
-    ends = found["endpoints"]
+    ends = channel["endpoints"]
     qualities = {one["quality"] for one in ends}
-    yield Text.assemble((printable(found["name"]), "bold"), f"  {found['kind']}  {', '.join(found['types'])}")
-    where = f"in {count(len(found['systems']), 'launch file')}" if found["systems"] else "in no launch file"
+    yield Text.assemble((printable(channel["name"]), "bold"), f"  {channel['kind']}  {', '.join(channel['types'])}")
+    where = f"in {count(len(channel['systems']), 'launch file')}" if channel["systems"] else "in no launch file"
     same = f"; QoS {''.join(qualities)}" if len(qualities) == 1 and qualities != {""} else ""
-    yield Text(f"  {where}; {_fit(found)}{same}", style="dim")
+    yield Text(f"  {where}; {_fit(channel)}{same}", style="dim")
     yield Text()
     titles = {
         "node": Column("node", "name"),
         "of": Column("of", spare=3),
-        "type": Column("type", spare=2) if len(found["types"]) > 1 else None,
+        "type": Column("type", spare=2) if len(channel["types"]) > 1 else None,
         "QoS": Column("QoS") if len(qualities) > 1 else None,
         "started": Column("started at", "dim"),
         "in": Column("launch file") if every else Column("in", spare=1),
@@ -61,10 +61,10 @@ def endpoint_view(
     rows = list(_endpoints(shown_ends, places, every=every, via=via))
     shown = {name: column for name, column in titles.items() if column and any(row.get(name) for row in rows)}
     yield make_table(tuple(shown.values()), [[row.get(name, "") for name in shown] for row in rows])
-    yield from _rest(ends, shown_ends)
-    if found["findings"]:
+    yield from _hidden_rows(ends, shown_ends)
+    if channel["findings"]:
         yield Text()
-    for one in found["findings"]:
+    for one in channel["findings"]:
         yield Text.assemble((f"{one['severity']}[{one['code']}]", "bold"), f": {printable(one['message'])}")
         systems = one["systems"]
         more = f" and {count(len(systems) - _MOST, 'other launch file')}" if len(systems) > _MOST else ""
@@ -72,15 +72,15 @@ def endpoint_view(
 
 
 def parameter_view(
-    found: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
+    parameter: Mapping[str, Any], links: Links, columns: int, *, every: bool, via: bool
 ) -> Iterator[RenderableType]:
     """Yield the output for the view `parameter` at a width in columns; see `endpoint_view`."""
-    yield Text.assemble((printable(found["name"]), "bold"), "  parameter")
-    values = found["values"] if every else list(_folded(found["values"]))
-    place = _Places(links, columns, [*found["declared"], *values], ("evidence", "set_at", "launched"))
-    if found["declared"]:
+    yield Text.assemble((printable(parameter["name"]), "bold"), "  parameter")
+    values = parameter["values"] if every else list(_folded(parameter["values"]))
+    place = _Places(links, columns, [*parameter["declared"], *values], ("evidence", "set_at", "launched"))
+    if parameter["declared"]:
         yield Text()
-        rows = [row for one in found["declared"] for row in _declared(one, place, via=via)]
+        rows = [row for one in parameter["declared"] for row in _declared(one, place, via=via)]
         titles = (Column("declared by", "name"), Column("type"), Column("default"), Column("code does", spare=1))
         yield make_table((*titles, Column("code", "dim")), rows)
     if values:
@@ -94,7 +94,7 @@ def parameter_view(
             Column("started at", "dim", spare=2),
         )
         yield make_table((*titles, named), rows)
-        yield from _rest(found["values"], values)
+        yield from _hidden_rows(parameter["values"], values)
 
 
 def plain(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -108,14 +108,14 @@ def plain(row: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def _fit(found: Mapping[str, Any]) -> str:
-    sides = {one["role"]: one for one in found["endpoints"] if one["instance"] is not None}
-    if found["findings"]:
-        return f"{count(len(found['findings']), 'mismatch', 'mismatches')} of types or QoS"
+def _fit(channel: Mapping[str, Any]) -> str:
+    sides = {one["role"]: one for one in channel["endpoints"] if one["instance"] is not None}
+    if channel["findings"]:
+        return f"{count(len(channel['findings']), 'mismatch', 'mismatches')} of types or QoS"
     if len(sides) == 1:
         (role,) = sides
-        return NOBODY[found["kind"], role in {"publishes", "clients", "action_clients"}]
-    fit = "types and QoS fit" if found["kind"] == "topic" else "types fit"
+        return NOBODY[channel["kind"], role in {"publishes", "clients", "action_clients"}]
+    fit = "types and QoS fit" if channel["kind"] == "topic" else "types fit"
     return fit if sides else "only code has it"
 
 
@@ -162,7 +162,7 @@ def _folded(rows: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
             yield {**group[0], "launched": count(len(lines), "launch line"), "systems": systems}
 
 
-def _rest(rows: Sequence[object], shown: Sequence[object]) -> Iterator[RenderableType]:
+def _hidden_rows(rows: Sequence[object], shown: Sequence[object]) -> Iterator[RenderableType]:
     """Yield a line about the rows that are not shown, if there are any."""
     if len(shown) < len(rows):
         yield Text("--all shows every launch line", style="dim")

@@ -95,19 +95,19 @@ def left_out(entries: Sequence[Entry]) -> bool:
     return bool(entries)
 
 
-def not_as_pinned(lock: Lock, found: Standing) -> None:
+def not_as_pinned(lock: Lock, state: Standing) -> None:
     """Report the repositories of a lock file that are missing or differ from it."""
     place = printable(str(lock.path))
-    for entry in found.missing:
+    for entry in state.missing:
         why = "was not fetched" if entry.state == FETCHED else f"{entry.state}: {entry.reason}"
         problem("KG136", why, entry.name)
-    for entry, difference in found.drifted:
+    for entry, difference in state.drifted:
         problem("KG137", difference, entry.name)
-    if found.missing:
-        missing = count(len(found.missing), "repository", "repositories")
+    if state.missing:
+        missing = count(len(state.missing), "repository", "repositories")
         note(f"{missing} of {place} not checked out; fetch them with `kg corpus fetch --lock {place}`")
-    if found.drifted:
-        note(f"{count(len(found.drifted), 'checkout')} not at the commits that {place} pins; building them as they are")
+    if state.drifted:
+        note(f"{count(len(state.drifted), 'checkout')} not at the commits that {place} pins; building them as they are")
 
 
 def entry_object(entry: Entry) -> dict[str, Any]:

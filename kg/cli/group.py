@@ -14,7 +14,7 @@ from typer.main import get_command
 from kg.cli.guard import guarded, hang_up
 from kg.cli.manual import first_paragraph, page, plain
 from kg.errors import UsageError
-from kg.similar import asked, did_you_mean
+from kg.similar import did_you_mean, suggest
 
 CALLED: Final = {
     "init": ("build",),
@@ -76,10 +76,10 @@ class Later(NamedTuple):
     def load(self) -> Any:
         """Return the command."""
         module, _, function = self.place.partition(":")
-        found = import_module(f"kg.cli.commands.{module}")
+        loaded = import_module(f"kg.cli.commands.{module}")
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-        kind = getattr(found, self.kind) if self.kind else KgCommand
-        alone.command(self.name, cls=kind, rich_help_panel=self.panel)(getattr(found, function))
+        kind = getattr(loaded, self.kind) if self.kind else KgCommand
+        alone.command(self.name, cls=kind, rich_help_panel=self.panel)(getattr(loaded, function))
         return get_command(alone)
 
 
@@ -87,21 +87,21 @@ class _Commands(UserDict[str, Any]):
     """The commands of a group by name, imported on look-up, then subgroups."""
 
     def __getitem__(self, name: str) -> Any:
-        held = self.data[name]
+        command = self.data[name]
         # `kg --help` needs none of the modules of commands, so each is imported when its command is looked up.
-        if isinstance(held, Later):
-            held = self.data[name] = held.load()
-        return held
+        if isinstance(command, Later):
+            command = self.data[name] = command.load()
+        return command
 
     def entries(self) -> list[tuple[str, str, str]]:
         """Return panel, name and first paragraph of each command without importing any."""
-        found = []
-        for name, held in self.data.items():
-            if isinstance(held, Later):
-                found.append((held.panel, name, held.sentence))
-            elif not held.hidden:
-                found.append((getattr(held, "rich_help_panel", None) or "Commands", name, first_paragraph(held)))
-        return found
+        listed = []
+        for name, command in self.data.items():
+            if isinstance(command, Later):
+                listed.append((command.panel, name, command.sentence))
+            elif not command.hidden:
+                listed.append((getattr(command, "rich_help_panel", None) or "Commands", name, first_paragraph(command)))
+        return listed
 
 
 class KgGroup(TyperGroup):
@@ -136,8 +136,8 @@ class KgGroup(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command, or suggest the nearest one."""
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
-            meant = [name for name in CALLED.get(args[0], ()) if name in self.commands]
-            near = asked(meant) or did_you_mean(args[0], self.commands)
+            candidates = [name for name in CALLED.get(args[0], ()) if name in self.commands]
+            near = suggest(candidates) or did_you_mean(args[0], self.commands)
             hint = "\n".join(filter(None, (near, f"`{ctx.command_path} --help` lists the commands.")))
             raise UsageError("KG003", f"unknown command `{ctx.command_path} {args[0]}`", hint=hint)
         return super().resolve_command(ctx, args)

@@ -94,9 +94,9 @@ def _layout(rows: Sequence[Row], columns: int) -> _Layout:
     sides = max(width(row.name) for row in rows) + 2 + types + _GAP
     calls = len("via ") if any(row.via for row in rows) else 0
     choices = ((whole, remark), (without_shared, remark), (names, min(remark, _LEAST_REMARK)))
-    for places, kept in choices:
+    for places, room in choices:
         last = max(map(width, places.values())) + calls
-        if sides + kept + 2 * _GAP + last <= columns:
+        if sides + room + 2 * _GAP + last <= columns:
             return _Layout(places, types, last)
     last = max(map(width, names.values())) + calls
     return _Layout(names, types, last, stacked=True) if sides + _GAP + last <= columns else _Layout(names, stacked=True)

@@ -29,8 +29,8 @@ class Links:
 
     def find(self, path: str, line: int) -> str | None:
         """Return the address of a place of unknown source: the file, if exactly one source has it here."""
-        found = self.places.find(path)
-        return self.to(found, Location(path, line)) if found else None
+        repository = self.places.find(path)
+        return self.to(repository, Location(path, line)) if repository else None
 
     def to(self, repository: str, location: Location) -> str | None:
         """Return the address of a place: the file if it exists here, else the page of its commit, else None."""

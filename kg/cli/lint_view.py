@@ -115,16 +115,16 @@ def _kind(finding: Finding) -> tuple[object, ...]:
 
 def summary(checked: Checked) -> Iterator[str]:
     """Yield the summary: number of findings, and stale entries of the allow-list and the baseline."""
-    found = checked.report
-    sums = Counter(one.severity for one in found.findings)
-    told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity]) or "nothing wrong"
+    report = checked.report
+    sums = Counter(one.severity for one in report.findings)
+    totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity]) or "nothing wrong"
     aside = [
         f"{len(group):,} {words}"
-        for group, words in ((found.allowed, "allowed"), (found.known, "in the baseline"))
+        for group, words in ((report.allowed, "allowed"), (report.known, "in the baseline"))
         if group
     ]
-    yield f"{count(checked.systems, 'system')} checked: {'; '.join([told, *aside])}"
-    numbers = Counter(one.code for one in found.findings)
+    yield f"{count(checked.systems, 'system')} checked: {'; '.join([totals, *aside])}"
+    numbers = Counter(one.code for one in report.findings)
     repeated = sorted(code for code, number in numbers.items() if number > 1 and code in CATALOGUE)
     if repeated:
         yield f"{', '.join(f'`kg explain {code}`' for code in repeated)}: details and fixes"
@@ -134,21 +134,21 @@ def gone_sources(checked: Checked) -> Iterator[str]:
     """Yield notes about sources that no longer exist on disk, whose lines and comments cannot be read."""
     for one in checked.sources:
         if one.root and not Path(one.root).is_dir():
-            said = "lines are not shown, and comments that allow are not read"
-            yield f"{printable(one.name)} is not in {printable(one.root)} any more: {said}"
+            consequence = "lines are not shown, and comments that allow are not read"
+            yield f"{printable(one.name)} is not in {printable(one.root)} any more: {consequence}"
 
 
-def leftovers(found: Report) -> Iterator[str]:
+def leftovers(report: Report) -> Iterator[str]:
     """Yield notes about stale entries of kg.toml and of the baseline, and comments without a reason."""
-    for allowance in found.unused:
+    for allowance in report.unused:
         yield f"{_near(allowance.place)}: the entry for {allowance.code} matches no finding; remove it"
-    for place, code in found.without_reason:
+    for place, code in report.without_reason:
         way = "write the reason after the code"
         yield f"{_near(place)}: the comment gives no reason, so {code} is still reported; {way}"
-    if found.gone:
-        named = some([printable(f"{one.code} {', '.join(one.subjects)}".strip()) for one in found.gone], 3, "; ")
-        entries = count(len(found.gone), "finding")
-        yield f"{entries} of the baseline {'is' if len(found.gone) == 1 else 'are'} fixed: {named}"
+    if report.gone:
+        named = some([printable(f"{one.code} {', '.join(one.subjects)}".strip()) for one in report.gone], 3, "; ")
+        entries = count(len(report.gone), "finding")
+        yield f"{entries} of the baseline {'is' if len(report.gone) == 1 else 'are'} fixed: {named}"
 
 
 def _near(place: Place) -> str:

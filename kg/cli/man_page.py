@@ -40,8 +40,8 @@ def roff() -> str:
 
 
 def _entries(manual: Page, titles: set[str]) -> list[str]:
-    found = [entry for title, entries in manual.sections if title in titles for entry in entries]
-    return [line for entry in found for line in _entry(entry.name, entry.sentence)]
+    chosen = [entry for title, entries in manual.sections if title in titles for entry in entries]
+    return [line for entry in chosen for line in _entry(entry.name, entry.sentence)]
 
 
 def _entry(name: str, sentence: str) -> list[str]:

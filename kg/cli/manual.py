@@ -101,5 +101,5 @@ def _row(entry: Entry, longest: int, columns: int) -> str:
         lead = f"{_INDENT}{entry.name:<{longest}}{_INDENT}"
     else:
         lead = f"{_INDENT}{entry.name}\n{indent}"
-    first, *rest = textwrap.wrap(entry.sentence, columns - len(indent), break_on_hyphens=False) or [""]
-    return (lead + first).rstrip() + "".join(f"\n{indent}{line}" for line in rest)
+    first, *following = textwrap.wrap(entry.sentence, columns - len(indent), break_on_hyphens=False) or [""]
+    return (lead + first).rstrip() + "".join(f"\n{indent}{line}" for line in following)

@@ -51,12 +51,12 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     parts.append(Text.assemble(_field("function", ""), _listed(classes.functions) if classes.functions else "unknown"))
     if classes.hardware or classes.devices:
         parts.append(Text.assemble(_field("hardware", ""), _listed((*classes.hardware, *classes.devices))))
-    said = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
-    for one in said:
+    texts = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
+    for one in texts:
         place = Text.assemble(("  ", "dim"), place_text(one.location, record.repository, links))
         parts += [Text(), Padding(Text(printable(one.text)), (0, 0, 0, 2)), place]
-    if len(said) < len(record.descriptions):
-        hidden = count(len(record.descriptions) - len(said), "more text")
+    if len(texts) < len(record.descriptions):
+        hidden = count(len(record.descriptions) - len(texts), "more text")
         parts.append(Text(f"  and {hidden}; --all shows all", style="dim"))
     groups = _groups(record.node, every=every, via=via)
     if record.node.slots:
@@ -64,8 +64,8 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     if groups:
         parts += [Text(), interface_table(groups, record.repository, links, columns)]
     # One row per parameter, even if code reads and writes it at many places.
-    told = parameter_groups(fact for fact in record.node.parameters if every or not fact.implicit)
-    parameters = [_parameter(group, via=via) for group in told]
+    by_name = parameter_groups(fact for fact in record.node.parameters if every or not fact.implicit)
+    parameters = [_parameter(group, via=via) for group in by_name]
     shown = parameters if every else parameters[:most]
     if shown:
         parts += [Text(), interface_table([("parameters", shown)], record.repository, links, columns)]
@@ -80,11 +80,11 @@ def node_lines(record: NodeRecord, where: Places, *, every: bool) -> tuple[Text,
     locations = {node.location, *(one.location for one in node.slots)}
     locations.update(one.location for one in node.interfaces if every or not one.implicit)
     locations.update(one.location for one in node.parameters if every or not one.implicit)
-    found = []
+    lines = []
     for place in sorted(locations, key=lambda one: (one.repository or "", one.path, one.line)):
         if code := quoted(where.code(record.repository, place, whole=True)):
-            found += [Text(str(place), style="dim"), Text(f"  {printable(code)}")]
-    return (Text(), Text("lines of code", style="bold cyan"), *found) if found else ()
+            lines += [Text(str(place), style="dim"), Text(f"  {printable(code)}")]
+    return (Text(), Text("lines of code", style="bold cyan"), *lines) if lines else ()
 
 
 def left_out(node: NodeType) -> int:
@@ -102,7 +102,7 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
     if start:
         yield _field("start", start)
     elif node.kind is NodeKind.CLASS:
-        yield _field("start", "not by itself: a class that programs make nodes of")
+        yield _field("start", "not on its own: a class that programs instantiate as nodes")
     if node.plugin:
         text = _field("plugin", node.plugin + (f" (a {node.base_class})" if node.base_class else ""))
         if node.exported is not None:
@@ -119,9 +119,9 @@ def _header(record: NodeRecord, links: Links) -> Iterable[Text]:
         yield _field("sources", some(others, _MOST_SOURCES))
 
 
-def _listed(held: Iterable[Class]) -> Text:
+def _listed(classes: Iterable[Class]) -> Text:
     """Return classes, the weak ones dimmed."""
-    return Text(", ").join(Text(str(one), "dim" if one.grade.grade == "weak" else "") for one in held)
+    return Text(", ").join(Text(str(one), "dim" if one.grade.grade == "weak" else "") for one in classes)
 
 
 def _field(name: str, value: str) -> Text:
@@ -146,9 +146,9 @@ def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[R
 def _slot(fact: PluginSlot, record: NodeRecord, *, via: bool) -> Row:
     shown = []
     for one in fact.defaults:
-        known = record.plugins.get(one.class_name)
+        plugin = record.plugins.get(one.class_name)
         named = f"{one.name}: {one.class_name}" if one.name else one.class_name
-        shown.append(f"{named} ({known[0].package}/{known[0].node})" if known is not None else named)
+        shown.append(f"{named} ({plugin[0].package}/{plugin[0].node})" if plugin is not None else named)
     remark, calls = f"= {', '.join(shown)}" if shown else "", fact.via if via else ()
     return Row(fact.base_class or "(not known)", how_loaded(fact), remark, fact.location, dim=False, via=calls)
 

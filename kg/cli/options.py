@@ -45,8 +45,8 @@ def with_settings(*names: str) -> Callable[[Callable[..., None]], Callable[..., 
         # typer makes the options from the signature, which therefore has those of the settings in place of `settings`.
         signature = inspect.signature(command)
         own = [one for one in signature.parameters.values() if one.name != "settings"]
-        rest = [own.pop()] if own and own[-1].kind is inspect.Parameter.VAR_KEYWORD else []
-        vars(run)["__signature__"] = signature.replace(parameters=[*own, *options, context_parameter, *rest])
+        variadic = [own.pop()] if own and own[-1].kind is inspect.Parameter.VAR_KEYWORD else []
+        vars(run)["__signature__"] = signature.replace(parameters=[*own, *options, context_parameter, *variadic])
         return run
 
     return add
@@ -54,9 +54,9 @@ def with_settings(*names: str) -> Callable[[Callable[..., None]], Callable[..., 
 
 def require_one_of(word: str, allowed: Iterable[str], what: str, hint: str = "") -> None:
     """Raise UsageError KG003 for an unknown `what`, by default with similar or all allowed words as the hint."""
-    known = list(allowed)
-    if word not in known:
-        hint = hint or did_you_mean(word, known) or f"One of {', '.join(known)}."
+    words = list(allowed)
+    if word not in words:
+        hint = hint or did_you_mean(word, words) or f"One of {', '.join(words)}."
         raise UsageError("KG003", f"unknown {what} `{word}`", hint=hint)
 
 
@@ -80,7 +80,7 @@ def takes(declared: Iterable[Declaration]) -> Callable[[_Command], _Command]:
 def with_options(options: Mapping[str, Any]) -> Callable[[_Command], _Command]:
     """Give a command options that are declared elsewhere; what the user gave is in its keyword arguments.
 
-    `options` maps names of arguments to their types, `Annotated` with what typer has to know.
+    `options` maps names of arguments to their types, `Annotated` with what typer needs.
     """
     added = [_parameter(name, kind) for name, kind in options.items()]
 

@@ -158,8 +158,8 @@ def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, 
     """Write a table for people, and report columns that did not fit."""
     every = list(rows)
     show(make_table(columns, every, title=title))
-    kept = _fitting(columns, [[_cell(value) for value in row] for row in every])
-    absent = [column.title for index, column in enumerate(columns) if index not in kept]
+    visible = _fitting(columns, [[_cell(value) for value in row] for row in every])
+    absent = [column.title for index, column in enumerate(columns) if index not in visible]
     if absent:
         note(f"hidden on a narrow terminal: {', '.join(absent)}")
 
@@ -169,7 +169,7 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
 
     cells = [[_cell(value) for value in row] for row in rows]
-    kept = _fitting(columns, cells)
+    visible = _fitting(columns, cells)
     table = Table(
         box=SIMPLE_HEAD,
         title=title,
@@ -180,7 +180,7 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
         header_style="bold",
     )
     styles = {"name": "bold", "dim": "dim"}
-    for index in kept:
+    for index in visible:
         column = columns[index]
         table.add_column(
             column.title,
@@ -192,7 +192,7 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
     for row in cells:
         drawn = [
             Text(cell.text, style=f"link {cell.address}" if cell.address else "") if isinstance(cell, Linked) else cell
-            for cell in (row[index] for index in kept)
+            for cell in (row[index] for index in visible)
         ]
         table.add_row(*drawn)
     return table
@@ -226,13 +226,13 @@ def _fitting(columns: Sequence[Column], cells: Sequence[Sequence[str | Linked]])
     widths = [
         max([width(column.title), *(width(row[index]) for row in texts)]) + _GAP for index, column in enumerate(columns)
     ]
-    kept = list(range(len(columns)))
+    visible = list(range(len(columns)))
     spare = [index for index, column in enumerate(columns) if column.spare]
     for index in sorted(spare, key=lambda index: (-columns[index].spare, -index)):
-        if sum(widths[one] for one in kept) - _GAP <= line_width():
+        if sum(widths[one] for one in visible) - _GAP <= line_width():
             break
-        kept.remove(index)
-    return kept
+        visible.remove(index)
+    return visible
 
 
 def _cell(value: object) -> str | Linked:

@@ -47,11 +47,11 @@ class Lines(Silent):
 
     def done(self, result: PackageResult) -> None:
         """Write the result of a package."""
-        found = (
+        counts = (
             f"{count(result.counts.get('nodes', 0), 'node')}, {count(result.counts.get('interfaces', 0), 'interface')}"
         )
         problems = f", {count(len(result.problems), 'problem')}" if result.problems else ""
-        say(f"read {printable(result.name)}: {found}{problems} ({result.seconds:.2f} s)")
+        say(f"read {printable(result.name)}: {counts}{problems} ({result.seconds:.2f} s)")
 
     def writing(self, triples: int) -> None:  # noqa: ARG002 - most of them may be in the store already
         """Write that the store is being written."""
@@ -109,7 +109,7 @@ class Bar(ProgressBar, Silent):
         """Show the progress of fetching a git address."""
         self.show(message)
 
-    def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the end tells them
+    def planned(self, read: int, reused: int, jobs: int) -> None:  # noqa: ARG002 - the final summary has them
         """Set the length of the bar."""
         self.begin(read)
         self.show("reading")

@@ -22,19 +22,19 @@ _NAME: Final = re.compile(r"[\w.-]+(/[\w.-]+)*")
 
 def pairs(given: list[str]) -> dict[str, str]:
     """Return the values of parameters given as `name=value`, or as `name:=term`."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for pair in given:
         match = _PAIR.fullmatch(pair)
         if match is None:
             hint = "Write --param NAME=VALUE, or NAME:=TERM."
             raise UsageError("KG003", f"`{pair}` is not a parameter", hint=hint)
-        if match["name"] in found:
+        if match["name"] in values:
             raise UsageError("KG003", f"the parameter {match['name']} is given twice", hint="Give it one value.")
-        found[match["name"]] = TermText(match["value"]) if match["sign"] == ":=" else match["value"]
-    return found
+        values[match["name"]] = TermText(match["value"]) if match["sign"] == ":=" else match["value"]
+    return values
 
 
-def query_meant(text: str | None, file: Path | None, settings: Settings) -> StoredQuery:
+def resolve_query(text: str | None, file: Path | None, settings: Settings) -> StoredQuery:
     """Return the query of the arguments: typed, from a file or standard input, or stored under a name."""
     if (text is None) == (file is None):
         raise UsageError("KG003", "give a query or a file with one", hint="See `kg query --help`.")

@@ -18,7 +18,7 @@ Level = Annotated[
 ]
 
 
-def require_known(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
+def require_valid(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
     """Raise UsageError KG003 for an unknown format or severity; `hints` maps some words to a hint."""
     require_one_of(form, _FORMATS, "format", (hints or {}).get(form, ""))
     require_one_of(level, SEVERITIES, "severity")

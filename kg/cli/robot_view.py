@@ -41,18 +41,18 @@ _SHOWN: Final = 2  # maximum number of interfaces of a capability listed in a ta
 _SIGN: Final = {"came": "+", "went": "-"}
 
 
-def tell_problems(graph: ComputationGraph) -> None:
+def report_problems(graph: ComputationGraph) -> None:
     """Warn of problems of peers, such as dead nodes: their capabilities are missing from the table."""
     for one in graph.problems:
         problem(one.code, one.message, one.subject)
 
 
-def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str = "") -> None:
+def show_capabilities(listed: Capabilities, *, every: bool, json: bool, none: str = "") -> None:
     """Write capabilities: a table by kind of those with interfaces, and general ones too with `every`.
 
     `none` is the text for an empty list.
     """
-    chosen = [one for one in found.capabilities if every or one.ways]
+    chosen = [one for one in listed.capabilities if every or one.ways]
     columns = (*_COLUMNS, _UNAVAILABLE) if any(one.unavailable for one in chosen) else _COLUMNS
     rows = [
         (
@@ -66,23 +66,23 @@ def show_capabilities(found: Capabilities, *, every: bool, json: bool, none: str
         )[: len(columns)]
         for one in chosen
     ]
-    listing(columns, rows, objects=map(capability_object, found.capabilities) if json else None)
+    listing(columns, rows, objects=map(capability_object, listed.capabilities) if json else None)
     if json:
         return
-    hidden = len(found.capabilities) - len(chosen)
-    if not found.capabilities:
-        note(none or f"{found.of} has no capability of the ontology")
+    hidden = len(listed.capabilities) - len(chosen)
+    if not listed.capabilities:
+        note(none or f"{listed.of} has no capability of the ontology")
     elif hidden and terminal():
         note(f"{count(len(chosen), 'capability', 'capabilities')}, and {hidden} implied ones; --all lists all")
 
 
 def show_added(subject: Capabilities, base: Capabilities, *, every: bool, json: bool) -> None:
     """Write the capabilities that a package would add."""
-    found = added(subject, base)
-    if not json and found.capabilities:
+    gained = added(subject, base)
+    if not json and gained.capabilities:
         note(f"what {subject.of} would add to {base.of}")
     none = f"{subject.of} would add nothing to {base.of}" if subject.capabilities else ""
-    show_capabilities(found, every=every, json=json, none=none)
+    show_capabilities(gained, every=every, json=json, none=none)
 
 
 def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
@@ -98,8 +98,8 @@ def show_proofs(subject: Subject, name: str, *, json: bool) -> None:
 
 def capability_object(one: Capability) -> dict[str, Any]:
     """Return a capability as a plain object, documented in docs/robots.md; every key is present."""
-    found: dict[str, Any] = {name: msgspec.to_builtins(getattr(one, name)) for name in one.__struct_fields__}
-    return found
+    fields: dict[str, Any] = {name: msgspec.to_builtins(getattr(one, name)) for name in one.__struct_fields__}
+    return fields
 
 
 async def follow(watching: Watching, *, once: bool, json: bool) -> None:
@@ -107,15 +107,15 @@ async def follow(watching: Watching, *, once: bool, json: bool) -> None:
     try:
         if once:
             for event in await watching.once():
-                _tell(event, json=json)
+                _write_event(event, json=json)
         else:
             async for event in watching.events():
-                _tell(event, json=json)
+                _write_event(event, json=json)
     finally:
         await watching.end()
 
 
-def _tell(event: Event, *, json: bool) -> None:
+def _write_event(event: Event, *, json: bool) -> None:
     if json:
         json_lines([msgspec.to_builtins(event)])
     else:

@@ -57,13 +57,13 @@ def here(path: str | Path) -> str:
 
 def list_columns(rows: Iterable[Sequence[str | None]]) -> list[Column]:
     """Return the columns of the list of rules; the state, if any, is never dropped."""
-    told = any(row[-1] for row in rows)
-    return [replace(column, spare=False) if told and column.title == "state" else column for column in COLUMNS]
+    has_state = any(row[-1] for row in rows)
+    return [replace(column, spare=False) if has_state and column.title == "state" else column for column in COLUMNS]
 
 
-def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) -> tuple[str | None, ...]:
+def list_row(entry: Entry, documentation: Documentation, error: RuleError | None = None) -> tuple[str | None, ...]:
     """Return the row of a rule in the list; `error` is why it cannot be read."""
-    severity = f" [{told.severity}]" if told.severity else ""
+    severity = f" [{documentation.severity}]" if documentation.severity else ""
     where = here(error.place.path) + _line_of(error.place.line) if error and error.place else ""
     words = (
         f"error {error.code} at {where}" if error else "",
@@ -71,27 +71,27 @@ def list_row(entry: Entry, told: Documentation, error: RuleError | None = None) 
         "" if entry.in_force else "not in force",
     )
     state = ", ".join(word for word in words if word)
-    return (entry.name, told.title + severity, entry.path.suffix.lstrip("."), told.since, state)
+    return (entry.name, documentation.title + severity, entry.path.suffix.lstrip("."), documentation.since, state)
 
 
-def manual_lines(known: Manual) -> Iterator[RenderableType]:
+def manual_lines(manual: Manual) -> Iterator[RenderableType]:
     """Yield the lines about one rule: its description, documentation, dependencies and text."""
     from kg.rules.files import NOTATIONS  # noqa: PLC0415 - start-up time
 
-    file = known.file
+    file = manual.file
     since = f", since {file.documentation.since}" if file.documentation.since else ""
     severity = f", reports a {file.documentation.severity}" if file.documentation.severity else ""
     yield Text.assemble((file.name, "bold"), f"  {NOTATIONS[file.notation]}{since}{severity}")
     yield Text(printable(file.documentation.title))
-    for heading, text in known.sections:
+    for heading, text in manual.sections:
         yield Text()
         yield Text(heading, style="bold")
         yield from (Padding(printable(block), (0, 0, 0, 2), expand=False) for block in paragraphs(text))
     yield Text()
-    yield _fields(known)
+    yield _fields(manual)
     yield Text()
-    wide = len(str(known.lines[-1][0])) if known.lines else 1
-    yield from (Text.assemble((f"{number:>{wide}} | ", "dim"), printable(line)) for number, line in known.lines)
+    wide = len(str(manual.lines[-1][0])) if manual.lines else 1
+    yield from (Text.assemble((f"{number:>{wide}} | ", "dim"), printable(line)) for number, line in manual.lines)
 
 
 def paragraphs(text: str) -> Iterator[str]:
@@ -114,22 +114,22 @@ def paragraphs(text: str) -> Iterator[str]:
         yield " ".join(lines)
 
 
-def _fields(known: Manual) -> Table:
-    first, last = (known.strata[0], known.strata[-1]) if known.strata else (0, 0)
+def _fields(manual: Manual) -> Table:
+    first, last = (manual.strata[0], manual.strata[-1]) if manual.strata else (0, 0)
     strata = f"{first}" if first == last else f"{first} to {last}"
     fields = (
-        ("file", here(known.file.path)),
-        ("pack", known.file.pack),
-        ("reads", ", ".join(known.reads)),
-        ("absent", ", ".join(known.absent)),
-        ("derives", ", ".join(known.derives)),
-        ("stratum", f"{strata} of {known.of_strata}" if known.strata else "none"),
-        ("fed by", ", ".join(known.fed_by)),
-        ("feeds", ", ".join(known.feeds)),
+        ("file", here(manual.file.path)),
+        ("pack", manual.file.pack),
+        ("reads", ", ".join(manual.reads)),
+        ("absent", ", ".join(manual.absent)),
+        ("derives", ", ".join(manual.derives)),
+        ("stratum", f"{strata} of {manual.of_strata}" if manual.strata else "none"),
+        ("fed by", ", ".join(manual.fed_by)),
+        ("feeds", ", ".join(manual.feeds)),
         (
             "examples",
             "\n".join(
-                f"{here(example.place.path)}:{example.place.line}  {example.title}" for example in known.examples
+                f"{here(example.place.path)}:{example.place.line}  {example.title}" for example in manual.examples
             ),
         ),
     )
@@ -144,14 +144,14 @@ def _fields(known: Manual) -> Table:
 
 def result_lines(rule: str, results: Iterable[Result], *, every: bool) -> Iterator[Text]:
     """Yield the results of a rule's examples: a line for the rule, and one for each relevant example."""
-    found = list(results)
-    failed = [result for result in found if not result.passed]
-    ran = [result for result in found if result.title]
-    words = f"{len(failed)} of {len(found)} failed" if failed else f"{count(len(found), 'example')}"
+    listed = list(results)
+    failed = [result for result in listed if not result.passed]
+    ran = [result for result in listed if result.title]
+    words = f"{len(failed)} of {len(listed)} failed" if failed else f"{count(len(listed), 'example')}"
     words = words if ran else "cannot be read"
     mark = ("FAIL", "bold red") if failed else ("ok  ", "green")
     yield Text.assemble(mark, "  ", (rule, "bold"), f"  {words}")
-    for result in found if every else failed:
+    for result in listed if every else failed:
         yield from _example_lines(result)
 
 
@@ -221,15 +221,15 @@ def _called(term: Term, change: Changed, view: View) -> str:
     return spell_term(term, change.prefixes) if label == view.spelt(term) else label
 
 
-def difference_words(found: Difference) -> Iterator[str]:
+def difference_words(difference: Difference) -> Iterator[str]:
     """Yield the numbers of additions and removals by rule and in total."""
-    by_rule = found.by_rule
+    by_rule = difference.by_rule
     longest = max(map(len, by_rule), default=0)
     for rule, (more, less) in by_rule.items():
         yield f"  {rule:<{longest}}  +{more:,} -{less:,}"
-    if found:
-        come = count(found.count("+"), "triple")
-        yield f"{come} would be added, {found.count('-'):,} would be removed; `kg rules run` applies the change"
+    if difference:
+        come = count(difference.count("+"), "triple")
+        yield f"{come} would be added, {difference.count('-'):,} would be removed; `kg rules run` applies the change"
     else:
         yield "nothing would change"
 
@@ -292,9 +292,9 @@ def run_words(report: RunReport) -> str:
     )
 
 
-def share_rows(found: Iterable[Share]) -> Iterator[tuple[str, str, str]]:
+def share_rows(shares: Iterable[Share]) -> Iterator[tuple[str, str, str]]:
     """Yield the numbers of additions and removals by rule."""
-    for share in found:
+    for share in shares:
         name = " or ".join(share.rules) or "(no rule in force)"
         yield name, f"+{share.added:,}", f"-{share.removed:,}"
 

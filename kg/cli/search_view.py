@@ -41,14 +41,14 @@ def show_hits(hits: Iterable[Hit], links: Links) -> None:
         about = ", ".join([hit.node.kind, *([f"ROS {version}"] if version else []), hit.package.repository])
         head = f"{hit.rank}. {hit.package.name}/{hit.name}"
         show(unfolded(Text.assemble((printable(head), "bold"), f"  {printable(about)}")))
-        for text, place in _told(hit):
+        for text, place in _statements(hit):
             address = links.to(hit.package.repository, place) if place else None
             style = f"green link {address}" if address else "green"
             where = Text(printable(str(place)), style=style) if place else None
             show(*folded(Text(printable(text)), where, Text(" " * 3), Text(" " * 5)))
 
 
-def _told(hit: Hit) -> Iterator[tuple[str, Location | None]]:
+def _statements(hit: Hit) -> Iterator[tuple[str, Location | None]]:
     """Yield the statements about a hit, each with its place; at least its declaration."""
     places = []
     for reason in hit.why[:_REASONS]:
@@ -71,7 +71,7 @@ def _others(hit: Hit) -> list[str]:
     )
 
 
-def tell(answer: Answer) -> None:
+def report_reading(answer: Answer) -> None:
     """Report on standard error how the words were read, which ones describe no node, and whether anything fits."""
     from kg.search.wording import NEAREST  # noqa: PLC0415 - start-up time
 

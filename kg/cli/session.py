@@ -67,5 +67,5 @@ class Session:
 
 def session(context: Any) -> Session:
     """Return the session of a typer context."""
-    found = context.find_object(Session)
-    return Session(found.flags if isinstance(found, Session) else {}, context.info_name or "")
+    stored = context.find_object(Session)
+    return Session(stored.flags if isinstance(stored, Session) else {}, context.info_name or "")

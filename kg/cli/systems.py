@@ -82,9 +82,9 @@ def given(
     launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Return the arguments and environment variables of the options; KG003 for invalid ones."""
-    found = assignments(arguments or ()), assignments(environment or (), "=")
-    check_given(launch, *found)
-    return found
+    pairs = assignments(arguments or ()), assignments(environment or (), "=")
+    check_given(launch, *pairs)
+    return pairs
 
 
 def chosen_systems(
@@ -93,10 +93,10 @@ def chosen_systems(
     """Return the selected systems, all without `launch`; raises as `kg.pipeline.launching.chosen`."""
     values = given(launch, arguments, environment)
 
-    found = chosen(settings, existing(settings), launch, *values)
+    systems = chosen(settings, existing(settings), launch, *values)
     if values[1]:
-        tell_unread(settings, found, values[1])
-    return found
+        report_unread(settings, systems, values[1])
+    return systems
 
 
 def with_variants(
@@ -107,18 +107,18 @@ def with_variants(
         raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
     values = given(launch, arguments, environment)
 
-    found = variants(settings, existing(settings), launch, *values)
-    tell_left_out(found.left_out)
-    return united(found)
+    evaluated = variants(settings, existing(settings), launch, *values)
+    report_left_out(evaluated.left_out)
+    return united(evaluated)
 
 
-def tell_left_out(labels: Sequence[str]) -> None:
+def report_left_out(labels: Sequence[str]) -> None:
     """Report variants of a launch file that were not evaluated."""
     if labels:
         note(f"{len(labels)} variants skipped: {', '.join(labels)}; choose them with --arg or --env")
 
 
-def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:
+def report_unread(settings: Settings, systems: Sequence[System], environment: Mapping[str, str]) -> None:
     """Report given environment variables that no file of the systems reads."""
     for name in unread(settings, systems, environment):
         note(f"no file of {systems[0].configuration.name} reads the environment variable `{name}`")
@@ -127,7 +127,7 @@ def tell_unread(settings: Settings, systems: Sequence[System], environment: Mapp
 _MOST: Final = 3
 
 
-def tell_left_out_parts(system: System) -> None:
+def report_left_out_parts(system: System) -> None:
     """Report what a launch file includes or starts that is unknown, so that its nodes are missing."""
     kinds = (LaunchProblemKind.UNKNOWN_PACKAGE, LaunchProblemKind.UNKNOWN_PART, LaunchProblemKind.LIMIT)
     every = [one for one in system.configuration.problems if one.kind in kinds]
@@ -137,7 +137,7 @@ def tell_left_out_parts(system: System) -> None:
         note(f"{len(every) - _MOST} more parts of {system.configuration.name} are unknown")
 
 
-def tell_unknown_ends(system: System) -> None:
+def report_unknown_ends(system: System) -> None:
     """Report nodes whose topics, services and actions are unknown, which may be at ends where `nobody` is."""
     names = [one.name for one in system.instances if one.reason and not one.interfaces]
     if names:
@@ -145,15 +145,15 @@ def tell_unknown_ends(system: System) -> None:
         note(f"{few} with unknown topics may be where `nobody` is: {some(names, _MOST)} ({where})")
 
 
-def tell_malformed(settings: Settings, system: System) -> bool:
+def report_malformed(settings: Settings, system: System) -> bool:
     """Report each line of a system's files that launch refuses, as KG415; return whether there is any."""
     every = system.configuration.problems
-    found = {(one.location, one.message): None for one in every if one.kind is LaunchProblemKind.MALFORMED}
-    if not found:
+    problems = {(one.location, one.message): None for one in every if one.kind is LaunchProblemKind.MALFORMED}
+    if not problems:
         return False
     with reading(settings) as snapshot:
         sources = places(snapshot)
-    for location, message in found:
+    for location, message in problems:
         file = sources.file(system.configuration.repository, location)
         place = Place(near(file) if file else location.path, location.line or None)
         report(KgError("KG415", message, place=place))

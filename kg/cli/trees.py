@@ -72,12 +72,12 @@ def _folded(line: Line, links: Links) -> list[Text]:
 
 def _place(line: Line, links: Links) -> Text | None:
     """Return where the evidence of a line is, or else its rule, with a link."""
-    found = line.evidence or line.place
-    if found is None:
+    place = line.evidence or line.place
+    if place is None:
         return None
-    path = Path(found.path)
+    path = Path(place.path)
     if line.evidence and not path.is_absolute():
-        address = links.find(found.path, found.line or 1)
+        address = links.find(place.path, place.line or 1)
     else:
         address = f"file://{gethostname()}{quote(str(path.absolute()))}"
     return Text(line.where, style=f"green link {address}" if address else "green")

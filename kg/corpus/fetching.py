@@ -44,7 +44,7 @@ class Fetched:
         return tuple(entry for entry in self.entries if entry.state != FETCHED)
 
 
-class Told(Protocol):
+class Progress(Protocol):
     """Receives progress, in the thread that called `fetch`."""
 
     def begin(self, repositories: int) -> None:
@@ -61,13 +61,13 @@ def pinned(lock: Path) -> tuple[Wanted, ...]:
 
 def wanted_of(entry: Entry) -> Wanted:
     """Return the request of an entry. Lock files may come from others, so they are validated like lists."""
-    found = wanted_among([entry.url])[0]
-    if found.name == entry.name:
-        return found
-    return Wanted(entry.name, entry.url, None, found.problem or f"the name of {entry.url} is {found.name}")
+    parsed = wanted_among([entry.url])[0]
+    if parsed.name == entry.name:
+        return parsed
+    return Wanted(entry.name, entry.url, None, parsed.problem or f"the name of {entry.url} is {parsed.name}")
 
 
-def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, told: Told) -> Fetched:
+def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, progress: Progress) -> Fetched:
     """Fetch repositories into `folder`, those in the lock file at their commits, and write the lock file.
 
     A failure does not stop the others. Other entries of the lock file are unchanged.
@@ -77,7 +77,7 @@ def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, 
         KeyboardInterrupt: after git was stopped and the lock file written.
     """
     entries = {entry.name: entry for entry in read_lock(lock).entries} if lock.exists() else {}
-    told.begin(len(wanted))
+    progress.begin(len(wanted))
     done: list[Entry] = []
     with _workspace(folder) as workspace:
         for entry in _all(wanted, entries, folder, workspace, options):
@@ -85,7 +85,7 @@ def fetch(wanted: Sequence[Wanted], folder: Path, lock: Path, options: Options, 
             entries[entry.name] = placed if entry.state != "refused" else replace(entry, folder="")
             write_lock(lock, entries.values())
             done.append(entries[entry.name])
-            told.ended(entries[entry.name])
+            progress.ended(entries[entry.name])
     return Fetched(write_lock(lock, entries.values()), tuple(done))
 
 
@@ -104,8 +104,8 @@ def _all(
             try:
                 return fetch_one(one, pin, folder / one.name, own, options, stop)
             except OSError as error:
-                known = pin or Entry(one.name, one.url)
-                return replace(known, state="failed", reason=f"{error.strerror}: {error.filename or own}")
+                entry = pin or Entry(one.name, one.url)
+                return replace(entry, state="failed", reason=f"{error.strerror}: {error.filename or own}")
             finally:
                 shutil.rmtree(own, ignore_errors=True)
 

@@ -46,8 +46,8 @@ def branches_to_try(default: str | None, branches: Iterable[str], version: str) 
         return (default,) if default else tuple(plain[:1] or names[:1])
     other = "2" if version == "1" else "1"
     own = marked(default, free=True) if default else None
-    found = {name: mark for name in names if (mark := _mark(name)) and mark[0] == version}
-    ours = sorted(found, key=lambda name: (found[name], name))
+    marks = {name: mark for name in names if (mark := _mark(name)) and mark[0] == version}
+    ours = sorted(marks, key=lambda name: (marks[name], name))
     both = default is None or own == other or any(marked(name) == other for name in names)
     order = [
         *([default] if default and own == version else []),
@@ -64,8 +64,8 @@ def marked(branch: str, *, free: bool = False) -> str | None:
 
     Names with unusual words are ignored, unless `free`: the default branch may have any name.
     """
-    found = _mark(branch, free=free)
-    return found[0] if found else None
+    mark = _mark(branch, free=free)
+    return mark[0] if mark else None
 
 
 def _mark(branch: str, *, free: bool = False) -> tuple[str, int] | None:

@@ -35,7 +35,7 @@ LIMITS: Final = Limits()
 _BYTES: Final = 16
 _UNFINISHED: Final = ".fetching-"
 _TIME_DIGITS: Final = 15
-"""Hexadecimal digits of a commit that stand for the time of its files."""
+"""Number of hexadecimal digits of a commit from which the time of its files is computed."""
 
 
 def checkout(pin: Pin, name: str, cache: Path) -> tuple[Entry, Path]:
@@ -43,11 +43,11 @@ def checkout(pin: Pin, name: str, cache: Path) -> tuple[Entry, Path]:
 
     If it failed, the state of the entry says why, and nothing of it is in the cache.
     """
-    known = Entry(pin.name, pin.url, commit=pin.commit)
-    wanted = wanted_of(known)
+    entry = Entry(pin.name, pin.url, commit=pin.commit)
+    wanted = wanted_of(entry)
     problem = wanted.problem or ("" if name.strip(".") else f"{name!r} is not a valid folder name")
     if problem:  # names must not lead out of the cache
-        return replace(known, state="refused", reason=problem), cache
+        return replace(entry, state="refused", reason=problem), cache
     around = cache / pin.name / hashlib.blake2b(f"{pin.url} {pin.commit}".encode(), digest_size=_BYTES).hexdigest()
     try:
         with _locked(around):
@@ -56,12 +56,12 @@ def checkout(pin: Pin, name: str, cache: Path) -> tuple[Entry, Path]:
             workspace = Path(tempfile.mkdtemp(prefix=_UNFINISHED, dir=around))
             try:
                 return fetch_one(
-                    wanted, known, around / name, workspace, Options(limits=LIMITS), Event()
+                    wanted, entry, around / name, workspace, Options(limits=LIMITS), Event()
                 ), around / name
             finally:
                 shutil.rmtree(workspace, ignore_errors=True)
     except OSError as error:
-        return replace(known, state="failed", reason=f"{error.strerror}: {error.filename or around}"), around
+        return replace(entry, state="failed", reason=f"{error.strerror}: {error.filename or around}"), around
 
 
 def fetch_source(pin: Pin, root: Path, cache: Path) -> tuple[Entry, Source | None]:
@@ -73,13 +73,15 @@ def fetch_source(pin: Pin, root: Path, cache: Path) -> tuple[Entry, Source | Non
     if entry.state != FETCHED:
         return entry, None
     try:
-        found = scan(folder)
+        scanned = scan(folder)
     except SourceError as error:
         return replace(entry, state="failed", reason=error.message), None
     time = int(pin.commit[:_TIME_DIGITS], 16)
-    packages = tuple(replace(one, files=_at(one.files, time)) for one in found.packages)
-    repository = replace(found.repository, root=str(root))
-    source = replace(found, repository=repository, root=root, packages=packages, loose=_at(found.loose, time), pin=pin)
+    packages = tuple(replace(one, files=_at(one.files, time)) for one in scanned.packages)
+    repository = replace(scanned.repository, root=str(root))
+    source = replace(
+        scanned, repository=repository, root=root, packages=packages, loose=_at(scanned.loose, time), pin=pin
+    )
     return entry, source
 
 

@@ -122,9 +122,9 @@ class Watch:
         line = command((*_NETWORK, *_HARMLESS, *arguments), folder=within)
         surroundings = environment(protocols) | {"GIT_SSH_COMMAND": "ssh -o BatchMode=yes"}
         surroundings.pop("SSH_ASKPASS", None)
-        with out.open("wb") as printed, err.open("wb") as said, into.open("rb") as read:
-            process = subprocess.Popen(  # noqa: S603  (fixed program; addresses stand behind `--`)
-                line, stdin=read, stdout=printed, stderr=said, env=surroundings, start_new_session=True
+        with out.open("wb") as printed, err.open("wb") as errors, into.open("rb") as read:
+            process = subprocess.Popen(  # noqa: S603  (fixed program; addresses follow `--`)
+                line, stdin=read, stdout=printed, stderr=errors, env=surroundings, start_new_session=True
             )
             try:
                 self._attend(process)
@@ -133,8 +133,8 @@ class Watch:
                     with suppress(ProcessLookupError, PermissionError):
                         os.killpg(process.pid, signal.SIGKILL)  # git and its children
                     process.wait()
-        with err.open("rb") as said:
-            self.words = said.read(_MOST_WORDS).decode("utf-8", "replace")
+        with err.open("rb") as errors:
+            self.words = errors.read(_MOST_WORDS).decode("utf-8", "replace")
         if process.returncode:
             raise _failure(self.words, process.returncode)
         if out.stat().st_size > _MOST_OUTPUT:

@@ -51,22 +51,24 @@ def wanted_among(addresses: Iterable[str]) -> tuple[Wanted, ...]:
     Refused are those whose folder belongs to another repository or another ref, differs from another only in case, or
     is inside another.
     """
-    found: dict[str, Wanted] = {}
+    by_name: dict[str, Wanted] = {}
     for one in map(_wanted, addresses):
-        held = found.setdefault(one.name, one)
+        earlier = by_name.setdefault(one.name, one)
         # Names with a host determine the address; those of local repositories do not.
-        urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, held)}
-        if one.ref != held.ref or (one.name.startswith("local/") and len(urls) > 1):
+        urls = {each.url.rstrip("/").removesuffix(".git") for each in (one, earlier)}
+        if one.ref != earlier.ref or (one.name.startswith("local/") and len(urls) > 1):
             whole = _whole(one)
-            found.setdefault(whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(held)}"))
+            by_name.setdefault(
+                whole, Wanted(whole, one.url, one.ref, f"its folder {one.name} is that of {_whole(earlier)}")
+            )
     folders: dict[str, str] = {}
-    for name, one in found.items():
+    for name, one in by_name.items():
         first = folders.setdefault(name.casefold(), name)
-        above = next((name[:end] for end in range(len(name)) if name[end] == "/" and name[:end] in found), None)
+        above = next((name[:end] for end in range(len(name)) if name[end] == "/" and name[:end] in by_name), None)
         if not one.problem and (first != name or above):
             problem = f"its folder is in that of {above}" if above else f"its folder is that of {first} but for case"
-            found[name] = Wanted(name, one.url, one.ref, problem)
-    return tuple(found.values())
+            by_name[name] = Wanted(name, one.url, one.ref, problem)
+    return tuple(by_name.values())
 
 
 def _whole(one: Wanted) -> str:

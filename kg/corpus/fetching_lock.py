@@ -116,10 +116,10 @@ def read_lock(path: Path) -> Lock:
     places = [Place(str(path), line) for line in heads]
     if not isinstance(tables, list):
         raise SourceError("KG132", "`repository` is not a list of tables", place=Place(str(path)))
-    found_entries = [
+    entries = [
         _entry(table, places[index] if index < len(places) else Place(str(path))) for index, table in enumerate(tables)
     ]
-    return Lock(path, tuple(sorted(found_entries, key=lambda entry: entry.name)))
+    return Lock(path, tuple(sorted(entries, key=lambda entry: entry.name)))
 
 
 def _entry(table: Any, place: Place) -> Entry:
@@ -190,23 +190,23 @@ def standing(lock: Lock, *, elsewhere: bool = False) -> Standing:
             (away if pinned and elsewhere else missing).append(entry)
             continue
         present.append(entry)
-        found = describe(folder)
-        if found.commit != entry.commit:
-            drifted.append((entry, f"is at {(found.commit or 'no commit')[:12]}, not at {entry.commit[:12]}"))
-        elif found.dirty:
+        checkout = describe(folder)
+        if checkout.commit != entry.commit:
+            drifted.append((entry, f"is at {(checkout.commit or 'no commit')[:12]}, not at {entry.commit[:12]}"))
+        elif checkout.dirty:
             drifted.append((entry, "files were changed"))
     return Standing(tuple(present), tuple(missing), tuple(drifted), tuple(away))
 
 
-def checkouts(lock: Lock, found: Standing) -> dict[str, Pin | None]:
+def checkouts(lock: Lock, state: Standing) -> dict[str, Pin | None]:
     """Return the folders of the present checkouts, and of those elsewhere with their pins, in the order of the file.
 
     Raises:
         SourceError: KG136 there is none.
     """
-    if not found.present and not found.elsewhere:
-        message = f"none of the {len(found.missing)} repositories of the lock file is checked out"
+    if not state.present and not state.elsewhere:
+        message = f"none of the {len(state.missing)} repositories of the lock file is checked out"
         raise SourceError("KG136", message, place=Place(str(lock.path)), hint=f"`kg corpus fetch --lock {lock.path}`")
-    pins: dict[str, Pin | None] = {one.name: None for one in found.present}
-    pins |= {one.name: Pin(one.name, one.url, one.commit) for one in found.elsewhere}
+    pins: dict[str, Pin | None] = {one.name: None for one in state.present}
+    pins |= {one.name: Pin(one.name, one.url, one.commit) for one in state.elsewhere}
     return {str(lock.folder(entry)): pins[entry.name] for entry in lock.entries if entry.name in pins}

@@ -55,26 +55,26 @@ def outward_links(top: Path) -> tuple[str, ...]:
     Absolute links always do: the checkout may be moved.
     """
     real = os.path.realpath(top)
-    found = []
+    links = []
     for entry in _entries(top):
         if entry.is_symlink():
             target = os.path.realpath(entry.path)
             inside = target == real or target.startswith(real + os.sep)
             hidden = target.startswith(os.path.join(real, ".git") + os.sep) or target == os.path.join(real, ".git")  # noqa: PTH118 - texts, as scandir gives them
             if not inside or hidden or os.path.isabs(os.readlink(entry.path)):  # noqa: PTH117, PTH115 - the same
-                found.append(os.path.relpath(entry.path, top))
-    return tuple(sorted(found))
+                links.append(os.path.relpath(entry.path, top))
+    return tuple(sorted(links))
 
 
 def ros_versions(top: Path) -> str:
     """Return the versions of ROS of the manifests in a checkout: `1`, `2`, `1 2`, or empty."""
-    found: set[str] = set()
+    versions: set[str] = set()
     for entry in _entries(top):
         if entry.name in _MANIFESTS and entry.is_file(follow_symlinks=False):
-            found |= _versions(Path(entry.path))
-            if len(found) == 2:  # noqa: PLR2004 - there are two versions
+            versions |= _versions(Path(entry.path))
+            if len(versions) == 2:  # noqa: PLR2004 - there are two versions
                 break
-    return " ".join(sorted(found))
+    return " ".join(sorted(versions))
 
 
 def _versions(manifest: Path) -> set[str]:
@@ -116,7 +116,7 @@ class Options:
     limits: Limits = field(default_factory=Limits)
 
 
-def stands_at(folder: Path, commit: str) -> bool:
+def is_at_commit(folder: Path, commit: str) -> bool:
     """Return whether a checkout is at a commit, judging by its `.git` only."""
     try:
         return bool(commit) and (folder / ".git" / "HEAD").read_text("ascii", "replace").strip() == commit
@@ -133,24 +133,24 @@ def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, opti
     Raises:
         StoppedError: `stop` was set; `place` is unchanged.
     """
-    known = pin or Entry(one.name, one.url)
+    entry = pin or Entry(one.name, one.url)
     if one.problem:
-        return replace(known, state="refused", reason=one.problem)
-    if pin and stands_at(place, pin.commit):
+        return replace(entry, state="refused", reason=one.problem)
+    if pin and is_at_commit(place, pin.commit):
         return replace(pin, state=FETCHED, reason=pin.reason if pin.state == FETCHED else "")
     fetching = _Fetching(one, place, workspace, options, stop)
     attempt = 0
     while True:
         try:
-            return fetching.run(pin.commit if pin else "", known)
+            return fetching.run(pin.commit if pin else "", entry)
         except FetchingError as error:
             if not error.passing or attempt >= options.limits.retries:
-                return replace(known, state=error.state, reason=error.reason)
+                return replace(entry, state=error.state, reason=error.reason)
             failed = error
         try:
             fetching.watch.wait(options.limits.pause * 2**attempt)
         except FetchingError:
-            return replace(known, state=failed.state, reason=failed.reason)
+            return replace(entry, state=failed.state, reason=failed.reason)
         attempt += 1
 
 
@@ -167,23 +167,23 @@ class _Fetching:
         self._moved = ""
         self._bytes = 0
 
-    def run(self, commit: str, known: Entry) -> Entry:
+    def run(self, commit: str, entry: Entry) -> Entry:
         """Fetch once: the commit, the requested ref, or the candidate branches for the version of ROS."""
         self._check_place()
         if commit:
-            return self._finish(known, known.branch, self._fetch(commit, commit))
+            return self._finish(entry, entry.branch, self._fetch(commit, commit))
         if self._one.ref:
-            found = self._fetch(self._one.ref)
-            return self._finish(known, "" if found == self._one.ref else self._one.ref, found)
+            commit_fetched = self._fetch(self._one.ref)
+            return self._finish(entry, "" if commit_fetched == self._one.ref else self._one.ref, commit_fetched)
         default, branches = self._remote()
         names = branches_to_try(default, branches, self._options.ros)[:_MOST_TRIED]
         for name in names:
-            if stands_at(self._place, branches.get(name, "")):
-                return self._present(known, name, branches[name])
-            found = self._fetch(f"refs/heads/{name}")
+            if is_at_commit(self._place, branches.get(name, "")):
+                return self._present(entry, name, branches[name])
+            commit_fetched = self._fetch(f"refs/heads/{name}")
             versions = ros_versions(self._tree) if self._options.ros != "any" else ""
             if not versions or self._options.ros in versions:  # a checkout without packages might be for any version
-                return self._finish(known, name, found)
+                return self._finish(entry, name, commit_fetched)
         tried = f"; {', '.join(names)} {'is' if len(names) == 1 else 'are'} not" if names else ""
         raise FetchingError("other ros", f"no branch is for ROS {self._options.ros}{tried}")
 
@@ -206,8 +206,8 @@ class _Fetching:
         listed = self._network("ls-remote", "--symref", "--", self._one.url, "HEAD", "refs/heads/*").decode(
             "utf-8", "replace"
         )
-        found = (_BRANCH.fullmatch(line) for line in listed.splitlines())
-        branches = {match["name"]: match["commit"] for match in found if match}
+        matches = (_BRANCH.fullmatch(line) for line in listed.splitlines())
+        branches = {match["name"]: match["commit"] for match in matches if match}
         default = _DEFAULT.search(listed)
         if not branches:
             raise FetchingError("gone", "the repository is empty")
@@ -218,15 +218,15 @@ class _Fetching:
         self._empty()
         options = ("--quiet", "--depth=1", "--no-tags", "--no-recurse-submodules", "--no-auto-maintenance")
         self._network("fetch", *options, "--", self._one.url, ref)
-        found = self._git("rev-parse", "--verify", "FETCH_HEAD^{commit}").decode().strip()
-        if commit and found != commit:
-            raise FetchingError("gone", f"the server sent {found[:12]} for {commit[:12]}")
-        listing = self._git("ls-tree", "-r", "-l", "-z", "--full-tree", found)
+        fetched = self._git("rev-parse", "--verify", "FETCH_HEAD^{commit}").decode().strip()
+        if commit and fetched != commit:
+            raise FetchingError("gone", f"the server sent {fetched[:12]} for {commit[:12]}")
+        listing = self._git("ls-tree", "-r", "-l", "-z", "--full-tree", fetched)
         self._bytes = content_bytes(listing)
         if self._bytes + folder_bytes(self._tree) > self.watch.room:
             raise self.watch.large()
-        self._git("checkout", "--quiet", "--force", "--detach", found)
-        return found
+        self._git("checkout", "--quiet", "--force", "--detach", fetched)
+        return fetched
 
     def _empty(self) -> None:
         """Start with an empty repository."""
@@ -234,7 +234,7 @@ class _Fetching:
         self._tree.mkdir(parents=True)
         self._git("init", "--quiet", "--template=")
 
-    def _finish(self, known: Entry, branch: str, commit: str) -> Entry:
+    def _finish(self, pinned: Entry, branch: str, commit: str) -> Entry:
         """Move the checkout into place."""
         remarks = self._submodules() if self._options.submodules else []
         links = outward_links(self._tree)
@@ -251,23 +251,23 @@ class _Fetching:
             remarks.append(f"left out {len(links)} link{'s' * (len(links) > 1)} that lead out, as {links[0]}")
         self._git("config", "remote.origin.url", without_password(self._one.url))
         self.watch.weigh()
-        entry = self._entry(known, branch, commit, self._tree)
+        entry = self._entry(pinned, branch, commit, self._tree)
         self._put()
         return replace(entry, reason="; ".join(remarks))
 
-    def _present(self, known: Entry, branch: str, commit: str) -> Entry:
+    def _present(self, pinned: Entry, branch: str, commit: str) -> Entry:
         """Return the entry of a checkout that is already complete."""
         try:
             listing = run_git(("ls-tree", "-r", "-l", "-z", "--full-tree", commit), folder=self._place, timeout=None)
         except subprocess.SubprocessError:
             raise FetchingError("in the way", f"the checkout at {self._place} lacks files of its commit") from None
         self._bytes = content_bytes(listing.encode(errors="surrogateescape"))
-        return self._entry(known, branch, commit, self._place)
+        return self._entry(pinned, branch, commit, self._place)
 
-    def _entry(self, known: Entry, branch: str, commit: str, checkout: Path) -> Entry:
+    def _entry(self, pinned: Entry, branch: str, commit: str, checkout: Path) -> Entry:
         return replace(
-            known,
-            moved=self._moved or known.moved,
+            pinned,
+            moved=self._moved or pinned.moved,
             branch=branch,
             commit=commit,
             ros=ros_versions(checkout),
@@ -300,11 +300,11 @@ class _Fetching:
         return []
 
     def _network(self, *arguments: str) -> bytes:
-        found = self.watch.git(*arguments, within=self._tree, protocols=self._protocols)
+        output = self.watch.git(*arguments, within=self._tree, protocols=self._protocols)
         moved = _MOVED.search(self.watch.words)
         if moved:
             self._moved = without_password(moved[1]).removesuffix("/").removesuffix("/info/refs")
-        return found
+        return output
 
     def _git(self, *arguments: str, given: bytes = b"") -> bytes:
         return self.watch.git(*arguments, within=self._tree, given=given)

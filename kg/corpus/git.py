@@ -60,7 +60,7 @@ def run_git(
 
     Without `network` no protocol is allowed, so a partial clone cannot fetch missing objects.
     """
-    done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths stand behind `--`)
+    done = subprocess.run(  # noqa: S603  (fixed program; addresses and paths follow `--`)
         command(arguments, folder=folder),
         check=True,
         capture_output=True,
@@ -78,8 +78,8 @@ def command(arguments: tuple[str, ...], *, folder: Path | None = None) -> tuple[
 
 def environment(protocols: str) -> dict[str, str]:
     """Return the environment of `git`: the caller's without `GIT_*`, and with only these protocols (`https:ssh`)."""
-    kept = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
-    return kept | _ENVIRONMENT | {"GIT_ALLOW_PROTOCOL": protocols}
+    inherited = {key: value for key, value in os.environ.items() if not key.startswith("GIT_")}
+    return inherited | _ENVIRONMENT | {"GIT_ALLOW_PROTOCOL": protocols}
 
 
 def repository_name(remote: str) -> str | None:

@@ -86,7 +86,7 @@ class Reader:
         self._marks: dict[FilePath, str] = {}
         self._problems: dict[Problem, None] = {}
 
-    def beside(self, place: Place) -> Reader:
+    def for_package(self, place: Place) -> Reader:
         """Return a reader for another package, with the same record of files, whose problems are not those of this."""
         other = Reader(self.workspace, *self.workspace.folder(place), self.limit_bytes)
         other._texts, other._marks = self._texts, self._marks
@@ -99,7 +99,7 @@ class Reader:
 
     def sorted_problems(self) -> tuple[Problem, ...]:
         """Return the problems by path, line and code."""
-        return tuple(sorted(self._problems, key=lambda found: (found.path, found.line or 0, found.code)))
+        return tuple(sorted(self._problems, key=lambda problem: (problem.path, problem.line or 0, problem.code)))
 
     @property
     def inputs(self) -> tuple[tuple[str, str], ...]:
@@ -125,7 +125,7 @@ class Reader:
             self._texts[key] = self._normalise(key, loaded) if isinstance(loaded, bytes) else None
         return self._texts[key]
 
-    def known(self, file: FilePath) -> bytes | None:
+    def cached_text(self, file: FilePath) -> bytes | None:
         """Return the text of a file that `read` has read; None for others."""
         return self._texts.get(file)
 

@@ -67,7 +67,7 @@ def scan(root: Path, repository: Repository | None = None) -> Source:
 def scan_tree(root: Path) -> tuple[Source, ...]:
     """Scan a folder and its nested checkouts (repositories of a workspace, submodules), each as a source."""
     source, nested = _scan(root, None)
-    inner = tuple(found for path in nested for found in scan_tree(Path(path)))
+    inner = tuple(inner_source for path in nested for inner_source in scan_tree(Path(path)))
     return (source, *inner) if source.packages or not inner else inner
 
 
@@ -75,17 +75,17 @@ def _scan(root: Path, repository: Repository | None) -> tuple[Source, list[str]]
     start = os.path.abspath(root)  # noqa: PTH100  (links on the way to the root are the user's own)
     if not os.path.isdir(start):  # noqa: PTH112  (as fast as the rest of the walk)
         raise SourceError("KG101", f"the folder {root} does not exist", hint="Check the path.")
-    known = repository or describe(Path(start))
-    base = known.root
+    described = repository or describe(Path(start))
+    base = described.root
     loose = _Folder(".", None)
     within = os.path.relpath(start, base)
     walk = _Walk(base, os.path.realpath(base), [("" if within == "." else within, loose)], loose)
     _walk(walk)
-    packages = _name_packages(walk, known.name.rpartition("/")[2])
+    packages = _name_packages(walk, described.name.rpartition("/")[2])
     problems = tuple(sorted(walk.problems, key=lambda problem: (problem.path, problem.code)))
     links = tuple(sorted(walk.links))
     left = () if packages and packages[0].manifest is None else tuple(_by_path(loose.files))
-    return Source(known, Path(base), packages, left, problems, links), [f"{base}/{path}" for path in walk.nested]
+    return Source(described, Path(base), packages, left, problems, links), [f"{base}/{path}" for path in walk.nested]
 
 
 def _walk(walk: _Walk) -> None:

@@ -32,12 +32,12 @@ class Selection:
     dataset: Dataset
     criteria: Criteria
     steps: tuple[Step, ...]
-    kept: tuple[Project, ...]
+    selected: tuple[Project, ...]
     figures: Mapping[str, Figures]
 
     def addresses(self) -> tuple[str, ...]:
         """Return the addresses of the remaining projects, in the order of the table."""
-        return tuple(project.cells[self.criteria.address] for project in self.kept)
+        return tuple(project.cells[self.criteria.address] for project in self.selected)
 
 
 def select(dataset: Dataset, criteria: Criteria) -> Selection:
@@ -76,10 +76,10 @@ def _check(dataset: Dataset, criteria: Criteria) -> None:
 def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
     """Refuse a value of a closed column that no criterion names, since a typo would select silently."""
     about = [criterion for criterion in criteria.criteria if criterion.column == column]
-    known = sorted({value for one in about for values in (one.equal, one.unequal) for value in values or ()})
+    listed = sorted({value for one in about for values in (one.equal, one.unequal) for value in values or ()})
     for project in dataset.projects:
         cell = project.cells[column]
-        if cell and cell not in known:
-            hint = did_you_mean(cell, known) or f"{criteria.path} names {', '.join(known) or 'none'}."
+        if cell and cell not in listed:
+            hint = did_you_mean(cell, listed) or f"{criteria.path} names {', '.join(listed) or 'none'}."
             place = Place(str(dataset.path), project.line)
             raise SourceError("KG131", f"no criterion is about `{column}` = {cell!r}", place=place, hint=hint)

@@ -104,16 +104,16 @@ class _Reader:
 
     def criteria(self, content: dict[str, Any]) -> Criteria:
         for key in content:
-            self._known(key, _FILE_KEYS, self._line(key))
+            self._require_key(key, _FILE_KEYS, self._line(key))
         tables = content.get("criterion", [])
         if not isinstance(tables, list):
             raise self._error("`criterion` is a list of tables", self._line("criterion"), "Write [[criterion]].")
         figures = content.get("figures", {})
         if not isinstance(figures, dict):
             raise self._error("`figures` is a table", self._line("figures"), "Write [figures].")
-        found = tuple(self._criterion(table, index) for index, table in enumerate(tables))
-        for index, one in enumerate(found):
-            if any(one.name == other.name for other in found[:index]):
+        parsed = tuple(self._criterion(table, index) for index, table in enumerate(tables))
+        for index, one in enumerate(parsed):
+            if any(one.name == other.name for other in parsed[:index]):
                 raise self._error(f"there are two criteria {one.name!r}", one.line, "Give one another name.")
         return Criteria(
             path=self.path,
@@ -121,7 +121,7 @@ class _Reader:
             address=self._text(content, "address", self._line("address")),
             closed=tuple(self._texts(content.get("closed", []), "closed", self._line("closed"))),
             figures={name: tuple(self._texts(value, name, self._line(name))) for name, value in figures.items()},
-            criteria=found,
+            criteria=parsed,
         )
 
     def _criterion(self, table: Any, index: int) -> Criterion:
@@ -129,7 +129,7 @@ class _Reader:
         if not isinstance(table, dict):
             raise self._error("a criterion is a table", line, "Write [[criterion]].")
         for key in table:
-            self._known(key, _KEYS, self._line(key, line))
+            self._require_key(key, _KEYS, self._line(key, line))
         if not any(key in table for key in _TESTS):
             raise self._error("the criterion removes nothing", line, f"Give it one of {', '.join(_TESTS)}.")
         applies = table.get("applies", True)
@@ -147,7 +147,7 @@ class _Reader:
             most=self._number(table, "most", line),
         )
 
-    def _known(self, key: str, keys: Sequence[str], line: int | None) -> None:
+    def _require_key(self, key: str, keys: Sequence[str], line: int | None) -> None:
         if key not in keys:
             hint = did_you_mean(key, keys) or f"Keys are {', '.join(keys)}."
             raise self._error(f"unknown key `{key}`", line, hint)

@@ -34,17 +34,17 @@ def figures(values: Sequence[int]) -> Figures:
     """Return the statistics of some numbers; the deviation needs at least two."""
     if not values:
         return {}
-    found: Figures = {
+    result: Figures = {
         "min": min(values),
         "max": max(values),
         "median": statistics.median(values),
         "mean": statistics.fmean(values),
     }
     if len(values) > 1:
-        found["sd"] = statistics.stdev(values)
-    if found.get("mean") and "sd" in found:
-        found["cv"] = found["sd"] / found["mean"]
-    return found
+        result["sd"] = statistics.stdev(values)
+    if result.get("mean") and "sd" in result:
+        result["cv"] = result["sd"] / result["mean"]
+    return result
 
 
 @cache

@@ -105,6 +105,6 @@ def _words(error: subprocess.SubprocessError) -> str:
     """Return git's error message on one line, without `fatal:`."""
     if not isinstance(error, subprocess.CalledProcessError):
         return "git did not answer in time"
-    said = (error.stderr or b"").decode("utf-8", "replace").splitlines()
-    lines = [line.removeprefix("fatal: ").strip() for line in said if line.strip()]
+    printed = (error.stderr or b"").decode("utf-8", "replace").splitlines()
+    lines = [line.removeprefix("fatal: ").strip() for line in printed if line.strip()]
     return "; ".join(lines[:3]) or f"git ended with {error.returncode}"

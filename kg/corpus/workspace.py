@@ -100,13 +100,13 @@ class Documents:
 
 def _pages(entries: Iterable[FileEntry]) -> list[str]:
     """Return the pages among files, READMEs of outer folders first: READMEs, and those in documentation formats."""
-    found: list[tuple[int, bool, str]] = []
+    ranked: list[tuple[int, bool, str]] = []
     for path in (entry.path for entry in entries if entry.kind is FileKind.TEXT):
         name = posixpath.basename(path)
         readme = _README.match(name) is not None
         if readme or (name.lower().endswith(_ENDINGS) and not _OTHER.search(name)):
-            found.append((path.count("/"), not readme, path))
-    return [path for _, _, path in sorted(found)]
+            ranked.append((path.count("/"), not readme, path))
+    return [path for _, _, path in sorted(ranked)]
 
 
 def _folder_of(path: str) -> str | None:
@@ -274,38 +274,38 @@ class Workspace:
     @cached_property
     def _definitions(self) -> dict[tuple[str, str, str], FilePath]:
         kinds = {FileKind.MESSAGE, FileKind.SERVICE, FileKind.ACTION}
-        found: dict[tuple[str, str, str], FilePath] = {}
+        by_key: dict[tuple[str, str, str], FilePath] = {}
         for file, (entry, package) in self._owners.items():
             if entry.kind in kinds and package:
                 stem = posixpath.basename(file.path).rpartition(".")[0]
-                found.setdefault((package.name, stem, entry.kind.value), file)
-        return found
+                by_key.setdefault((package.name, stem, entry.kind.value), file)
+        return by_key
 
     @cached_property
     def _headers(self) -> dict[str, list[FilePath]]:
         """The C++ files by their name, and by the name of their folder and theirs."""
-        found: dict[str, list[FilePath]] = {}
+        by_name: dict[str, list[FilePath]] = {}
         for file, (entry, _) in self._owners.items():
             if entry.kind is FileKind.CPP:
                 for tail in {_tail(file.path), posixpath.basename(file.path)}:
-                    found.setdefault(tail, []).append(file)
-        return found
+                    by_name.setdefault(tail, []).append(file)
+        return by_name
 
     @cached_property
     def _python(self) -> dict[str, list[FilePath]]:
         """The Python files by the name of their module, packages by that of their folder."""
-        found: dict[str, list[FilePath]] = {}
+        by_module: dict[str, list[FilePath]] = {}
         for file, (entry, _) in self._owners.items():
             if entry.kind is FileKind.PYTHON:
-                found.setdefault(_last_part(file.path), []).append(file)
-        return found
+                by_module.setdefault(_last_part(file.path), []).append(file)
+        return by_module
 
     def _find_include(self, path: str, near: FilePath, folder: str, home: Place | None) -> FilePath | None:
         if posixpath.basename(path) not in self._headers:
             return None
-        beside = FilePath(near.repository, posixpath.normpath(posixpath.join(folder, path)))
-        if beside in self._owners:
-            return beside
+        neighbour = FilePath(near.repository, posixpath.normpath(posixpath.join(folder, path)))
+        if neighbour in self._owners:
+            return neighbour
         wanted = posixpath.normpath(path).lstrip("./")
         for root in [self._folders[home].join(root) for root in _INCLUDE_ROOTS] if home else ():
             inside = FilePath(near.repository, root + wanted)
@@ -359,9 +359,9 @@ class Workspace:
             return None
         roots = [folder, *(self._folders[home].join(root) for root in _MODULE_ROOTS)] if home else [folder]
         for root in roots:
-            found = self._module_at(near.repository, posixpath.join(root, parts))
-            if found:
-                return found
+            module = self._module_at(near.repository, posixpath.join(root, parts))
+            if module:
+                return module
         return self._module_anywhere(parts, near, home)
 
     def _module_at(self, repository: str, stem: str) -> FilePath | None:

@@ -54,7 +54,7 @@ class Knowledge:
 
 
 class Rules:
-    """The answers about rules to one editor; None and empty answers stand for files that are not rules."""
+    """The answers about rules to one editor; None and empty answers are for files that are not rules."""
 
     def __init__(self, workspace: Workspace, knowledge: Knowledge) -> None:
         self._workspace = workspace
@@ -68,10 +68,10 @@ class Rules:
 
     def diagnostics(self, uri: str) -> list[types.Diagnostic] | None:
         """Return the findings on a document as it is in the editor."""
-        found = self._document(uri)
-        if found is None:
+        document = self._document(uri)
+        if document is None:
             return None
-        text, path = found
+        text, path = document
         result = []
         for each in diagnose(text.source, path, self._knowledge.name_of(path), self._knowledge.context):
             if Path(each.place.path).resolve() == path:
@@ -83,30 +83,30 @@ class Rules:
 
     def completions(self, uri: str, position: types.Position) -> list[types.CompletionItem]:
         """Return the completions at a position."""
-        found = self._document(uri)
-        if found is None:
+        document = self._document(uri)
+        if document is None:
             return []
-        text, path = found
+        text, path = document
         offset = text.offset(position)
         suggestions = complete(text.source, offset, path.suffix, self._knowledge.terms)
         return [_item(each, text.range(each.start, offset)) for each in suggestions]
 
     def hover(self, uri: str, position: types.Position) -> types.Hover | None:
         """Return the documentation of the token at a position."""
-        found = self._document(uri)
-        if found is None:
+        document = self._document(uri)
+        if document is None:
             return None
-        text, path = found
+        text, path = document
         name = self._knowledge.name_of(path)
         words = hover(text.source, text.offset(position), path, name, self._knowledge.terms)
         return types.Hover(types.MarkupContent(types.MarkupKind.Markdown, words)) if words else None
 
     def definition(self, uri: str, position: types.Position) -> types.Location | None:
         """Return where the term at a position is defined, or the file of the rule that is named there."""
-        found = self._document(uri)
-        if found is None:
+        document = self._document(uri)
+        if document is None:
             return None
-        text, path = found
+        text, path = document
         symbol = self._symbol(text, path, position)
         if symbol is not None and symbol.kind == "rule":
             return self._location(self._knowledge.names[symbol.name], 0)
@@ -117,10 +117,10 @@ class Rules:
 
     def references(self, uri: str, position: types.Position, *, declaration: bool) -> list[types.Location]:
         """Return all places that mean what is at a position; with `declaration` also where a prefix or rule begins."""
-        found = self._meant(uri, position)
-        if found is None:
+        at_position = self._symbol_at(uri, position)
+        if at_position is None:
             return []
-        _, own, symbol = found
+        _, own, symbol = at_position
         places = [
             types.Location(uri_of(path, self._workspace), text.range(each.start, each.end))
             for path, text, each in self._occurrences(symbol, own)
@@ -132,10 +132,10 @@ class Rules:
 
     def highlights(self, uri: str, position: types.Position) -> list[types.DocumentHighlight]:
         """Return the places in the document itself that mean what is at a position."""
-        found = self._meant(uri, position)
-        if found is None:
+        at_position = self._symbol_at(uri, position)
+        if at_position is None:
             return []
-        text, path, symbol = found
+        text, path, symbol = at_position
         return [
             types.DocumentHighlight(text.range(each.start, each.end)) for each in occurrences(symbol, text.source, path)
         ]
@@ -145,23 +145,23 @@ class Rules:
 
         Raises UsageError KG003 for what cannot be renamed.
         """
-        found = self._meant(uri, position)
-        if found is None:
+        at_position = self._symbol_at(uri, position)
+        if at_position is None:
             return None
-        text, path, symbol = found
+        text, path, symbol = at_position
         self._require_own(symbol, path)
         shown = symbol.name if symbol.kind == "rule" else text.source[symbol.start : symbol.end]
         return types.PrepareRenamePlaceholder(text.range(symbol.start, symbol.end), shown)
 
     def rename(self, uri: str, position: types.Position, new: str, *, files: bool) -> types.WorkspaceEdit | None:
-        """Return the edits that rename what is at a position; `files` tells whether the editor can rename files.
+        """Return the edits that rename what is at a position; `files` is whether the editor can rename files.
 
         Raises UsageError KG003 for a new name of another form or one that is taken, and for what cannot be renamed.
         """
-        found = self._meant(uri, position)
-        if found is None:
+        at_position = self._symbol_at(uri, position)
+        if at_position is None:
             return None
-        text, path, symbol = found
+        text, path, symbol = at_position
         self._require_own(symbol, path)
         name = renamed(symbol, new, text.source, path)
         if symbol.kind == "term":
@@ -203,11 +203,11 @@ class Rules:
         start = types.Position(line, 0)
         return types.Location(uri_of(path.resolve(), self._workspace), types.Range(start, start))
 
-    def _meant(self, uri: str, position: types.Position) -> tuple[Text, Path, Symbol] | None:
+    def _symbol_at(self, uri: str, position: types.Position) -> tuple[Text, Path, Symbol] | None:
         """Return the document with its path, and the symbol at a position; None if there is none."""
-        found = self._document(uri)
-        symbol = self._symbol(*found, position) if found else None
-        return (*found, symbol) if found and symbol else None
+        document = self._document(uri)
+        symbol = self._symbol(*document, position) if document else None
+        return (*document, symbol) if document and symbol else None
 
     def _symbol(self, text: Text, path: Path, position: types.Position) -> Symbol | None:
         names = self._knowledge.names

@@ -82,16 +82,18 @@ class _Session:
 
     def publish(self, uri: str) -> None:
         """Publish the findings on a rule as it is in the editor."""
-        found = self.rules.diagnostics(uri)
-        if found is not None:
-            self._send(uri, found)
+        diagnostics_of_rule = self.rules.diagnostics(uri)
+        if diagnostics_of_rule is not None:
+            self._send(uri, diagnostics_of_rule)
 
-    def _send(self, uri: str, found: list[types.Diagnostic]) -> None:
+    def _send(self, uri: str, published: list[types.Diagnostic]) -> None:
         path = path_of(uri)
-        self._published[path] = found
+        self._published[path] = published
         document = document_of(path, self._server.workspace) if path else None
         self._server.text_document_publish_diagnostics(
-            types.PublishDiagnosticsParams(uri=uri, diagnostics=found, version=document.version if document else None)
+            types.PublishDiagnosticsParams(
+                uri=uri, diagnostics=published, version=document.version if document else None
+            )
         )
 
     def forget(self, uri: str) -> None:
@@ -102,11 +104,11 @@ class _Session:
     async def check(self) -> None:
         """Publish the findings of `kg lint` in all files, and remove those that are gone."""
         try:
-            found = await asyncio.to_thread(self._source.findings)
+            checked = await asyncio.to_thread(self._source.findings)
         except KgError as error:
             self._show(error)
             return
-        by_file = diagnostics(found, self._server.workspace) if found else {}
+        by_file = diagnostics(checked, self._server.workspace) if checked else {}
         for uri in sorted(self._wired - by_file.keys()):
             self._send(uri, [])
         for uri, each in by_file.items():

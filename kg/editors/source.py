@@ -56,19 +56,19 @@ class Source:
         """
         settings = self._settings
         folders = rule_folders(settings)
-        found = read_all(folders, packs(), families_in_force(settings))
+        files = read_all(folders, packs(), families_in_force(settings))
         try:
             with reading(settings) as snapshot:
                 # Without the store's data, whose checks take longer than a key press.
-                known, uses = replace(check_context(settings, snapshot), store=None), term_uses(snapshot)
+                context, uses = replace(check_context(settings, snapshot), store=None), term_uses(snapshot)
         except StoreError:
-            known, uses = check_context(settings, None), None
+            context, uses = check_context(settings, None), None
         ontologies = ontologies_in_force(settings)
-        names = {name: path.resolve() for name, path in reversed(found.paths)}
+        names = {name: path.resolve() for name, path in reversed(files.paths)}
         own = _own(settings, names)
         shipped = [path for path in (*names.values(), *default_ontologies()) if path.resolve() not in own]
         return Knowledge(
-            folders, beside(found.rules, known), Terms.of(ontologies, uses), names, own, tuple(dict.fromkeys(shipped))
+            folders, beside(files.rules, context), Terms.of(ontologies, uses), names, own, tuple(dict.fromkeys(shipped))
         )
 
     def findings(self) -> Checked | None:

@@ -40,8 +40,8 @@ class Text:
         """Return the offset of a position; one behind the text is its end."""
         if position.line >= len(self.lines):
             return len(self.source)
-        found = self._codec.position_from_client_units(self.lines, position)
-        return self._starts[found.line] + found.character
+        converted = self._codec.position_from_client_units(self.lines, position)
+        return self._starts[converted.line] + converted.character
 
     def position(self, offset: int) -> types.Position:
         """Return the position of an offset."""
@@ -72,8 +72,8 @@ class Text:
 @lru_cache(maxsize=1024)
 def path_of(uri: str) -> Path | None:
     """Return the path of the file that an address names, without links; None for other addresses."""
-    found = to_fs_path(uri)
-    return Path(found).resolve() if found and uri.startswith("file:") else None
+    path = to_fs_path(uri)
+    return Path(path).resolve() if path and uri.startswith("file:") else None
 
 
 def uri_of(path: Path, workspace: Workspace) -> str:
@@ -110,10 +110,10 @@ def diagnostic(
     )
 
 
-def actions(found: Iterable[types.Diagnostic], workspace: Workspace) -> list[types.CodeAction]:
+def actions(diagnostics: Iterable[types.Diagnostic], workspace: Workspace) -> list[types.CodeAction]:
     """Return the quick fixes of diagnostics: the edits in their data that still fit the texts."""
     result = []
-    for each in found:
+    for each in diagnostics:
         fixes = []
         for fix in (each.data or {}).get("fixes", ()):
             path = path_of(fix["uri"])

@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     from kg.lint.running import Checked
 
 
-def diagnostics(found: Checked, workspace: Workspace) -> dict[str, list[types.Diagnostic]]:
+def diagnostics(checked: Checked, workspace: Workspace) -> dict[str, list[types.Diagnostic]]:
     """Return the findings whose lines are on this machine, by the address of the file."""
-    lines = Lines(found.roots)
+    lines = Lines(checked.roots)
     result: dict[str, list[types.Diagnostic]] = {}
-    for each in found.report.findings:
+    for each in checked.report.findings:
         for place in places(each, lines):
             file = lines.file(place)
             text = read(file, workspace) if file is not None else None
             if file is not None and text is not None:
-                found_here = result.setdefault(uri_of(file, workspace), [])
-                found_here.append(_diagnostic(each, place, text, lines, workspace))
+                of_file = result.setdefault(uri_of(file, workspace), [])
+                of_file.append(_diagnostic(each, place, text, lines, workspace))
     return result
 
 
@@ -56,8 +56,8 @@ def _diagnostic(finding: Finding, place: Evidence, text: Text, lines: Lines, wor
 def _range(place: Evidence, name: tuple[int, int, str] | None, text: Text) -> types.Range:
     """Return the range of a name in the lines of a place, else that of the first line without its indentation."""
     if name is not None:
-        line, column, found = name
-        return types.Range(text.at(line - 1, column), text.at(line - 1, column + len(found)))
+        line, column, text_of_name = name
+        return types.Range(text.at(line - 1, column), text.at(line - 1, column + len(text_of_name)))
     number = (place.line or 1) - 1
     line_text = text.lines[number] if number < len(text.lines) else ""
     start = len(line_text) - len(line_text.lstrip())

@@ -24,7 +24,7 @@ from kg.evaluate.completeness import share
 from kg.evaluate.facts import STATED, Fact, Facts
 from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.sheet import drawn
-from kg.evaluate.tables import Cell, Share, Table, beside
+from kg.evaluate.tables import Cell, Share, Table, with_paper
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.iris import is_source_graph
@@ -266,7 +266,7 @@ class Checked:
 
 
 @dataclass(slots=True)
-class _Found:
+class _Comparison:
     """The calls of all files by kind, as pairs of file and call, and the files that could not be compared."""
 
     calls: defaultdict[str, list[tuple[tuple[str, str], Site]]] = field(default_factory=lambda: defaultdict(list))
@@ -280,15 +280,15 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
     Test files are searched for calls only with `tests`: most of their code is not part of a node.
     """
     places = Places(snapshot)
-    found = _calls(places, lines, tests=tests)
+    compared = _calls(places, lines, tests=tests)
     rows: list[tuple[Cell, ...]] = []
     missed: list[Miss] = []
     chance = random.Random(seed)  # noqa: S311 - no secret
-    numbers = shares_of({kind: len(found.calls[kind]) for kind in KINDS}, size)
-    drawn_calls = [(kind, call) for kind in KINDS for call in chance.sample(found.calls[kind], numbers[kind])]
-    known = [(kind, places.has(kind, file, site.first, site.last)) for kind, (file, site) in drawn_calls]
-    rows += _rows(_CALLS, known, {kind: len(calls) for kind, calls in found.calls.items()})
-    for (kind, (file, site)), (_, has_it) in zip(drawn_calls, known, strict=True):
+    numbers = shares_of({kind: len(compared.calls[kind]) for kind in KINDS}, size)
+    drawn_calls = [(kind, call) for kind in KINDS for call in chance.sample(compared.calls[kind], numbers[kind])]
+    judged_calls = [(kind, places.has(kind, file, site.first, site.last)) for kind, (file, site) in drawn_calls]
+    rows += _rows(_CALLS, judged_calls, {kind: len(calls) for kind, calls in compared.calls.items()})
+    for (kind, (file, site)), (_, has_it) in zip(drawn_calls, judged_calls, strict=True):
         if not has_it:
             missed.append(_miss(_CALLS, kind, lines, (*file, site.line)))
     facts = Facts(snapshot)
@@ -300,14 +300,16 @@ def check_code(snapshot: Snapshot, lines: SourceLines, size: int, seed: int, *, 
         for fact, right in judged
         if not right
     )
-    told = [f"{found.files:,} files of C++ and Python were searched for calls."]
-    if found.left_out:
-        told.append(f"Left out: {'; '.join(f'{number:,} {why}' for why, number in found.left_out.most_common())}.")
+    remarks = [f"{compared.files:,} files of C++ and Python were searched for calls."]
+    if compared.left_out:
+        remarks.append(
+            f"Left out: {'; '.join(f'{number:,} {why}' for why, number in compared.left_out.most_common())}."
+        )
     if absent:
-        told.append(f"{absent:,} sampled facts are in files that are missing or have changed.")
-    notes = tuple(told)
+        remarks.append(f"{absent:,} sampled facts are in files that are missing or have changed.")
+    notes = tuple(remarks)
     table = Table("code", "The graph against the code", ("measure", "kind", "share", "number"), tuple(rows), notes)
-    return Checked(beside(table, ("measure", "kind")), tuple(missed))
+    return Checked(with_paper(table, ("measure", "kind")), tuple(missed))
 
 
 def _rows(measure: str, judged: Iterable[tuple[str, bool]], sizes: Mapping[str, int]) -> Iterator[tuple[Cell, ...]]:
@@ -326,38 +328,38 @@ def _miss(measure: str, kind: str, lines: SourceLines, place: tuple[str, str, in
     return Miss(measure, kind, lines.address(*place), lines.text(*place) or "")
 
 
-def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Found:
+def _calls(places: Places, lines: SourceLines, *, tests: bool) -> _Comparison:
     """Search the C++ and Python files in the packages of the store, if they are unchanged on this machine."""
-    found = _Found()
+    compared = _Comparison()
     for repository in sorted(lines.states):
         root = lines.root(repository)
         if root is None:
-            found.left_out["sources that are not on this machine"] += 1
+            compared.left_out["sources that are not on this machine"] += 1
             continue
         folders = places.folders(repository)
         for path in _files(root):
             if folders.isdisjoint([*map(str, PurePosixPath(path).parents)]):
                 continue
             if not tests and _TEST.search(path):
-                found.left_out["files of tests"] += 1
+                compared.left_out["files of tests"] += 1
                 continue
-            _search(repository, root, path, places, found)
-    return found
+            _search(repository, root, path, places, compared)
+    return compared
 
 
-def _search(repository: str, root: Path, path: str, places: Places, found: _Found) -> None:
+def _search(repository: str, root: Path, path: str, places: Places, compared: _Comparison) -> None:
     try:
         data = (root / path).read_bytes()
     except OSError:
-        found.left_out["files that cannot be read"] += 1
+        compared.left_out["files that cannot be read"] += 1
         return
     if places.digest(repository, path) not in {None, digest(data)}:
-        found.left_out["files that were changed since"] += 1
+        compared.left_out["files that were changed since"] += 1
         return
-    found.files += 1
+    compared.files += 1
     language = "python" if PurePosixPath(path).suffix.lower() in PYTHON else "cpp"
     for site in sites(data.decode("utf-8", "replace"), language):
-        found.calls[site.kind].append(((repository, path), site))
+        compared.calls[site.kind].append(((repository, path), site))
 
 
 def _files(root: Path) -> Iterator[str]:
@@ -374,7 +376,7 @@ def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list
     """Return sampled facts with whether their lines contain them, and the number of those without a line here."""
     judged, absent = [], 0
     for relation, pair in drawn(facts, tuple(STATED), size, seed):
-        fact = facts.told(relation, pair)
+        fact = facts.fact(relation, pair)
         if fact.call is not None:  # the line that calls the framework counts, also in another package than the node's
             source = fact.call.repository or fact.repository
             fact = replace(fact, file_repository=source, path=fact.call.path, line=fact.call.line)

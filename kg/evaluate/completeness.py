@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from kg.evaluate.gathering import Choice, Gathered, gather
 from kg.evaluate.intervals import wilson
 from kg.evaluate.linking import Ground, Linker
-from kg.evaluate.tables import Cell, Share, Table, beside
+from kg.evaluate.tables import Cell, Share, Table, with_paper
 from kg.render.text import count
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> t
         tuple(rows),
         tuple(remarks(gathered, linked[-1][1])),
     )
-    return beside(table, ("entity",)), linked[-1][1]
+    return with_paper(table, ("entity",)), linked[-1][1]
 
 
 def grounds(
@@ -71,9 +71,9 @@ def share(part: int, whole: int) -> Share:
 
 def _rows(reference: str, counts: dict[str, tuple[int, int]]) -> Iterator[tuple[Cell, ...]]:
     for entity in _ENTITIES:
-        named, known = counts.get(entity, (0, 0))
+        named, matched = counts.get(entity, (0, 0))
         if named:
-            yield reference, entity, share(known, named)
+            yield reference, entity, share(matched, named)
 
 
 def remarks(gathered: Iterable[Gathered], ground: Ground) -> Iterator[str]:
@@ -85,5 +85,5 @@ def remarks(gathered: Iterable[Gathered], ground: Ground) -> Iterator[str]:
     for one in gathered:
         left_out.update(one.left_out)
     if left_out:
-        told = "; ".join(f"{number:,} {reason}" for reason, number in left_out.most_common())
-        yield f"Left out: {told}."
+        reasons = "; ".join(f"{number:,} {reason}" for reason, number in left_out.most_common())
+        yield f"Left out: {reasons}."

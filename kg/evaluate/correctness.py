@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.completeness import grounds, remarks, share
-from kg.evaluate.tables import Cell, Share, Table, beside
+from kg.evaluate.tables import Cell, Share, Table, with_paper
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -48,7 +48,7 @@ def correctness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tu
         notes.append(_OPEN)
     columns = ("reference", "relation", "precision", "recall", "F1")
     table = Table("correctness", "Relations of the graph against references", columns, rows, tuple(notes))
-    return beside(table, ("relation",)), linked[-1][1]
+    return with_paper(table, ("relation",)), linked[-1][1]
 
 
 def _rows(reference: str, ground: Ground) -> Iterator[tuple[Cell, ...]]:
@@ -67,14 +67,14 @@ def _rows(reference: str, ground: Ground) -> Iterator[tuple[Cell, ...]]:
 
 def _share(counts: Mapping[str, Mapping[str, int]], roles: Iterable[str], part: str, whole: str) -> Share | None:
     """Return the share of all these roles together; None without any entries."""
-    found = [counts[role] for role in roles if role in counts]
-    number = sum(one[whole] for one in found)
-    return share(sum(one[part] for one in found), number) if number else None
+    chosen = [counts[role] for role in roles if role in counts]
+    number = sum(one[whole] for one in chosen)
+    return share(sum(one[part] for one in chosen), number) if number else None
 
 
 def _row(reference: str, relation: str, precision: Share | None, recall: Share | None) -> tuple[Cell, ...]:
-    right, found = (one.value if one else None for one in (precision, recall))
+    right, complete = (one.value if one else None for one in (precision, recall))
     harmonic = None
-    if right is not None and found is not None:
-        harmonic = 2 * right * found / (right + found) if right + found else 0.0
+    if right is not None and complete is not None:
+        harmonic = 2 * right * complete / (right + complete) if right + complete else 0.0
     return reference, relation, precision, recall, harmonic

@@ -80,7 +80,7 @@ class _Page:
 
     headings: dict[int, str] = field(default_factory=dict)
     columns: tuple[int, int | None] | None = None
-    found: dict[str | None, list[WikiEntry]] = field(default_factory=dict)
+    entries: dict[str | None, list[WikiEntry]] = field(default_factory=dict)
     lines: dict[str | None, int] = field(default_factory=dict)
 
     def role(self) -> str | None:
@@ -109,7 +109,7 @@ class _Page:
         if role is None or not _NAME.fullmatch(name):
             return
         self.lines.setdefault(node, line)
-        self.found.setdefault(node, []).append(WikiEntry(role, name, kind, None, line))
+        self.entries.setdefault(node, []).append(WikiEntry(role, name, kind, None, line))
 
 
 def readme_nodes(text: str) -> tuple[WikiNode, ...]:
@@ -125,7 +125,7 @@ def readme_nodes(text: str) -> tuple[WikiNode, ...]:
         elif not fenced and len(line) <= _LONGEST_LINE:
             following = lines[number] if number < len(lines) else ""
             _take(page, line, following, number)
-    return tuple(WikiNode(name, None, page.lines[name], tuple(entries)) for name, entries in page.found.items())
+    return tuple(WikiNode(name, None, page.lines[name], tuple(entries)) for name, entries in page.entries.items())
 
 
 def _take(page: _Page, line: str, following: str, number: int) -> None:
@@ -208,11 +208,11 @@ class Packages:
     def called(self, name: str) -> Spot:
         """Return the package `name` or `repository:name`; UsageError KG723 if it is unknown or ambiguous."""
         repository, _, package = name.rpartition(":")
-        found = [one for one in self._spots if one.package == package and one.repository.endswith(repository)]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            choices = ", ".join(f"{one.repository}:{one.package}" for one in found)
+        matches = [one for one in self._spots if one.package == package and one.repository.endswith(repository)]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            choices = ", ".join(f"{one.repository}:{one.package}" for one in matches)
             raise UsageError("KG723", f"several packages are called `{name}`: {choices}", hint="Name the repository.")
         hint = did_you_mean(name, [one.package for one in self._spots])
         raise UsageError("KG723", f"the store has no package `{name}`", hint=hint or "`kg packages` lists them.")
@@ -234,8 +234,8 @@ def read_page(path: Path, spot: Spot, *, closed: bool = False) -> tuple[Referenc
     """
     text = references.text_of(path)
     nodes = wiki_nodes(text) if is_wiki(text) else readme_nodes(text) if path.suffix.lower() == ".md" else ()
-    found = (_reference(node, path, spot, closed=closed) for node in nodes)
-    return tuple(one for one in found if one.entries)
+    documented = (_reference(node, path, spot, closed=closed) for node in nodes)
+    return tuple(one for one in documented if one.entries)
 
 
 def _reference(node: WikiNode, path: Path, spot: Spot, *, closed: bool) -> Reference:

@@ -60,7 +60,7 @@ class FolderModel:
         try:
             if self._model is None:
                 self._model = _loaded(self._folder)
-            found = self._model.encode(
+            encoded = self._model.encode(
                 list(texts), batch_size=_BATCH, normalize_embeddings=True, show_progress_bar=False
             )
         except UsageError:
@@ -68,7 +68,7 @@ class FolderModel:
         except Exception as problem:  # the library does not declare its exceptions for damaged files
             cause = f"{type(problem).__name__}: {' '.join(str(problem).split())[:_LONGEST_CAUSE]}"
             raise self._broken(cause) from problem
-        vectors = np.asarray(found, np.float32)
+        vectors = np.asarray(encoded, np.float32)
         if vectors.shape[:1] != (len(texts),) or not np.isfinite(vectors).all():
             raise self._broken("it returned no vectors, or vectors with invalid numbers")
         return vectors

@@ -33,13 +33,13 @@ async def capabilities_of_robots(settings: Settings) -> dict[str, Capabilities]:
     Raises:
         RobotError: KG840 pybullet or OpenCV is not installed.
     """
-    found: dict[str, Capabilities] = {}
+    inferred: dict[str, Capabilities] = {}
     for robot in ROBOTS:
         async with hosted_in_memory(robot) as (_, address):
             face = await connect(address, name="/kg_evaluation")
-            found[robot] = infer(await face.graph(), settings, address=address)
+            inferred[robot] = infer(await face.graph(), settings, address=address)
             await face.aclose()
-    return found
+    return inferred
 
 
 def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[str]] | None = None) -> Table:
@@ -49,8 +49,8 @@ def capabilities_table(of: Mapping[str, Capabilities], paper: Mapping[str, list[
     robots, and rows for capabilities that only it has.
     """
     paper = paper_figures("capabilities") if paper is None else paper
-    reached = {robot: {one.name for one in known.capabilities if one.ways} for robot, known in of.items()}
-    kinds = {one.name: (one.kinds[0], one.label) for known in of.values() for one in known.capabilities}
+    reached = {robot: {one.name for one in capabilities.capabilities if one.ways} for robot, capabilities in of.items()}
+    kinds = {one.name: (one.kinds[0], one.label) for capabilities in of.values() for one in capabilities.capabilities}
     every = set().union(*reached.values(), *paper.values())
     names = sorted(every, key=lambda name: (*kinds.get(name, ("~", name)), name))
     rows = [
@@ -76,16 +76,18 @@ def exercises_table(of: Mapping[str, Capabilities], paper: Mapping[str, Mapping[
     default those of the file; known ones are columns.
     """
     paper = paper_figures("exercises") if paper is None else paper
-    known = [name for name in _FIGURES if any(name in figures for figures in paper.values())]
+    measured = [name for name in _FIGURES if any(name in figures for figures in paper.values())]
     rows: list[tuple[Cell, ...]] = []
     for exercise in exercises():
         for robot in ROBOTS:
             program = program_of(exercise.of(robot))
             ours, code = metrics(program), code_metrics(convert(program, of[robot], to="rospy"))
             figures = (ours.blocks, ours.capabilities, code.lines, code.components, code.message_types)
-            told = paper.get(f"{exercise.number} {robot}", {})
-            rows.append((f"{exercise.number} {exercise.title}", robot, *figures, *(told.get(name) for name in known)))
-    columns = ("exercise", "robot", *_FIGURES, *(f"{PAPER} {name}" for name in known))
+            published = paper.get(f"{exercise.number} {robot}", {})
+            rows.append(
+                (f"{exercise.number} {exercise.title}", robot, *figures, *(published.get(name) for name in measured))
+            )
+    columns = ("exercise", "robot", *_FIGURES, *(f"{PAPER} {name}" for name in measured))
     return Table("exercises", "Programs compared with code (onto-ros, Table 2)", columns, tuple(rows), _notes(paper))
 
 

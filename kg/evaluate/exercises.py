@@ -149,8 +149,8 @@ def missed(variant: Variant, world: World) -> list[str]:
     pose, robot, start = world.robot.pose, world.robot, world.start
     wrong: list[str] = []
     # The visited places contain the wanted ones in order: the search for one continues behind the one before.
-    rest = iter(world.visited)
-    if not all(one in rest for one in variant.visits):
+    places = iter(world.visited)
+    if not all(one in places for one in variant.visits):
         wrong.append(
             f"it visited {', '.join(world.visited) or 'nothing'}, not {', '.join(variant.visits)} in this order"
         )
@@ -171,6 +171,6 @@ def missed(variant: Variant, world: World) -> list[str]:
 
 def _faces(pose: Pose, tag: TagPlace) -> bool:
     """Return whether a robot faces a tag."""
-    far, beside = _VIEW
+    far, widest = _VIEW
     bearing = math.atan2(tag.y - pose.y, tag.x - pose.x) - pose.heading
-    return pose.distance(tag.x, tag.y) <= far and abs(math.remainder(bearing, math.tau)) <= beside
+    return pose.distance(tag.x, tag.y) <= far and abs(math.remainder(bearing, math.tau)) <= widest

@@ -81,18 +81,18 @@ class Facts:
         self._snapshot = snapshot
         self.listed: dict[str, list[tuple[str, str]]] = {}
         """For each relation, sorted pairs of IRIs: the node and the object."""
-        found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
+        pairs: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
         relations = {v.bare(kind): relation for relation, kind in STATED.items()}
         for graph in snapshot.graphs():
             if is_source_graph(graph.value):
                 for node, part, kind in rows(snapshot, _PARTS % graph):
                     if kind in relations:
-                        found[relations[kind]].add((node, part))
+                        pairs[relations[kind]].add((node, part))
         for relation, term in INFERRED.items():
-            found[relation].update((node, what) for node, what in rows(snapshot, _RULED % term, union=True))
-        self.listed = {relation: sorted(found[relation]) for relation in RELATIONS if found[relation]}
+            pairs[relation].update((node, what) for node, what in rows(snapshot, _RULED % term, union=True))
+        self.listed = {relation: sorted(pairs[relation]) for relation in RELATIONS if pairs[relation]}
 
-    def told(self, relation: str, pair: tuple[str, str]) -> Fact:
+    def fact(self, relation: str, pair: tuple[str, str]) -> Fact:
         """Return the details of a listed fact."""
         node, part = pair
         repository, package, name, path, line = min(rows(self._snapshot, _OWNER % {"node": f"<{node}>"}, union=True))
@@ -100,20 +100,23 @@ class Facts:
             labels = rows(self._snapshot, f"SELECT ?label {{ <{part}> rdfs:label ?label }}", union=True)
             label = min((row[0] for row in labels), default=part)
             return Fact(relation, repository, package, name, label, None, None, repository, path, int(line))
-        told = dict(rows(self._snapshot, f"SELECT ?p ?o {{ <{part}> ?p ?o }}", union=True))
-        kind = next((_type_name(told[term]) for term in _TYPE_OF if term in told), told.get(v.bare(v.PARAMETER_TYPE)))
+        properties = dict(rows(self._snapshot, f"SELECT ?p ?o {{ <{part}> ?p ?o }}", union=True))
+        kind = next(
+            (_type_name(properties[term]) for term in _TYPE_OF if term in properties),
+            properties.get(v.bare(v.PARAMETER_TYPE)),
+        )
         return Fact(
             relation,
             repository,
             package,
             name,
-            told.get(v.bare(v.NAME)),
+            properties.get(v.bare(v.NAME)),
             kind,
-            told.get(v.bare(v.WRITTEN)),
-            told.get(v.bare(v.IN_REPOSITORY), repository),
-            told[v.bare(v.PATH)],
-            int(told[v.bare(v.LINE)]),
-            next(reversed(chain_of(told.get(v.bare(v.VIA)))), None),
+            properties.get(v.bare(v.WRITTEN)),
+            properties.get(v.bare(v.IN_REPOSITORY), repository),
+            properties[v.bare(v.PATH)],
+            int(properties[v.bare(v.LINE)]),
+            next(reversed(chain_of(properties.get(v.bare(v.VIA)))), None),
         )
 
 

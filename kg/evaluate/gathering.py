@@ -52,20 +52,20 @@ def gather(snapshot: Snapshot, paths: Iterable[Path], choice: Choice) -> tuple[G
 
 
 def _chosen(path: Path, reading: references.Reading, commits: Mapping[str, str | None], choice: Choice) -> Gathered:
-    left_out, kept = Counter(reading.left_out), []
+    left_out, chosen = Counter(reading.left_out), []
     for one in reading.references:
         if one.repository not in commits:
             left_out[ABSENT] += 1
         elif not choice.any_commit and not _same(one.commit, commits[one.repository]):
             left_out[OTHER_COMMIT] += 1
         else:
-            kept.append(one)
-    return Gathered(path, tuple(kept), left_out)
+            chosen.append(one)
+    return Gathered(path, tuple(chosen), left_out)
 
 
-def _same(said: str | None, read: str | None) -> bool:
+def _same(stated: str | None, read: str | None) -> bool:
     """Return whether a reference is about the commit that was read; one without a commit is assumed to be."""
-    return not said or not read or read.startswith(said) or said.startswith(read)
+    return not stated or not read or read.startswith(stated) or stated.startswith(read)
 
 
 def _read(path: Path, packages: Packages, choice: Choice) -> references.Reading:
@@ -82,7 +82,7 @@ def _read(path: Path, packages: Packages, choice: Choice) -> references.Reading:
 
 def _folder(path: Path, packages: Packages, choice: Choice) -> references.Reading:
     """Read the pages below a folder, each for its package."""
-    found: list[Reference] = []
+    read: list[Reference] = []
     left_out: Counter[str] = Counter()
     for page in pages_below(path):
         spot = packages.around(page)
@@ -90,7 +90,7 @@ def _folder(path: Path, packages: Packages, choice: Choice) -> references.Readin
             left_out[_NO_PACKAGE] += 1
             continue
         try:
-            found.extend(read_page(page, spot, closed=choice.closed))
+            read.extend(read_page(page, spot, closed=choice.closed))
         except UsageError:
             left_out["not readable as UTF-8"] += 1
-    return references.Reading(tuple(found), left_out)
+    return references.Reading(tuple(read), left_out)

@@ -1,4 +1,4 @@
-"""Figures that come from samples: their intervals, how many to take of each group, and what these tell of all."""
+"""Figures that come from samples: their intervals, the size of the sample of each group, and the estimate for all."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ def bounds(drawn: Iterable[float]) -> tuple[float, float]:
 
 def shares_of(sizes: Mapping[str, int], size: int) -> dict[str, int]:
     """Return the sample size of each group: equal, with the remainder of small groups given to others."""
-    found = dict.fromkeys(sizes, 0)
+    shares = dict.fromkeys(sizes, 0)
     left = min(size, sum(sizes.values()))
     while left:
-        open_ = [name for name, number in sizes.items() if found[name] < number]
+        open_ = [name for name, number in sizes.items() if shares[name] < number]
         for name in open_[:left]:
-            found[name] += 1
+            shares[name] += 1
         left -= len(open_[:left])
-    return found
+    return shares
 
 
 def weighed(groups: Iterable[tuple[int, int, int]]) -> Score | None:
@@ -61,12 +61,12 @@ def weighed(groups: Iterable[tuple[int, int, int]]) -> Score | None:
 
     A group has its size, the size of its sample, and the number that is right in it. None if a group has no sample.
     """
-    known = [group for group in groups if group[0]]
-    every = sum(size for size, _, _ in known)
-    if not every or any(not looked for _, looked, _ in known):
+    sampled = [group for group in groups if group[0]]
+    every = sum(size for size, _, _ in sampled)
+    if not every or any(not looked for _, looked, _ in sampled):
         return None
     value = variance = 0.0
-    for size, looked, right in known:
+    for size, looked, right in sampled:
         weight, part = size / every, right / looked
         value += weight * part
         variance += weight**2 * part * (1 - part) / looked * (1 - looked / size if looked <= size else 0)

@@ -69,7 +69,7 @@ def read_needs(path: Path) -> tuple[Need, ...]:
         lines = path.read_bytes().split(b"\n")
     except OSError as error:
         raise UsageError("KG725", f"the needs cannot be read: {error.strerror}", place=Place(str(path))) from None
-    found, decoder = [], msgspec.json.Decoder(Need)
+    needs, decoder = [], msgspec.json.Decoder(Need)
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
@@ -80,10 +80,10 @@ def read_needs(path: Path) -> tuple[Need, ...]:
             raise UsageError("KG725", f"invalid need: {error}", place=place) from None
         if any(not 0 <= one.grade <= _HIGHEST for one in need.relevant):
             raise UsageError("KG725", f"a grade is not from 0 to {_HIGHEST}", place=Place(str(path), number))
-        found.append(need)
-    if not found:
+        needs.append(need)
+    if not needs:
         raise UsageError("KG725", "the file has no need", place=Place(str(path)))
-    return tuple(found)
+    return tuple(needs)
 
 
 def ndcg(need: Need, ranked: Sequence[Ranked], depth: int) -> float:

@@ -41,9 +41,9 @@ def forget(settings: Settings) -> bool:
     with writable(settings, create=False) as target:
         inference = Inference(target, settings)
         with target.write("kg eval") as transaction:
-            known = graph in transaction.graphs()
-            if known:
+            exists = graph in transaction.graphs()
+            if exists:
                 transaction.drop_graph(graph)
                 inference.run(transaction)
                 inference.remember(transaction.commit())
-    return known
+    return exists

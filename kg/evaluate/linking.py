@@ -91,8 +91,8 @@ class Ground:
         if not isinstance(answer, Solutions):
             raise TypeError(query)
         return {
-            _value(first): {name: int(_value(term)) for name, term in zip(answer.variables[1:], rest, strict=True)}
-            for first, *rest in answer.rows
+            _value(first): {name: int(_value(term)) for name, term in zip(answer.variables[1:], numbers, strict=True)}
+            for first, *numbers in answer.rows
         }
 
 
@@ -106,10 +106,10 @@ class Linker:
 
     def link(self, references: Iterable[Reference]) -> Ground:
         """Return the data for comparing references of repositories in the store."""
-        known = self._names.repositories
-        linked = [self._names.linked(one) for one in references if one.repository in known]
+        repositories = self._names.repositories
+        linked = [self._names.linked(one) for one in references if one.repository in repositories]
         store = Store()
-        for repository in sorted({known[one.reference.repository] for one in linked}):
+        for repository in sorted({repositories[one.reference.repository] for one in linked}):
             if repository not in self._read:
                 self._read[repository] = tuple(_interfaces(self._snapshot, repository))
             store.extend(self._read[repository])
@@ -143,10 +143,10 @@ class _Names:
 
     def linked(self, reference: Reference) -> Linked:
         key = reference.repository, reference.package
-        known = self._nodes.get(key, {})
-        nodes = sorted({node for name in reference.names for node in known.get(name, ())})
+        by_name = self._nodes.get(key, {})
+        nodes = sorted({node for name in reference.names for node in by_name.get(name, ())})
         if not nodes and reference.sole:
-            every = sorted(set().union(*known.values()))
+            every = sorted(set().union(*by_name.values()))
             nodes = every if len(every) == 1 else []
         return Linked(reference, self._packages.get(key), tuple(nodes))
 
@@ -187,28 +187,28 @@ def _write(writer: Writer, number: int, linked: Linked, parts: dict[str, dict[st
         writer.text(part, v.PLAIN_NAME, entry.name)
         writer.text(part, v.TYPE_NAME, entry.type)
         writer.add(part, v.POSITION, integer(position))
-        for found in _found(entry, parts):
-            writer.add(part, v.FOUND_AS, f"<{found}>")
+        for match in _matches(entry, parts):
+            writer.add(part, v.FOUND_AS, f"<{match}>")
 
 
-def _found(entry: Entry, parts: dict[str, dict[str, list[str]]]) -> list[str]:
+def _matches(entry: Entry, parts: dict[str, dict[str, list[str]]]) -> list[str]:
     """Return the IRIs of the ends or parameters that match an entry."""
     if entry.name is None:
         return []
-    found = list(_named(entry.name, parts.get(entry.role, {})))
+    matches = list(_named(entry.name, parts.get(entry.role, {})))
     topic = _ACTION_TOPIC.fullmatch(entry.name)
     if topic and entry.role in {"publishes", "subscribes"}:
         server = (topic[2] in _HEARD) == (entry.role == "subscribes")
-        found += _named(topic[1], parts.get("action_servers" if server else "action_clients", {}))
-    return sorted(set(found))
+        matches += _named(topic[1], parts.get("action_servers" if server else "action_clients", {}))
+    return sorted(set(matches))
 
 
-def _named(name: str, known: dict[str, list[str]]) -> Iterator[str]:
+def _named(name: str, parts_by_name: dict[str, list[str]]) -> Iterator[str]:
     if "*" not in name:
-        yield from known.get(name, ())
+        yield from parts_by_name.get(name, ())
         return
     pattern = re.compile(re.escape(name).replace(r"\*", "[^/]+"))
-    for other, parts in known.items():
+    for other, parts in parts_by_name.items():
         if pattern.fullmatch(other):
             yield from parts
 

@@ -139,9 +139,9 @@ def read(path: Path, *, closed: bool = False) -> Reading:
         elif not record.package:
             left_out["no package is named"] += 1
         else:
-            found = _reference(record, Place(str(path), number), closed=closed)
-            key = (found.repository, found.package, record.executable or record.node, record.plugin)
-            merged[key] = _joined(merged[key], found) if key in merged else found
+            reference = _reference(record, Place(str(path), number), closed=closed)
+            key = (reference.repository, reference.package, record.executable or record.node, record.plugin)
+            merged[key] = _joined(merged[key], reference) if key in merged else reference
     return Reading(tuple(merged.values()), left_out)
 
 
@@ -189,8 +189,8 @@ def entry(role: str, name: str | None, kind: str | None) -> Entry:
     return Entry(role, plain_name(name), None if role == PARAMETERS else plain_type(kind))
 
 
-def _pair(said: list[Any]) -> _Named:
-    name, kind = (*said, None, None)[:2]
+def _pair(written: list[Any]) -> _Named:
+    name, kind = (*written, None, None)[:2]
     return _Named(name if isinstance(name, str) else None, kind if isinstance(kind, str) else None)
 
 

@@ -23,7 +23,7 @@ from kg.errors import UsageError
 from kg.evaluate.encoding import FolderModel
 from kg.evaluate.intervals import bootstrap, bounds
 from kg.evaluate.judged_needs import Constraints, Need, Ranked, ndcg
-from kg.evaluate.tables import Cell, Score, Table, beside
+from kg.evaluate.tables import Cell, Score, Table, with_paper
 from kg.render.text import count
 from kg.search.searching import Hit, Search
 
@@ -189,7 +189,7 @@ def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) 
         f"{count(len(needs), 'need')}, {count(search.index.size, 'node')}; 95 % bootstrap intervals, of pairs.",
         "Other ways are untuned; copies of a node are folded for all.",
     )
-    return beside(Table("search", "How well nodes are found", columns, rows, notes), ("method", "measure"))
+    return with_paper(Table("search", "How well nodes are found", columns, rows, notes), ("method", "measure"))
 
 
 def _hits(search: Search, need: Need) -> list[Ranked]:

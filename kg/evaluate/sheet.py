@@ -57,7 +57,7 @@ def as_sheet(facts: Facts, sample: Sequence[tuple[str, tuple[str, str]]], lines:
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
     for number, (relation, pair) in enumerate(sample, 1):
-        fact = facts.told(relation, pair)
+        fact = facts.fact(relation, pair)
         place = fact.file_repository, fact.path, fact.line
         cells = (fact.package, fact.node, fact.value, fact.type, lines.address(*place), lines.text(*place))
         words = [safe_cell(cell or "") for cell in cells]

@@ -54,25 +54,25 @@ def read(path: str) -> list[Result]:
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "the text is not in UTF-8"
         raise UsageError("KG003", f"`{path}` cannot be read: {reason}") from error
-    found = []
+    results = []
     for number, row in enumerate(rows, start=2):
         try:
-            found.append(msgspec.convert(row, Result, strict=False))
+            results.append(msgspec.convert(row, Result, strict=False))
         except msgspec.ValidationError as error:
             hint = "Save the results on the robot page: Examples, Study with four tasks."
             message = f"not a result of a study: {error}"
             raise UsageError("KG003", message, place=Place(path, number), hint=hint) from error
-    return found
+    return results
 
 
 def table(results: Sequence[Result]) -> Table:
     """Return means by exercise and robot, next to the times of the paper."""
     titles = {one.number: one.title for one in exercises()}
     groups = sorted({(one.exercise, one.robot) for one in results}, key=lambda one: (one[1] != "office", one[0]))
-    told = paper_figures("exercises")
+    published = paper_figures("exercises")
     rows: list[tuple[Cell, ...]] = []
     for exercise, robot in groups:
-        paper = told.get(f"{exercise} {robot}")
+        paper = published.get(f"{exercise} {robot}")
         some = [one for one in results if (one.exercise, one.robot) == (exercise, robot)]
         seconds = [one.seconds for one in some]
         deviation = f" ± {_clock(stdev(seconds))}" if len(seconds) > 1 else ""

@@ -62,7 +62,7 @@ class Table:
 COLUMN: Final = "RNKG"
 
 
-def beside(table: Table, keys: tuple[str, ...], figures: Mapping[str, float] | None = None) -> Table:
+def with_paper(table: Table, keys: tuple[str, ...], figures: Mapping[str, float] | None = None) -> Table:
     """Return the table with a column of the paper's figures, matched by the texts of the columns `keys`.
 
     The table is unchanged if no figure is known; `figures` replaces those of the file.
@@ -148,14 +148,14 @@ def as_objects(table: Table) -> list[dict[str, object]]:
 
 
 def _object(row: Mapping[str, Cell]) -> dict[str, object]:
-    found: dict[str, object] = {}
+    cells: dict[str, object] = {}
     for name, cell in row.items():
         if not isinstance(cell, Share | Score):
-            found[name] = cell
+            cells[name] = cell
             continue
-        found[name] = cell.value
+        cells[name] = cell.value
         if isinstance(cell, Share):
-            found |= {f"{name} part": cell.part, f"{name} whole": cell.whole}
+            cells |= {f"{name} part": cell.part, f"{name} whole": cell.whole}
         if cell.interval is not None:
-            found |= {f"{name} low": cell.interval[0], f"{name} high": cell.interval[1]}
-    return found
+            cells |= {f"{name} low": cell.interval[0], f"{name} high": cell.interval[1]}
+    return cells

@@ -63,16 +63,16 @@ def _bars(table: Table) -> Iterator[_Bar]:
     series = [name for at, name in enumerate(table.columns) if any(_value(row[at]) is not None for row in table.rows)]
     before = None
     for row in table.rows:
-        told = ", ".join(cell for cell in row if isinstance(cell, str))
+        texts = ", ".join(cell for cell in row if isinstance(cell, str))
         for name, cell in zip(table.columns, row, strict=True):
             value = _value(cell)
             if value is not None:
                 interval = cell.interval if isinstance(cell, Share | Score) else None
                 named = name if len(series) > 1 else ""
-                words, first = f"{told} {named}".strip(), told != before
+                words, first = f"{texts} {named}".strip(), texts != before
                 shown = words if first else named
                 yield _Bar(words, shown, first, series.index(name) % _SERIES, value, interval, spelled(cell))
-                before = told
+                before = texts
 
 
 def _value(cell: Cell) -> float | None:

@@ -46,7 +46,7 @@ def read_snippets(reader: Reader, facts: PackageFacts) -> tuple[Snippet, ...]:
             wanted[FilePath(place.repository or facts.repository, place.path)].add(place.line)
     found = []
     for file in sorted(wanted):
-        text = reader.known(file)
+        text = reader.cached_text(file)
         lines = _chosen(text.decode("utf-8", "replace").split("\n"), wanted[file]) if text else {}
         if lines:
             other = file.repository if file.repository != facts.repository else None

@@ -1,1 +1,1 @@
-"""Stage 3: facts become RDF: vocabulary, IRIs, named graphs. Nothing here knows of files."""
+"""Stage 3: facts become RDF: vocabulary, IRIs, named graphs. Independent of files."""

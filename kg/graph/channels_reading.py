@@ -77,26 +77,26 @@ def names(graph: Queryable, kind: str, *, implicit: bool = False) -> list[str]:
 
     Those that only frameworks use are there with `implicit` alone.
     """
-    found = column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind])
+    every = column(graph, (_EVERY_NAME if implicit else _NAMES) % CLASSES[kind])
     more = unstated_ends(graph) if implicit else ()
-    return sorted(found | {end.name for end in more if end.role.channel == kind})
+    return sorted(every | {end.name for end in more if end.role.channel == kind})
 
 
 def every_name(graph: Queryable) -> dict[str, list[str]]:
     """Return the names of all topics, services and actions by kind, those that only frameworks use too, sorted."""
-    found = {kind: column(graph, _EVERY_NAME % classes) for kind, classes in CLASSES.items()}
+    by_kind = {kind: column(graph, _EVERY_NAME % classes) for kind, classes in CLASSES.items()}
     for end in unstated_ends(graph):
-        found[end.role.channel].add(end.name)
-    return {kind: sorted(held) for kind, held in found.items()}
+        by_kind[end.role.channel].add(end.name)
+    return {kind: sorted(kind_names) for kind, kind_names in by_kind.items()}
 
 
 def channels_called(graph: Queryable, called: Iterable[str]) -> list[tuple[str, str]]:
     """Return the topics, services and actions of some absolute names, as kind and name, sorted."""
-    meant = set(called)
-    those = one_of("name", meant)
-    found = {(kind, name) for kind, classes in _AMONG.items() for name in column(graph, _CALLED % (those, classes))}
-    found |= {(end.role.channel, end.name) for name in meant for end in unstated_ends(graph, name)}
-    return sorted(found)
+    wanted = set(called)
+    those = one_of("name", wanted)
+    pairs = {(kind, name) for kind, classes in _AMONG.items() for name in column(graph, _CALLED % (those, classes))}
+    pairs |= {(end.role.channel, end.name) for name in wanted for end in unstated_ends(graph, name)}
+    return sorted(pairs)
 
 
 def names_in(graph: Queryable, kind: str, systems: Iterable[str]) -> list[str]:
@@ -113,8 +113,8 @@ def names_written(graph: Queryable, kind: str, written: str) -> list[str]:
 def ends_in_code(graph: Queryable, kind: str, name: str, base: str) -> list[tuple[NodeReference, Interface]]:
     """Return the interfaces that have this name where their node is started alone, sorted."""
     channel = NamedNode(Iris(base).channel(kind, name))
-    found = code_facts(graph, f"?subject rnkg:connectsTo {channel} .")
-    ends = [(owner, fact) for owner, fact in found.values() if isinstance(fact, Interface)]
+    facts_by_iri = code_facts(graph, f"?subject rnkg:connectsTo {channel} .")
+    ends = [(owner, fact) for owner, fact in facts_by_iri.values() if isinstance(fact, Interface)]
     return sorted(ends, key=lambda one: (one[1].role, one[0], str(one[1].location), one[1].type or ""))
 
 
@@ -133,9 +133,9 @@ def findings_about(graph: Queryable, name: str) -> dict[tuple[str, str, str], tu
 
     Of configurations these are the IRIs.
     """
-    found: defaultdict[tuple[str, str, str], tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
+    by_finding: defaultdict[tuple[str, str, str], tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     for system, code, severity, message, subject in texts(graph, _FINDINGS % literal(name)):
-        subjects, systems = found[code, severity, message]
+        subjects, systems = by_finding[code, severity, message]
         subjects.add(subject)
         systems.add(system)
-    return {key: (sorted(found[key][0]), sorted(found[key][1])) for key in sorted(found)}
+    return {key: (sorted(by_finding[key][0]), sorted(by_finding[key][1])) for key in sorted(by_finding)}

@@ -68,22 +68,27 @@ class Classes:
 
 def classes(graph: Queryable, iri: str) -> Classes:
     """Return what is inferred of the node type with this IRI; nothing where no rules ran."""
-    found = {name: list[Class]() for name in ("hasFunction", "usesHardware", "usesDevice")}
-    known = grades(graph, iri)
+    by_relation = {name: list[Class]() for name in ("hasFunction", "usesHardware", "usesDevice")}
+    graded = grades(graph, iri)
     for relation, kind, label in texts(graph, _QUERY.format(iri=iri)):
-        found[relation.removeprefix(v.RNKG)].append(Class(label, known.get(kind, Grade())))
-    return Classes(*(tuple(sorted(one, key=lambda held: (held.grade.rank, held.label))) for one in found.values()))
+        by_relation[relation.removeprefix(v.RNKG)].append(Class(label, graded.get(kind, Grade())))
+    return Classes(
+        *(
+            tuple(sorted(one, key=lambda one_class: (one_class.grade.rank, one_class.label)))
+            for one in by_relation.values()
+        )
+    )
 
 
 def grades(graph: Queryable, iri: str) -> dict[str, Grade]:
     """Return the grade of each class of the node type with this IRI, by the IRI of the class."""
-    said: defaultdict[str, set[str]] = defaultdict(set)
+    relations: defaultdict[str, set[str]] = defaultdict(set)
     for relation, kind in texts(graph, _GRADES_QUERY.format(iri=iri)):
-        said[kind].add(relation.removeprefix(v.RNKG))
+        relations[kind].add(relation.removeprefix(v.RNKG))
     return {
         one: Grade(
             next((grade for name, grade in _GRADES.items() if name in names), ""),
             tuple(word for name, word in _EVIDENCE.items() if name in names),
         )
-        for one, names in said.items()
+        for one, names in relations.items()
     }

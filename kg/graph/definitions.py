@@ -56,7 +56,7 @@ def _field(scope: Scope, owner: str, package: str, position: int, fact: Field) -
 def message_of(kind: str, package: str) -> str | None:
     """Return the message `package/Type` that a field of type `kind` in `package` holds, None for a primitive.
 
-    `Header` stands for `std_msgs/Header` (wiki.ros.org/msg), any other bare name for a message of the same package.
+    `Header` means `std_msgs/Header` (wiki.ros.org/msg), any other bare name for a message of the same package.
     """
     name = kind.partition("[")[0].partition("<")[0].strip()
     if name in _PRIMITIVES or not name:

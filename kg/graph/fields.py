@@ -69,14 +69,14 @@ class Fields:
 
     def rows(self, fact: object) -> list[tuple[str, str]]:
         """Return each property with a spelled value."""
-        found: list[tuple[str, str]] = []
+        pairs: list[tuple[str, str]] = []
         for field in self._fields:
             value = getattr(fact, field.name)
             if field.several:
-                found += [(field.term, field.spell(one)) for one in dict.fromkeys(value)]
+                pairs += [(field.term, field.spell(one)) for one in dict.fromkeys(value)]
             elif value is not None and value != field.unwritten:
-                found.append((field.term, field.spell(value)))
-        return found
+                pairs.append((field.term, field.spell(value)))
+        return pairs
 
     def write(self, writer: Writer, subject: str, fact: object) -> None:
         """Add the values of a fact as properties of a spelled IRI."""
@@ -87,15 +87,17 @@ class Fields:
 
         A word that is missing is not known either.
         """
-        found = self._missing.copy()
+        values_by_name = self._missing.copy()
         for term, values in properties.items():
             if (reader := self._readers.get(term)) and values:
                 name, several, parse = reader
                 value = values[0] if len(values) == 1 else min(values)
-                found[name] = tuple(sorted(values)) if several else value if parse is None else parse(value)
-        if len(found) < len(self._readers):
-            raise ValueError(f"missing: {', '.join(one.name for one in self._fields if one.name not in found)}")
-        return found
+                values_by_name[name] = tuple(sorted(values)) if several else value if parse is None else parse(value)
+        if len(values_by_name) < len(self._readers):
+            raise ValueError(
+                f"missing: {', '.join(one.name for one in self._fields if one.name not in values_by_name)}"
+            )
+        return values_by_name
 
     @cached_property
     def _missing(self) -> dict[str, Any]:

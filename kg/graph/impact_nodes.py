@@ -34,13 +34,13 @@ def nodes_called(graph: Queryable, name: str, *, at_run_time: bool = False) -> s
 
     With `at_run_time` also those that call themselves so.
     """
-    found = _nodes(graph, f"?node rnkg:name {literal(name)}")
+    iris = _nodes(graph, f"?node rnkg:name {literal(name)}")
     if at_run_time:
-        found |= _nodes(graph, f"?node rnkg:nodeName {literal(name)}")
+        iris |= _nodes(graph, f"?node rnkg:nodeName {literal(name)}")
     splits = [(name[:at], name[at + 1 :]) for at, sign in enumerate(name) if sign == "/"]
     pairs = " ".join(f"({literal(package)} {literal(node)})" for package, node in splits)
     inside = "?node rnkg:name ?name . ?package rnkg:contains ?node ; rnkg:name ?owner"
-    return found | (_nodes(graph, f"VALUES (?owner ?name) {{ {pairs} }} {inside}") if pairs else set())
+    return iris | (_nodes(graph, f"VALUES (?owner ?name) {{ {pairs} }} {inside}") if pairs else set())
 
 
 def nodes_loading(graph: Queryable, plugins: Iterable[str]) -> set[str]:
@@ -65,20 +65,20 @@ def nodes_in_file(graph: Queryable, path: str) -> set[str]:
 
 def definitions_of(graph: Queryable, names: Iterable[str]) -> set[str]:
     """Return the IRIs of the definitions of some types, as `package/Type`, and of all that embed them."""
-    found: set[str] = set()
-    asked: set[str] = set()
+    iris: set[str] = set()
+    seen: set[str] = set()
     queue = set(names)
     while queue:
-        asked |= queue
+        seen |= queue
         values = one_of("label", queue)
-        found |= _definitions(graph, f"{values} ?definition rdfs:label ?label")
+        iris |= _definitions(graph, f"{values} ?definition rdfs:label ?label")
         holding = _definitions(
             graph, f"{values} ?type rdfs:label ?label . ?definition rnkg:hasField/rnkg:hasFieldType ?type"
         )
-        found |= holding
+        iris |= holding
         labels = f"{among('definition', holding)} ?definition rdfs:label ?label"
-        queue = column(graph, f"SELECT ?label WHERE {{ {labels} }}") - asked
-    return found
+        queue = column(graph, f"SELECT ?label WHERE {{ {labels} }}") - seen
+    return iris
 
 
 def definitions_at(graph: Queryable, path: str) -> set[str]:

@@ -30,8 +30,8 @@ _SETTABLE: Final = """
 SELECT DISTINCT ?name WHERE { ?start rnkg:hasSetting ?part . ?part rnkg:name|(rnkg:sets/rnkg:name) ?name }"""
 
 
-def partly_known(graph: Queryable) -> list[str]:
-    """Return the names of ends that are not known whole, sorted."""
+def partial_names(graph: Queryable) -> list[str]:
+    """Return the names of ends with unknown parts, sorted."""
     return sorted(column(graph, _UNKNOWN))
 
 
@@ -62,13 +62,13 @@ def at_channel(graph: Queryable, kind: str, name: str, partly: Iterable[str]) ->
     ], usual
 
 
-def at_parameter(name: str, known: Iterable[str]) -> _Parts:
+def at_parameter(name: str, candidates: Iterable[str]) -> _Parts:
     """Return the settings whose name may be that of a parameter, the ends that these name, and whom those meet.
 
-    `known` are the names of settings and of the parameters that they set.
+    `candidates` are the names of settings and of the parameters that they set.
     """
     last = re.split(r"[./~]", name)[-1]
-    names = {one for one in known if last in one}
+    names = {one for one in candidates if last in one}
     if not names:
         return []
     named = f"{_named('?setting', names)} GRAPH ?graph {{ ?named rnkg:namedBy ?setting }}"
@@ -112,22 +112,22 @@ def at_node(graph: Queryable, name: str, types: Iterable[str]) -> _Parts:
 
 def at_file(path: str) -> _Parts:
     """Return the instances that a file starts, and the settings that it holds."""
-    held = f"?part rnkg:path {literal(path)} ."
+    pattern = f"?part rnkg:path {literal(path)} ."
     return [
         (v.STARTED_WITH, f"GRAPH ?graph {{ ?instance rnkg:path {literal(path)} ; rnkg:startedWith ?part }}"),
-        (v.HAS_SETTING, _setting(held)),
+        (v.HAS_SETTING, _setting(pattern)),
     ]
 
 
 def of_types(graph: Queryable, names: Iterable[str]) -> tuple[_Parts, list[UsualEnd]]:
     """Return the ends whose messages, services or actions are of types, as `package/Type`."""
-    known = set(names)
+    wanted = set(names)
     relations = "ros:hasMessage|rnkg:hasServiceType|rnkg:hasActionType"
     pattern = (
-        f"{one_of('label', known)} ?type rdfs:label ?label . ?code {relations} ?type ."
+        f"{one_of('label', wanted)} ?type rdfs:label ?label . ?code {relations} ?type ."
         f" GRAPH ?graph {{ ?part rnkg:declaredBy|rnkg:overrides ?code . {_HAVING} }}"
     )
-    return [(v.HAS_COMPONENT, pattern)], unstated_ends(graph, types=known)
+    return [(v.HAS_COMPONENT, pattern)], unstated_ends(graph, types=wanted)
 
 
 def _setting(pattern: str) -> str:

@@ -1,4 +1,4 @@
-"""What `kg.impact` needs besides nodes and systems: packages, definitions, files, and which systems name a thing."""
+"""What `kg.impact` needs in addition to nodes and systems: packages, definitions, files, and systems naming a thing."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ SELECT DISTINCT ?graph WHERE {
     GRAPH ?graph { ?instance rnkg:startedWith ?start }
   }
 }"""
-"""What instances are started with stands in a graph of its own, for all systems that start the same."""
+"""What instances are started with is in a separate graph, shared by systems that start the same."""
 _STARTING: Final = """
 SELECT DISTINCT ?graph WHERE {
   VALUES ?type { %(values)s }
@@ -93,12 +93,12 @@ SELECT DISTINCT ?graph WHERE {
 
 def dependents(graph: Queryable, package: str) -> list[PackageRecord]:
     """Return the packages that depend on one, with their dependencies on it, sorted by source and name."""
-    found: dict[str, PackageRecord] = {}
+    packages: dict[str, PackageRecord] = {}
     lines: defaultdict[str, list[Dependency]] = defaultdict(list)
     for iri, repository, name, folder, manifest, on, kind, line in texts(graph, _DEPENDENTS % literal(package)):
-        found[iri] = PackageRecord(repository, name, folder or ".", manifest)
+        packages[iri] = PackageRecord(repository, name, folder or ".", manifest)
         lines[iri].append(Dependency(on, kind, int(line)))
-    whole = [replace(one, dependencies=tuple(sorted(lines[iri], key=repr))) for iri, one in found.items()]
+    whole = [replace(one, dependencies=tuple(sorted(lines[iri], key=repr))) for iri, one in packages.items()]
     return sorted(whole, key=lambda one: (one.repository, one.name, one.folder))
 
 
@@ -110,13 +110,13 @@ def definition_records(graph: Queryable, iris: Collection[str] | None = None) ->
         fields[iri].append(
             Field(section=section, name=name, type=kind, line=int(line), default=default, constant=constant)
         )
-    found = []
+    records = []
     for iri, repository, package, name, kind, path, line in texts(graph, _DEFINITIONS % those):
         own = tuple(fields[iri])
         definition = InterfaceDefinition(kind, package, name, own, Location(path, int(line)))
-        embeds = {f"{one.section}/{one.name}": held for one in own if (held := message_of(one.type, package))}
-        found.append(DefinitionRecord(repository, definition, embeds))
-    return sorted(found, key=lambda one: (one.repository, one.name, one.definition.kind))
+        embeds = {f"{one.section}/{one.name}": message for one in own if (message := message_of(one.type, package))}
+        records.append(DefinitionRecord(repository, definition, embeds))
+    return sorted(records, key=lambda one: (one.repository, one.name, one.definition.kind))
 
 
 def file_records(
@@ -131,11 +131,11 @@ def file_records(
         those = one_of("path", [path])
     elif ending is not None:
         those = f'FILTER(STRENDS(CONCAT("/", ?path), {literal(f"/{ending}")}))'
-    found = (
+    records = (
         FileRecord(repository, package, at, FileKind(kind))
         for repository, package, at, kind in texts(graph, _FILES % those)
     )
-    return sorted(found, key=lambda one: (one.repository, one.path))
+    return sorted(records, key=lambda one: (one.repository, one.path))
 
 
 def arguments(graph: Queryable, name: str | None = None) -> list[tuple[str, str]]:
@@ -166,9 +166,11 @@ def systems_naming(
 
     `types` and `included` are IRIs.
     """
-    asked = (
+    queries = (
         (_STATING, " ".join(map(literal, sorted(set(texts))))),
         (_STARTING, " ".join(f"<{iri}>" for iri in sorted(set(types)))),
         (_INCLUDING, " ".join(f"<{iri}>" for iri in sorted(set(included)))),
     )
-    return {found for query, values in asked if values for found in column(graph, query % {"values": values})}
+    return {
+        graph_name for query, values in queries if values for graph_name in column(graph, query % {"values": values})
+    }

@@ -193,11 +193,11 @@ class Iris:
 
     def parse(self, iri: str) -> Thing | None:
         """Return what `iri` (without fragment) was made of; None when it is none of the kinds of this base."""
-        kind, _, rest = iri.removeprefix(self.base).partition("/")
+        kind, _, tail = iri.removeprefix(self.base).partition("/")
         shape = _SHAPES.get(kind)
         if shape is None or not iri.startswith(self.base) or "#" in iri:
             return None
-        segments = rest.split("/")
+        segments = tail.split("/")
         parts = _split_paths(segments) if shape == "p-p" else _split(segments, shape)
         if parts is None:
             return None

@@ -40,10 +40,10 @@ def double(number: float) -> str:
 def apart(content: bytes, beginnings: bytes | tuple[bytes, ...]) -> tuple[list[bytes], list[bytes]]:
     """Return the lines of N-Triples that begin otherwise, and those with one of `beginnings`, in their order."""
     others: list[bytes] = []
-    found: list[bytes] = []
+    matching: list[bytes] = []
     for line in content.splitlines(keepends=True):
-        (found if line.startswith(beginnings) else others).append(line)
-    return others, found
+        (matching if line.startswith(beginnings) else others).append(line)
+    return others, matching
 
 
 def boolean(value: bool) -> str:  # noqa: FBT001 - the value is the argument, not a mode

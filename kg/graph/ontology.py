@@ -126,18 +126,18 @@ def classify(paths: Iterable[Path] | None = None) -> tuple[Triple, ...]:
     java, archive = _reasoner()
     ours = default_ontologies()
     further = [path for path in paths or () if path not in ours]
-    found = _entailed((*ours, *further), java, archive)
+    entailed = _entailed((*ours, *further), java, archive)
     if further:
-        found -= _entailed(ours, java, archive)
-    return tuple(sorted(found, key=str))
+        entailed -= _entailed(ours, java, archive)
+    return tuple(sorted(entailed, key=str))
 
 
 def _entailed(files: tuple[Path, ...], java: str, archive: Path) -> frozenset[Triple]:
-    found = _entailments(ontology_triples(files), java, archive)
-    if found is None:
+    entailed = _entailments(ontology_triples(files), java, archive)
+    if entailed is None:
         hint = "`kg ontology check FILE` finds the file."
         raise GraphError("KG602", "the axioms contradict each other, so everything follows from them", hint=hint)
-    return found
+    return entailed
 
 
 def _reasoner() -> tuple[str, Path]:
@@ -147,10 +147,10 @@ def _reasoner() -> tuple[str, Path]:
         raise _missing("owlready2")
     archive = Path(package.origin).parent / "hermit" / "HermiT.jar"
     home = os.environ.get("JAVA_HOME")
-    found = (shutil.which("java", path=str(Path(home) / "bin")) if home else None) or shutil.which("java")
-    if found is None:
+    java = (shutil.which("java", path=str(Path(home) / "bin")) if home else None) or shutil.which("java")
+    if java is None:
         raise GraphError("KG603", "no `java` on the PATH or in JAVA_HOME")
-    return found, archive
+    return java, archive
 
 
 def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:
@@ -160,7 +160,7 @@ def _check(files: tuple[Path, ...], java: str, archive: Path) -> OntologyCheck:
 
 
 def validate(triples: bytes, shapes: Path | None = None) -> tuple[ShapeFinding, ...]:
-    """Return where data (N-Triples) does not conform to SHACL shapes, those of `kg` unless told.
+    """Return where data (N-Triples) does not conform to SHACL shapes, by default those of `kg`.
 
     Raise `GraphError`: KG601 for shapes or data that do not parse, KG605 without pyshacl.
     """
@@ -194,7 +194,7 @@ def _entailments(triples: bytes, java: str, archive: Path) -> frozenset[Triple] 
     """Return what follows about classes, properties and individuals beyond `triples`; None for a contradiction.
 
     These are the direct super-classes and super-properties, equivalent ones, and the direct classes of individuals.
-    What a reader knows anyway, such as subclasses of owl:Thing, is left out. The parameters and errors are
+    Trivial axioms, such as subclasses of owl:Thing, are left out. The parameters and errors are
     those of `_unsatisfiable`.
     """
     outcome = _run(triples, java, archive, "-c", "-O", "-D", "-I")
@@ -202,11 +202,11 @@ def _entailments(triples: bytes, java: str, archive: Path) -> frozenset[Triple] 
         return None
     if outcome.returncode or "Exception" in outcome.stderr:
         raise GraphError("KG602", f"the reasoner cannot work with it: {_gist(outcome.stderr)}")
-    known = {quad.triple for quad in parse(triples, RdfFormat.N_TRIPLES)}
-    return frozenset(_triples(outcome.stdout, known))
+    stated = {quad.triple for quad in parse(triples, RdfFormat.N_TRIPLES)}
+    return frozenset(_triples(outcome.stdout, stated))
 
 
-def _triples(printed: str, known: Collection[Triple]) -> Iterator[Triple]:
+def _triples(printed: str, stated: Collection[Triple]) -> Iterator[Triple]:
     """Yield the axioms that the reasoner printed, without those known; equivalent terms are linked to the first."""
     for kind, terms in _AXIOM.findall(printed):
         first, *others = (term.strip("<>") for term in terms.split())
@@ -215,15 +215,15 @@ def _triples(printed: str, known: Collection[Triple]) -> Iterator[Triple]:
                 continue
             subject, relation, value = NamedNode(first), _PROPERTIES[kind], NamedNode(other)
             # An equivalence that a file has the other way round is known as well.
-            turned = kind.startswith("Equivalent") and Triple(value, relation, subject) in known
-            if not turned and (axiom := Triple(subject, relation, value)) not in known:
+            turned = kind.startswith("Equivalent") and Triple(value, relation, subject) in stated
+            if not turned and (axiom := Triple(subject, relation, value)) not in stated:
                 yield axiom
 
 
 def _run(triples: bytes, java: str, archive: Path, *options: str) -> subprocess.CompletedProcess[str]:
     """Return what HermiT prints about triples with options; imports are left out."""
     lines = triples.splitlines(keepends=True)
-    # owlready2 adds classes to HermiT, which it keeps in folders beside the archive: they know `-I`.
+    # owlready2 adds classes to HermiT, in folders next to the archive: these implement `-I`.
     path = os.pathsep.join([str(archive.parent), str(archive)])
     with TemporaryDirectory(prefix="kg-") as folder:
         checked = Path(folder) / "checked.nt"

@@ -71,8 +71,8 @@ SELECT ?node ?repository ?package ?name ?kind ?ros ?path ?line WHERE {
   %s
   ?node rnkg:name ?name ; rnkg:kind ?kind ; rnkg:rosVersion ?ros ; rnkg:path ?path ; rnkg:line ?line .
 }"""
-# Ordered for the engine (docs/query-core.md): what every end has stands in a group that begins from nodes, since most
-# ends are of launch files; the LIMIT, which no store reaches, lets the engine look up what follows end by end, and
+# Ordered for the engine (docs/query-core.md): what every end has is in a group that begins from nodes, since most
+# ends are of launch files; the LIMIT, which no store reaches, makes the engine look up the rest end by end, and
 # MINUS reads what frameworks make once.
 _DECLARED: Final = """
 SELECT ?node ?class (COUNT(?end) AS ?number) WHERE {
@@ -201,7 +201,7 @@ def packages(graph: Queryable) -> list[PackageSummary]:
     nodes = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:NodeType .")
     definitions = _count(graph, "?package rnkg:contains ?thing . ?thing a rnkg:InterfaceDefinition .")
     problems = _count(graph, "?package rnkg:hasProblem ?thing .")
-    found = (
+    summaries = (
         PackageSummary(
             *(repository, name, version, int(ros or 0), folder or ""),
             *(nodes[iri], definitions[iri], problems[iri]),
@@ -209,7 +209,7 @@ def packages(graph: Queryable) -> list[PackageSummary]:
         )
         for iri, repository, name, version, ros, folder, deprecated in texts(graph, _PACKAGES)
     )
-    return sorted(found, key=lambda one: (one.repository, one.name))
+    return sorted(summaries, key=lambda one: (one.repository, one.name))
 
 
 def files(graph: Queryable) -> list[FileSummary]:
@@ -217,13 +217,15 @@ def files(graph: Queryable) -> list[FileSummary]:
     counts: Counter[tuple[str, str]] = Counter()
     for iri, kind, number in texts(graph, _IN_FILES):
         counts[iri, kind.removeprefix(v.RNKG)] += int(number)
-    found = []
+    summaries = []
     for iri, repository, package, path, kind in texts(graph, _FILES):
-        said = counts[iri, "Description"]
-        is_code, is_text = kind in _CODE, kind == FileKind.TEXT or said > 0
+        descriptions = counts[iri, "Description"]
+        is_code, is_text = kind in _CODE, kind == FileKind.TEXT or descriptions > 0
         sort = "both" if is_code and is_text else "code" if is_code else "text" if is_text else "other"
-        found.append(FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], said))
-    return sorted(found, key=lambda one: (one.repository, one.package, one.path))
+        summaries.append(
+            FileSummary(repository, package, path, FileKind(kind), sort, counts[iri, "NodeType"], descriptions)
+        )
+    return sorted(summaries, key=lambda one: (one.repository, one.package, one.path))
 
 
 def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
@@ -235,14 +237,14 @@ def nodes(graph: Queryable, package: str | None = None) -> list[NodeSummary]:
     for node, number in texts(graph, _PARAMETERS % those):
         declared[node]["parameters"] = int(number)
     numbers = [*dict.fromkeys(_DECLARES.values()), "parameters"]
-    found = (
+    summaries = (
         NodeSummary(
             *(repository, owner, name, NodeKind(kind.removeprefix(v.RNKG)), int(ros), Location(path, int(line))),
             *(declared[iri][number] for number in numbers),
         )
         for iri, repository, owner, name, kind, ros, path, line in texts(graph, _NODES % those)
     )
-    return sorted(found, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
+    return sorted(summaries, key=lambda one: (one.repository, one.package, one.name, str(one.location)))
 
 
 def package_names(graph: Queryable) -> list[str]:
@@ -266,11 +268,11 @@ def channels(
     types: defaultdict[str, set[str]] = defaultdict(set)
     ends: defaultdict[str, tuple[set[str], set[str]]] = defaultdict(lambda: (set(), set()))
     local = giver.partition(":")[2]
-    found = _ends(graph, given if implicit else given | {"own": "FILTER(!?implicit)"})
-    if not implicit and found:
-        own = one_of("channel", {name for name, *_ in found})
-        found += _ends(graph, given | {"named": _named(own), "own": "FILTER(?implicit)"})
-    for name, role, node, message in found:
+    rows = _ends(graph, given if implicit else given | {"own": "FILTER(!?implicit)"})
+    if not implicit and rows:
+        own = one_of("channel", {name for name, *_ in rows})
+        rows += _ends(graph, given | {"named": _named(own), "own": "FILTER(?implicit)"})
+    for name, role, node, message in rows:
         side = 0 if role.endswith(f"#{local}") else 1
         ends[name][side].update(names[node] if node is not None else ())
         types[name].update({message} if message else ())

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 @cache
 def _table() -> dict[str, str]:
     listed = tomllib.loads((folder("ontology") / "licenses.toml").read_text("utf-8"))
-    known = {
+    licences = {
         key(name): f"{listed['base']}{identifier}" for identifier, names in listed["names"].items() for name in names
     }
-    return known | {key(identifier): f"{listed['base']}{identifier}" for identifier in listed["names"]}
+    return licences | {key(identifier): f"{listed['base']}{identifier}" for identifier in listed["names"]}
 
 
 def key(name: str) -> str:

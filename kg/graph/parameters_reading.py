@@ -75,7 +75,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class SetParameter:
-    """A parameter that a launch or parameter file sets: `name` as the node knows it, `absolute` with that of the node.
+    """A parameter that a launch or parameter file sets: `name` relative to the node, `absolute` with its name.
 
     `start` is None where it is set for all nodes of a configuration; `declared` is the IRI of the declaration in code.
     `value` is a text of YAML, None where it is not known, for this `reason`. `location` is None for the default in
@@ -103,7 +103,7 @@ def declared_among(graph: Queryable, names: Collection[str]) -> set[str]:
 
 
 def set_names(graph: Queryable) -> list[str]:
-    """Return the names of parameters that files set, as the nodes know them, sorted."""
+    """Return the names of parameters that files set, relative to their nodes, sorted."""
     return sorted({name.removeprefix(f"{node}/") for node, name in texts(graph, _SET_NAMES)})
 
 
@@ -128,22 +128,22 @@ def declarations(
     if not those:
         return {}
     either = " UNION ".join(f"{{ {one} }}" for one in those)
-    found = code_facts(graph, f"{{ {either} }} ?subject rnkg:access ?access .")
-    kept = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, Parameter)}
-    return dict(sorted(kept.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
+    facts_by_iri = code_facts(graph, f"{{ {either} }} ?subject rnkg:access ?access .")
+    parameters = {iri: (owner, fact) for iri, (owner, fact) in facts_by_iri.items() if isinstance(fact, Parameter)}
+    return dict(sorted(parameters.items(), key=lambda one: (one[1][0], str(one[1][1].access), str(one[1][1].location))))
 
 
 def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
-    """Return the parameters that files set and that have a name, as the node knows it or absolute."""
+    """Return the parameters that files set and that have a name, relative to the node or absolute."""
     # An absolute name is looked up; another one is the end of absolute names, all of which are read.
     those = one_of("name", [name]) if name.startswith("/") else f"FILTER(STRENDS(?name, {literal(name)}))"
     rows = list(texts(graph, _SET % those))
     owners = {start.iri: start for start in _starts(graph, {owner for _, owner, _ in rows})}
     properties = _properties(graph, {setting for setting, _, _ in rows})
-    found = []
+    values = []
     for setting, owner, full in rows:
         own, start = properties[setting], owners.get(owner)
-        found.append(
+        values.append(
             SetParameter(
                 name=full.removeprefix(f"{start.name}/") if start else full,
                 absolute=full,
@@ -155,8 +155,8 @@ def set_parameters(graph: Queryable, name: str) -> list[SetParameter]:
                 declared=one(own, v.SETS),
             )
         )
-    found = [one for one in found if name in {one.name, one.absolute}]
-    return sorted(found, key=lambda one: (one.absolute, one.system, str(one.location)))
+    values = [one for one in values if name in {one.name, one.absolute}]
+    return sorted(values, key=lambda one: (one.absolute, one.system, str(one.location)))
 
 
 def types_started(graph: Queryable, names: Collection[str]) -> set[str]:

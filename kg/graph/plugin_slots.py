@@ -62,12 +62,12 @@ def slots_by_node(
             defaults[slot].add(PluginDefault(value, name))
         else:
             properties[slot][predicate].append(value)
-    found: defaultdict[str, list[PluginSlot]] = defaultdict(list)
+    by_node: defaultdict[str, list[PluginSlot]] = defaultdict(list)
     for iri, node in owners.items():
         place, via = place_of(properties[iri])
         ordered = tuple(sorted(defaults[iri], key=lambda one: (one.name or "", one.class_name)))
-        found[node].append(PluginSlot(location=place, via=via, defaults=ordered, **SLOT.read(properties[iri])))
-    return {node: tuple(sorted(slots, key=_order)) for node, slots in found.items()}
+        by_node[node].append(PluginSlot(location=place, via=via, defaults=ordered, **SLOT.read(properties[iri])))
+    return {node: tuple(sorted(slots, key=_order)) for node, slots in by_node.items()}
 
 
 def class_key(name: str) -> str:
@@ -77,10 +77,10 @@ def class_key(name: str) -> str:
 
 def plugins_by_class(rows: Iterable[Any]) -> dict[str, list[tuple[NodeReference, str]]]:
     """Return the node types of plugins by the key of their class, with their IRIs, from rows of `NAMED`."""
-    found: defaultdict[str, list[tuple[NodeReference, str]]] = defaultdict(list)
+    by_class: defaultdict[str, list[tuple[NodeReference, str]]] = defaultdict(list)
     for node, name, package, repository, kind in rows:
-        found[class_key(kind)].append((NodeReference(repository, package, name), node))
-    return {key: sorted(set(nodes)) for key, nodes in found.items()}
+        by_class[class_key(kind)].append((NodeReference(repository, package, name), node))
+    return {key: sorted(set(nodes)) for key, nodes in by_class.items()}
 
 
 def _order(slot: PluginSlot) -> tuple[str, str, int, str, str]:

@@ -160,10 +160,14 @@ def node_records(
     sources = _listed(texts(graph, _SOURCES % those))
     executables = _listed(texts(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
-    slots = slots_by_node(texts(graph, SLOTS % those), lambda found: (place_of(found), chain_of(one(found, v.VIA))))
-    plugins = _plugins(graph, {one.class_name for found in slots.values() for slot in found for one in slot.defaults})
-    said = descriptions_of(graph, those)
-    found = []
+    slots = slots_by_node(
+        texts(graph, SLOTS % those), lambda records: (place_of(records), chain_of(one(records, v.VIA)))
+    )
+    plugins = _plugins(
+        graph, {one.class_name for records in slots.values() for slot in records for one in slot.defaults}
+    )
+    texts_by_node = descriptions_of(graph, those)
+    records = []
     for at, (owner, repository, commit) in owners.items():
         ends, settable = parts.get(at, ([], []))
         fact = _node(
@@ -179,8 +183,8 @@ def node_records(
             for kind in {one.class_name for slot in fact.slots for one in slot.defaults}
             if (nodes := plugins.get(class_key(kind)))
         }
-        found.append(replace(record, descriptions=said.get(at, ()), plugins=loaded))
-    return sorted(found, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
+        records.append(replace(record, descriptions=texts_by_node.get(at, ()), plugins=loaded))
+    return sorted(records, key=lambda one: (one.repository, one.package, one.node.name, str(one.node.location)))
 
 
 def code_facts(
@@ -192,8 +196,8 @@ def code_facts(
     """
     owners: dict[str, str] = dict(texts(graph, _OWNED % those))
     named = references(graph, set(owners.values()))
-    found = _facts(graph, grouped(texts(graph, _FACTS % those)))
-    return {iri: (named[owners[iri]], fact) for iri, fact in found.items() if owners.get(iri) in named}
+    facts_by_iri = _facts(graph, grouped(texts(graph, _FACTS % those)))
+    return {iri: (named[owners[iri]], fact) for iri, fact in facts_by_iri.items() if owners.get(iri) in named}
 
 
 def references(graph: Queryable, iris: Collection[str]) -> dict[str, facts.NodeReference]:
@@ -222,11 +226,11 @@ def _plugins(graph: Queryable, classes: set[str]) -> dict[str, list[tuple[facts.
 
 def programs(graph: Queryable) -> dict[str, set[str]]:
     """Return what each package of the store installs to be started; all packages are there."""
-    found: defaultdict[str, set[str]] = defaultdict(set)
+    by_package: defaultdict[str, set[str]] = defaultdict(set)
     pattern = "?p a rnkg:Package ; rnkg:name ?package OPTIONAL { ?p rnkg:installs ?program }"
     for package, program in texts(graph, f"SELECT ?package ?program WHERE {{ {pattern} }}"):
-        found[package].update({program} if program else ())
-    return dict(found)
+        by_package[package].update({program} if program else ())
+    return dict(by_package)
 
 
 def data_files(graph: Queryable) -> list[facts.DataFile]:
@@ -235,10 +239,10 @@ def data_files(graph: Queryable) -> list[facts.DataFile]:
         "?r rnkg:contains ?p ; rnkg:name ?repository . ?p rnkg:contains ?file ; rnkg:name ?package . "
         "?file rnkg:content ?text ; rnkg:path ?path"
     )
-    found = (
+    files = (
         facts.DataFile(*row) for row in texts(graph, f"SELECT ?repository ?package ?path ?text WHERE {{ {pattern} }}")
     )
-    return sorted(found, key=lambda one: (one.repository, one.package, one.path))
+    return sorted(files, key=lambda one: (one.repository, one.package, one.path))
 
 
 def node_names(graph: Queryable) -> list[str]:
@@ -283,24 +287,24 @@ def type_of(properties: Properties) -> str | None:
 
 
 def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
-    found: defaultdict[str, list[str]] = defaultdict(list)
+    by_subject: defaultdict[str, list[str]] = defaultdict(list)
     for subject, value in rows:
-        found[subject].append(value)
-    return {subject: sorted(set(values)) for subject, values in found.items()}
+        by_subject[subject].append(value)
+    return {subject: sorted(set(values)) for subject, values in by_subject.items()}
 
 
 def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tuple[_Ends, _Settable]]:
     nodes: defaultdict[str, list[str]] = defaultdict(list)
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
-    found: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
+    by_node: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
     for iri, fact in _facts(graph, grouped(texts(graph, _PARTS % those))).items():
-        interfaces, parameters = found[owner_of(iri, nodes)]
+        interfaces, parameters = by_node[owner_of(iri, nodes)]
         if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
         else:
             parameters.append((fact, iri))
-    return found
+    return by_node
 
 
 def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, facts.Interface | facts.Parameter]:
@@ -311,15 +315,17 @@ def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, facts
         if (role := next((_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES), None))
     }
     types = _types(graph, {kind for _, kind in ends.values() if kind})
-    known = qualities(graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())})
-    found: dict[str, facts.Interface | facts.Parameter] = {}
+    quality_by_iri = qualities(
+        graph, {iri for properties in parts.values() for iri in properties.get(v.bare(v.HAS_QOS), ())}
+    )
+    by_iri: dict[str, facts.Interface | facts.Parameter] = {}
     for iri, properties in parts.items():
         if iri in ends:
             role, kind = ends[iri]
-            found[iri] = _interface(role, properties, types.get(kind or ""), known)
+            by_iri[iri] = _interface(role, properties, types.get(kind or ""), quality_by_iri)
         else:
-            found[iri] = _parameter(properties)
-    return found
+            by_iri[iri] = _parameter(properties)
+    return by_iri
 
 
 def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
@@ -336,7 +342,7 @@ def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[s
 def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:
     """Return the node that a part belongs to: its IRI is a fragment of that of its node (`kg.graph.iris.fragment`).
 
-    `nodes` has the IRIs of nodes by what stands before their fragment; only nodes of one name have one of their own.
+    `nodes` has the IRIs of nodes by their part before the fragment; only nodes of one name have one of their own.
     """
     whole = part.partition("#")[0]
     return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)

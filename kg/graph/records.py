@@ -20,7 +20,7 @@ with lazily():
 def node_object(record: NodeRecord) -> dict[str, Any]:
     """Return a node with its interface as plain values, ready for JSON; the fields of docs/formats.md."""
     node = record.node
-    found: dict[str, Any] = {
+    data: dict[str, Any] = {
         "repository": record.repository,
         "commit": record.commit,
         "package": record.package,
@@ -39,18 +39,18 @@ def node_object(record: NodeRecord) -> dict[str, Any]:
         **_place(node.location),
     }
     for role in facts.Role:
-        found[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
-    found["parameters"] = [parameter_object(one) for one in node.parameters]
-    found["slots"] = [slot_object(one, record) for one in node.slots]
-    found["exported"] = _place(node.exported) if node.exported is not None else None
-    found["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
-    return found
+        data[str(role)] = [interface_object(one) for one in node.interfaces if one.role == role]
+    data["parameters"] = [parameter_object(one) for one in node.parameters]
+    data["slots"] = [slot_object(one, record) for one in node.slots]
+    data["exported"] = _place(node.exported) if node.exported is not None else None
+    data["bounds"] = [{"limit": one.limit, **_place(one.location)} for one in node.bounds]
+    return data
 
 
 def instance_object(system: facts.System, instance: facts.NodeInstance) -> dict[str, Any]:
     """Return a node instance with its resolved interface as plain values; the fields of docs/formats.md."""
     started, kind = instance.started, instance.type
-    found: dict[str, Any] = {
+    data: dict[str, Any] = {
         "system": system.configuration.name,
         "name": instance.name,
         "namespace": instance.namespace,
@@ -74,8 +74,8 @@ def instance_object(system: facts.System, instance: facts.NodeInstance) -> dict[
         "chain": [_place(one) for one in started.chain],
     }
     for role in facts.Role:
-        found[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
-    return found
+        data[str(role)] = [end_object(one) for one in instance.interfaces if one.declared.role == role]
+    return data
 
 
 def end_object(end: facts.InstanceInterface) -> dict[str, Any]:

@@ -22,8 +22,8 @@ def findings(triples: bytes, shapes: bytes) -> tuple[ShapeFinding, ...]:
     if not isinstance(report, Graph):
         raise GraphError("KG601", str(report))
     results = report.subjects(RDF.type, URIRef(f"{_SHACL}ValidationResult"))
-    found = (_finding(report, each) for each in results)
-    return tuple(sorted(found, key=lambda each: (each.focus, each.message, each.value or "")))
+    results_read = (_finding(report, each) for each in results)
+    return tuple(sorted(results_read, key=lambda each: (each.focus, each.message, each.value or "")))
 
 
 def _graph(triples: bytes) -> Graph:

@@ -21,10 +21,10 @@ _REPOSITORY: Final = "SELECT ?iri { ?iri a rnkg:Repository ; rnkg:name %s }"
 _LINES: Final = "SELECT ?lines { ?snippet rnkg:quotes <%s> ; rnkg:quotedLines ?lines }"
 
 
-def snippets(scope: Scope, package: str, found: Iterable[Snippet]) -> None:
+def snippets(scope: Scope, package: str, lines: Iterable[Snippet]) -> None:
     """Write the snippets of a package, by its IRI: they are parts of it, so its change changes no others."""
     writer = scope.writer
-    for one in found:
+    for one in lines:
         part = scope.part(package, "snippet", one.path)
         writer.add(f"<{package}>", v.HAS_SNIPPET, part)
         writer.add(part, v.TYPE, v.SNIPPET)
@@ -34,11 +34,11 @@ def snippets(scope: Scope, package: str, found: Iterable[Snippet]) -> None:
 
 def quoted_lines(graph: Queryable, repository: str, path: str) -> Mapping[int, str]:
     """Return the lines of a file that the snippets of all packages have, by number; none for an unknown source."""
-    known = min(column(graph, _REPOSITORY % literal(repository)), default=None)
-    if known is None:
+    iri = min(column(graph, _REPOSITORY % literal(repository)), default=None)
+    if iri is None:
         return {}
     default = Iris(DEFAULT_BASE)
-    base = known.removesuffix(default.repository(repository).removeprefix(DEFAULT_BASE))
+    base = iri.removesuffix(default.repository(repository).removeprefix(DEFAULT_BASE))
     lines: dict[int, str] = {}
     for quoted in column(graph, _LINES % Iris(base).file(repository, path)):
         for line in quoted.split("\n"):

@@ -76,11 +76,11 @@ def sources(graph: Queryable, *, counted: bool = False) -> list[SourceState]:
         if (_value(row["started"]) or "") > (_value(last["started"]) or ""):
             builds[row["name"].value] = row
     numbers = grouped(texts(graph, _COUNTED)) if counted else {}
-    found = [
+    states = [
         _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), builds.get(row["name"].value), numbers)
         for row in select(graph, _REPOSITORIES)
     ]
-    return sorted(found, key=lambda state: state.name)
+    return sorted(states, key=lambda state: state.name)
 
 
 def _state(

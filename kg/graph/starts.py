@@ -58,7 +58,7 @@ class Start:
             self._add("", v.START_SETTING, literal(f"{name}={value}"))
 
     def remap(self, fact: InstanceRemap, order: int) -> str:
-        """Add a remapping; return what stands behind the IRI of the start for it."""
+        """Add a remapping; return its suffix of the IRI of the start."""
         part = self._part("remap", fact.source, v.HAS_REMAP)
         self._add(part, v.TYPE, v.REMAP)
         self._add(part, v.FROM, literal(fact.source))

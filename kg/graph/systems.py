@@ -48,11 +48,11 @@ def system_parts(
     system: facts.System,
     records: Mapping[facts.NodeReference, NodeRecord],
     iris: Iris,
-    known: Mapping[str, facts.NodeInstance],
+    written: Mapping[str, facts.NodeInstance],
 ) -> Iterator[tuple[str, facts.NodeInstance | None, bytes | None]]:
     """Yield the N-Triples of a running system part by part: together they are those of `system_triples`, as a `whole`.
 
-    Each part is told by the IRI of its instance, with the instance and its triples. These are None where `known` has
+    Each part is the IRI of an instance, the instance and its triples. These are None where `written` has
     the same instance for the IRI: it gave the same triples for the same records. What belongs to no instance, and a
     system with names of nodes that IRIs cannot tell from those of ends, comes without an instance.
     """
@@ -62,7 +62,7 @@ def system_parts(
     alone = replace(system, instances=())
     yield "", None, system_triples(alone, records, iris, whole=True)
     for iri, instance in zip(_Writing(system, records, iris, whole=True).instances(), system.instances, strict=True):
-        same = known.get(iri) is instance
+        same = written.get(iri) is instance
         yield iri, instance, None if same else _Writing(alone, records, iris, whole=True).one(iri, instance)
 
 
@@ -197,17 +197,17 @@ class _Writing:
         record = self._records.get(fact.type) if fact.type else None
         own = {iri: end for end, iri in record.ends.items()} if record else {}
         usual = usual_ends(fact.name, fact.namespace, fact.type, own) if fact.type else {}
-        found: dict[str, list[facts.InstanceInterface]] = {iri: [] for iri in usual}
-        told: list[facts.InstanceInterface] = []
+        by_usual: dict[str, list[facts.InstanceInterface]] = {iri: [] for iri in usual}
+        stated: list[facts.InstanceInterface] = []
         for end in fact.interfaces:
             iri = record.ends.get(end.declared, "") if record and end.owner == fact.type else ""
-            found.get(iri, told).append(end)
-        for iri, ends in found.items():
+            by_usual.get(iri, stated).append(end)
+        for iri, ends in by_usual.items():
             if not ends:
                 self._writer.add(subject, v.WITHOUT, f"<{iri}>")
             elif ends != [usual[iri]] or (ends[0].declared.role.channel, ends[0].resolved) in self._touched:
-                told += ends
-        return told
+                stated += ends
+        return stated
 
     def _start(self, owner: str, fact: facts.NodeInstance) -> None:
         """Add what an instance is started with, which it may share with those of other systems."""
@@ -231,8 +231,8 @@ class _Writing:
     def _sets(self, fact: facts.InstanceParameter) -> str | None:
         """Return the spelled IRI of the parameter of a node type that a parameter sets."""
         record = self._records.get(fact.owner) if fact.owner else None
-        found = record.settable.get(fact.declared) if record and fact.declared else None
-        return f"<{found}>" if found else None
+        iri = record.settable.get(fact.declared) if record and fact.declared else None
+        return f"<{iri}>" if iri else None
 
     def _setting(self, fact: facts.LaunchParameter, order: int) -> str:
         part, writer = self._scope.part(self._iri, "setting", fact.name.lstrip("/")), self._writer

@@ -122,10 +122,10 @@ def included(graph: Queryable, labels: Mapping[str, str] = _NO_LABELS) -> frozen
 
 def started_names(graph: Queryable, name: str | None = None) -> dict[str, list[str]]:
     """Return the absolute names of instances, each with the configurations that start it, sorted; or one `name`."""
-    found: dict[str, set[str]] = {}
+    by_name: dict[str, set[str]] = {}
     for instance, system in texts(graph, _STARTED % ("" if name is None else one_of("name", [name]))):
-        found.setdefault(instance, set()).add(system)
-    return {name: sorted(found[name]) for name in sorted(found)}
+        by_name.setdefault(instance, set()).add(system)
+    return {name: sorted(by_name[name]) for name in sorted(by_name)}
 
 
 def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[facts.System]:
@@ -159,15 +159,15 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     rows = [(*row, v.bare(relation)) for relation, pattern in parts for row in texts(graph, _PARTS % pattern)]
     if names is None:
         names = system_names(graph, {row[1] for row in rows} | {end.system for end in usual})
-    meant = {iris.configuration(one.repository, one.path): one for one in names}
-    rows = [row for row in rows if row[1] in meant]
-    graphs = {iri: iris.system_graph(name.repository, name.path) for iri, name in meant.items()}
-    unstated = [end for end in usual if end.system in meant]
-    found = {(row[0], part) for row in rows for part in row[1:-1]}
-    found |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
-    wholes = {(graphs[iri], iri) for iri in meant} if launches else set()
+    by_iri = {iris.configuration(one.repository, one.path): one for one in names}
+    rows = [row for row in rows if row[1] in by_iri]
+    graphs = {iri: iris.system_graph(name.repository, name.path) for iri, name in by_iri.items()}
+    unstated = [end for end in usual if end.system in by_iri]
+    chosen_parts = {(row[0], part) for row in rows for part in row[1:-1]}
+    chosen_parts |= {(graphs[end.system], part) for end in unstated for part in (end.system, end.instance)}
+    wholes = {(graphs[iri], iri) for iri in by_iri} if launches else set()
     relations = list(texts(graph, _LAUNCHES % _pairs(wholes)))
-    content = _properties(graph, iris, found | wholes | {(where, part) for where, _, _, part in relations})
+    content = _properties(graph, iris, chosen_parts | wholes | {(where, part) for where, _, _, part in relations})
     for _, configuration, relation, part in relations:
         _add(content[configuration], relation, part)
     chosen: dict[str, set[str]] = {}
@@ -180,7 +180,9 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
         if relation != settings:
             _add(content[instance], relation, part)
     leads = [v.bare(term) for term in (v.CONNECTS_TO, v.REMAPPED_BY, v.NAMED_BY, v.STARTED_WITH)]
-    led = {(where, iri) for where, part in found for term in leads for iri in content.get(part, {}).get(term, ())}
+    led = {
+        (where, iri) for where, part in chosen_parts for term in leads for iri in content.get(part, {}).get(term, ())
+    }
     content |= _properties(graph, iris, {(where, iri) for where, iri in led if iri not in content})
     for _, _, instance, part, relation in rows:
         start, remap = one(content[instance], v.STARTED_WITH), one(content.get(part, {}), v.REMAPPED_BY)
@@ -193,7 +195,7 @@ def partial_systems(  # noqa: PLR0913 - the parts of systems
     declared |= {end.code for end in unstated}
     records = _Records(graph, [content], among("subject", declared))
     having = {row[1] for row in rows} | {end.system for end in unstated} | {iri for _, iri in wholes}
-    return [_Reading(name, content, records, iris, chosen).run() for iri, name in meant.items() if iri in having]
+    return [_Reading(name, content, records, iris, chosen).run() for iri, name in by_iri.items() if iri in having]
 
 
 def _add(properties: dict[str, list[str]], term: str, value: str) -> None:
@@ -226,11 +228,11 @@ def _content(graph: Queryable, name: str) -> _Content:
 
 def _read(graph: Readable, starts: _Content, name: str) -> _Content:
     """Return what `_content` does, with all that instances are started with at hand."""
-    found = dict(graph.properties(name))
+    content = dict(graph.properties(name))
     for terms in ((v.STARTED_WITH,), (v.HAS_SETTING, v.READS_ENTRY, v.HAS_REMAP)):
-        led = {iri for own in found.values() for term in terms for iri in own.get(v.bare(term), ())}
-        found |= {iri: starts[iri] for iri in led if iri in starts}
-    return found
+        led = {iri for own in content.values() for term in terms for iri in own.get(v.bare(term), ())}
+        content |= {iri: starts[iri] for iri in led if iri in starts}
+    return content
 
 
 class _Records:
@@ -248,16 +250,18 @@ class _Records:
             for iri in properties.get(v.bare(term), ())
         }
         every = f"{these(graph, 'owner', types)} ?owner ros:hasComponent|rnkg:hasParameter ?subject ."
-        found = code_facts(graph, declared or every) if types else {}
+        facts_by_iri = code_facts(graph, declared or every) if types else {}
         self._by_iri = references(graph, types) if types else {}
-        self.ends = {iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, facts.Interface)}
+        self.ends = {
+            iri: (owner, fact) for iri, (owner, fact) in facts_by_iri.items() if isinstance(fact, facts.Interface)
+        }
         self.usual: dict[facts.NodeReference, dict[str, facts.Interface]] = {}
         """The ends that frameworks make, by node type and IRI."""
         for iri, (owner, fact) in self.ends.items():
             if fact.implicit:
                 self.usual.setdefault(owner, {})[iri] = fact
         self.settable = {
-            iri: (owner, fact) for iri, (owner, fact) in found.items() if isinstance(fact, facts.Parameter)
+            iri: (owner, fact) for iri, (owner, fact) in facts_by_iri.items() if isinstance(fact, facts.Parameter)
         }
         self.qualities: Mapping[str, facts.Qos] = qualities(graph) if types else {}
 
@@ -416,10 +420,10 @@ class _Reading:
     ) -> facts.InstanceInterface | None:
         """Return an end; None when the node type that declares it is not in the store any more."""
         own = self._content[iri]
-        known = self._code(own) or self._seen(own) or self._foreign(own)
-        if known is None:
+        source = self._code(own) or self._seen(own) or self._foreign(own)
+        if source is None:
             return None
-        owner, declared = known
+        owner, declared = source
         remap, named, channel = (one(own, term) for term in (v.REMAPPED_BY, v.NAMED_BY, v.CONNECTS_TO))
         led = chain if (named or "").startswith(f"{self._iris.base}start/") else ()
         setting = (settings.get(named) or self._setting(named, led)) if named else None
@@ -479,13 +483,13 @@ class _Reading:
         return owner, replace(declared, resolved=None, parameter=None)
 
     def _similar(self) -> tuple[tuple[str, str, str], ...]:
-        found = set()
+        triples = set()
         for iri, properties in self._content.items():
             for other in properties.get(v.bare(v.RESEMBLES), ()):
                 kind = iri.partition("#")[2].partition("/")[0]
                 first, second = sorted(one(self._content[each], v.LABEL) or "" for each in (iri, other))
-                found.add((kind, first, second))
-        return tuple(sorted(found))
+                triples.add((kind, first, second))
+        return tuple(sorted(triples))
 
 
 def _sighting(own: Properties) -> facts.Sighting | None:

@@ -42,19 +42,19 @@ SENTENCE_END: Final = re.compile(r"(?<=[^.\s]{2}[.!?])\s+(?=[A-Z])")
 
 def descriptions_of(graph: Queryable, those: str) -> Mapping[str, tuple[Description, ...]]:
     """Return the descriptions of the nodes that a pattern for ?node chooses, the best first, by IRI."""
-    found: defaultdict[str, list[Description]] = defaultdict(list)
+    by_node: defaultdict[str, list[Description]] = defaultdict(list)
     for node, text, kind, path, line, heading in texts(graph, _DESCRIPTIONS % those):
-        found[node].append(Description(text, DescriptionKind(kind), Location(path, int(line)), heading=heading))
-    return {node: tuple(sorted(said, key=_rank)) for node, said in found.items()}
+        by_node[node].append(Description(text, DescriptionKind(kind), Location(path, int(line)), heading=heading))
+    return {node: tuple(sorted(of_node, key=_rank)) for node, of_node in by_node.items()}
 
 
 def _rank(one: Description) -> tuple[int, str, int, str]:
     return _BEST.index(one.kind), one.location.path, one.location.line, one.text
 
 
-def summary(said: Iterable[Description]) -> str | None:
+def summary(ordered: Iterable[Description]) -> str | None:
     """Return the first sentence of the first description; None without one."""
-    first = next(iter(said), None)
+    first = next(iter(ordered), None)
     return SENTENCE_END.split(first.text, maxsplit=1)[0] if first else None
 
 

@@ -117,19 +117,19 @@ def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[s
         label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
         if types is None or label in types:
             usual[node].append((code, _ROLES[role], own, label))
-    found = []
+    ends = []
     for system, instance, full, namespace, node in started:
         place = Place(namespace or namespace_of(full), "", private=full)
-        found += [
+        ends += [
             UsualEnd(system, instance, node, code, role, place.resolve(own), label)
             for code, role, own, label in usual.get(node, ())
         ]
-    found = [end for end in found if name in {None, end.name}]
-    if not found:
+    ends = [end for end in ends if name in {None, end.name}]
+    if not ends:
         return []
-    these = among("instance", [end.instance for end in found])
+    these = among("instance", [end.instance for end in ends])
     stated = set(texts(graph, _everywhere(_STATED) if name is None else _STATED % these))
-    return [end for end in found if (end.instance, end.code) not in stated]
+    return [end for end in ends if (end.instance, end.code) not in stated]
 
 
 def _everywhere(query: str) -> str:
@@ -160,12 +160,12 @@ def channels_by_system(graph: Queryable) -> dict[str, set[tuple[str, str]]]:
 
     The keys are IRIs of configurations, the kinds `topic`, `service` and `action`.
     """
-    found: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
+    by_system: defaultdict[str, set[tuple[str, str]]] = defaultdict(set)
     for system, channel, name in texts(graph, _MET):
-        found[system].add((channel.partition("#")[2].partition("/")[0], name))
+        by_system[system].add((channel.partition("#")[2].partition("/")[0], name))
     for end in unstated_ends(graph):
-        found[end.system].add((end.role.channel, end.name))
-    return dict(found)
+        by_system[end.system].add((end.role.channel, end.name))
+    return dict(by_system)
 
 
 def namespace_of(name: str) -> str:
@@ -177,5 +177,5 @@ def usual_resolution(declared: Interface, resolved: str | None, parameter: Launc
     """Return how the name of an end of an instance becomes known where nothing else is said."""
     if parameter is not None:
         return Resolution.LAUNCH_ARGUMENT
-    settled = declared.resolution is Resolution.PARTIAL and is_known(resolved)
-    return Resolution.CONSTANT if settled else declared.resolution
+    is_complete = declared.resolution is Resolution.PARTIAL and is_known(resolved)
+    return Resolution.CONSTANT if is_complete else declared.resolution

@@ -44,20 +44,20 @@ def impact(subject: Subject, world: World) -> Impact:
     A line that no fact covers, but whose text names the subject, is among the effects that may break.
     """
     subjects = [subject, *(declared_subjects(subject, world) if subject.kind is Kind.FILE else ())]
-    known = merged(effect for one in subjects for effect in _EFFECTS[one.kind](one, world))
-    covered = {(one.repository, one.location) for one in known}
+    stated = merged(effect for one in subjects for effect in _EFFECTS[one.kind](one, world))
+    covered = {(one.repository, one.location) for one in stated}
     if subject.kind is Kind.PARAMETER:
         covered |= set(declared_settings(subject, world))
     texts = (effect for one in subjects for effect in _mentions(one, world))
-    effects = merged([*known, *(one for one in texts if (one.repository, one.location) not in covered)])
+    effects = merged([*stated, *(one for one in texts if (one.repository, one.location) not in covered)])
     return Impact(subject, tuple(_ABOUT[subject.kind](subject, world)), effects)
 
 
 def _mentions(subject: Subject, world: World) -> Iterable[Effect]:
     if subject.kind in CHANNELS:
-        held = (file for file in world.files if file.kind in HOLDING)
+        files = (file for file in world.files if file.kind in HOLDING)
         pattern = absolute_name(subject.name)
-        return mentions(world, held, [subject.name], pattern, f"holds the name of the {subject.kind}")
+        return mentions(world, files, [subject.name], pattern, f"holds the name of the {subject.kind}")
     if subject.kind is Kind.TYPE:
         return type_mentions(subject, world)
     if subject.kind is Kind.FIELD:
@@ -65,8 +65,8 @@ def _mentions(subject: Subject, world: World) -> Iterable[Effect]:
     if subject.kind is Kind.PARAMETER:
         name = subject.name.rpartition(".")[2].removeprefix("~/")
         key = re.compile(rf"^\s*(?:\S*[./])?{re.escape(name)}\s*:(?!=)")
-        held = (file for file in world.files if file.kind in HOLDING)
-        return mentions(world, held, [name], key, "a key of this name; whether it is for this node is not known")
+        files = (file for file in world.files if file.kind in HOLDING)
+        return mentions(world, files, [name], key, "a key of this name; whether it is for this node is not known")
     if subject.kind is Kind.FILE:
         return file_mentions(subject, world)
     return ()

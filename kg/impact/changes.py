@@ -67,22 +67,22 @@ def broken(
     `worlds` are the states before and after, `systems` those that differ. `gone` are types, fields and files that the
     state after does not have.
     """
-    found: dict[Broken, list[Effect]] = {}
+    effects_by_change: dict[Broken, list[Effect]] = {}
     lost = [one for pair in systems for one in (*_lost(*pair), *_unset(*pair, worlds[1]), *_unmatched(*pair))]
     caused: set[int] = set()
     for change in difference.at(*_SHOWN):
         side = change.after or change.before
         item = Broken(_words(change), side.location if side else None, side.repository if side else "")
-        effects = found.setdefault(item, [])
+        effects = effects_by_change.setdefault(item, [])
         caused.update(number for number, (loss, _) in enumerate(lost) if loss.is_due_to(change))
         effects += [effect for loss, effect in lost if loss.is_due_to(change)]
         effects += [effect for subject in _subjects(change) for effect in left_behind(subject, *worlds)]
     for number, (loss, effect) in enumerate(lost):
         if number not in caused:
-            found.setdefault(Broken(loss.words, loss.location, loss.repository), []).append(effect)
+            effects_by_change.setdefault(Broken(loss.words, loss.location, loss.repository), []).append(effect)
     for subject in gone:
-        found[Broken(f"- {subject.kind} {subject.text}", None, "")] = left_behind(subject, *worlds)
-    return [replace(item, effects=merged(effects)) for item, effects in found.items()]
+        effects_by_change[Broken(f"- {subject.kind} {subject.text}", None, "")] = left_behind(subject, *worlds)
+    return [replace(item, effects=merged(effects)) for item, effects in effects_by_change.items()]
 
 
 _SHOWN: Final = frozenset(
@@ -113,7 +113,7 @@ def _subjects(change: Change) -> Iterator[Subject]:
 
 def left_behind(subject: Subject, before: World, after: World) -> list[Effect]:
     """Return the effects of a change to a subject whose lines are still there, with the lines that they have now."""
-    found = []
+    remaining = []
     if subject.kind is Kind.FILE:
         effects: Iterable[Effect] = merged([*file_effects(subject, before), *file_mentions(subject, before)])
     else:
@@ -123,8 +123,8 @@ def left_behind(subject: Subject, before: World, after: World) -> list[Effect]:
             continue
         location = _now(effect, before, after)
         if location is not None:
-            found.append(replace(effect, location=location))
-    return found
+            remaining.append(replace(effect, location=location))
+    return remaining
 
 
 def _now(effect: Effect, before: World, after: World) -> Location | None:
@@ -177,27 +177,29 @@ class _Loss:
 def _lost(before: System, after: System) -> Iterator[tuple[_Loss, Effect]]:
     """Yield the ends of a system that lost a partner without a change of their own, and the end that they lost."""
     now: Mapping[str, NodeInstance] = {one.name: one for one in after.instances}
-    for instance, end, kept in _kept(before, now):
+    for instance, end, surviving in _surviving_ends(before, now):
         kind, name = end.declared.role.channel, end.resolved or ""
         had, has = (
-            partners(ends_of(side, kind, name), one) for side, one in ((before, (instance, end)), (after, kept))
+            partners(ends_of(side, kind, name), one) for side, one in ((before, (instance, end)), (after, surviving))
         )
         left = sorted({one.name for one, _ in has})
         for other, opposite in had:
             if other.name not in left:
-                yield _loss(before, (other, opposite)), _losing(after, kept, (other, opposite), now, left)
+                yield _loss(before, (other, opposite)), _losing(after, surviving, (other, opposite), now, left)
         agreed = {one.declared.type for _, one in had} <= {end.declared.type}
         for other, opposite in has if agreed else ():
-            types = kept[1].declared.type, opposite.declared.type
-            if all(types) and types[0] != types[1] and kept[1].declared.type == end.declared.type:
+            types = surviving[1].declared.type, opposite.declared.type
+            if all(types) and types[0] != types[1] and surviving[1].declared.type == end.declared.type:
                 reason = f"{other.name} has type {types[1]} now, and it has {types[0]}"
                 yield (
                     _loss(before, (other, opposite)),
-                    end_effect(kept, Grade.BREAKS, reason, [after.configuration.name]),
+                    end_effect(surviving, Grade.BREAKS, reason, [after.configuration.name]),
                 )
 
 
-def _kept(before: System, now: Mapping[str, NodeInstance]) -> Iterator[tuple[NodeInstance, InstanceInterface, End]]:
+def _surviving_ends(
+    before: System, now: Mapping[str, NodeInstance]
+) -> Iterator[tuple[NodeInstance, InstanceInterface, End]]:
     """Yield the ends with a known name of a system, each with the end that it is now."""
     for instance in before.instances:
         same = now.get(instance.name)
@@ -224,20 +226,20 @@ def _unset(before: System, after: System, world: World) -> Iterator[tuple[_Loss,
     for instance in before.instances:
         declared = {one.name: one for one in instance.parameters if one.declared is not None}
         for one in now[instance.name].parameters if instance.name in now else ():
-            known = declared.get(one.name)
-            if one.declared is not None or known is None or known.declared is None:
+            setting = declared.get(one.name)
+            if one.declared is not None or setting is None or setting.declared is None:
                 continue
             what = f"sets {one.name.removeprefix(f'{instance.name}/')} of {instance.name.rpartition('/')[2]}"
             reason = "the code does not have the parameter any more"
-            name, grade = known.declared.name or "", Grade.BREAKS
-            if now[instance.name].type is None or _is_partly_known(known.owner, world):
+            name, grade = setting.declared.name or "", Grade.BREAKS
+            if now[instance.name].type is None or _is_partial(setting.owner, world):
                 grade, reason = Grade.MAY, "the code is not known to have the parameter any more"
             effect = launch_effect(after, grade, area_of(one.set.location), what, reason, one.set.location)
             words = f"- parameter {name} of {instance.name}"
-            yield _Loss(after.configuration.name, instance, known.owner, words, None, "", parameter=name), effect
+            yield _Loss(after.configuration.name, instance, setting.owner, words, None, "", parameter=name), effect
 
 
-def _is_partly_known(owner: NodeReference | None, world: World) -> bool:
+def _is_partial(owner: NodeReference | None, world: World) -> bool:
     """Check whether a parameter of a node type may have a name that is not known."""
     if owner is None:
         return False
@@ -290,16 +292,16 @@ def _losing(system: System, end: End, lost: End, now: Mapping[str, NodeInstance]
 def definition_changes(before: Sequence[DefinitionRecord], after: Sequence[DefinitionRecord]) -> list[Subject]:
     """Return the types that are gone, and the fields that are gone or have another type."""
     now = {(one.repository, one.definition.kind, one.name): one for one in after}
-    found = []
+    subjects = []
     for one in before:
         other = now.get((one.repository, one.definition.kind, one.name))
         if other is None:
-            found.append(Subject(Kind.TYPE, one.name))
+            subjects.append(Subject(Kind.TYPE, one.name))
             continue
         fields = {(each.section, each.name, each.type) for each in other.definition.fields}
-        found += [
+        subjects += [
             Subject(Kind.FIELD, each.name, one.name)
             for each in one.definition.fields
             if (each.section, each.name, each.type) not in fields
         ]
-    return found
+    return subjects

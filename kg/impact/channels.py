@@ -69,13 +69,13 @@ def _role_fits(subject: Subject, instance: NodeInstance, remap: Remap) -> bool:
 
 def _left(ends: list[End], own: list[End], cause: Remap | LaunchParameter) -> str:
     """Return the nodes at the other side of `own` that have the name for another reason than `cause`."""
-    found = {
+    names = {
         other.name
         for one in own
         for other, end in partners(ends, one)
         if cause.location not in {each.location for each in (end.remap, end.parameter) if each}
     }
-    return ", ".join(sorted(found))
+    return ", ".join(sorted(names))
 
 
 def _settings(system: System, instance: NodeInstance, ends: list[End]) -> Iterator[Effect]:

@@ -26,11 +26,11 @@ def declaring(subject: Subject, world: World) -> list[tuple[LaunchConfiguration,
 
 def argument_about(subject: Subject, world: World) -> list[str]:
     """Return where an argument is declared, and its default."""
-    found = []
+    declarations = []
     for launch, one in declaring(subject, world):
         default = "required" if one.default is None and not one.fixed else f"default {one.default or one.value}"
-        found.append(f"{launch.name}, line {one.location.line}, {default}")
-    return found
+        declarations.append(f"{launch.name}, line {one.location.line}, {default}")
+    return declarations
 
 
 def argument_effects(subject: Subject, world: World) -> Iterator[Effect]:
@@ -96,8 +96,8 @@ def _passing(lines: Sequence[str], path: str, target: str, name: str) -> Iterato
     for block in re.finditer(r"<include\b.*?(?:</include>|/>)", text, re.DOTALL):
         if base not in block[0].partition(">")[0]:
             continue
-        for found in re.finditer(rf"<(?:arg|let)\b[^>]*\bname\s*=\s*['\"]{re.escape(name)}['\"]", block[0]):
-            yield text.count("\n", 0, block.start() + found.start()) + 1, True
+        for match in re.finditer(rf"<(?:arg|let)\b[^>]*\bname\s*=\s*['\"]{re.escape(name)}['\"]", block[0]):
+            yield text.count("\n", 0, block.start() + match.start()) + 1, True
 
 
 def _passing_python(text: str, base: str, name: str) -> Iterator[tuple[int, bool]]:

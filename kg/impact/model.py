@@ -213,15 +213,15 @@ class World(Protocol):
 
 def merged(effects: Iterable[Effect]) -> tuple[Effect, ...]:
     """Return each effect once, with its strongest grade and the launch files where that holds, in order of areas."""
-    found: dict[object, Effect] = {}
+    by_place: dict[object, Effect] = {}
     for effect in effects:
         key = effect.area, effect.what, effect.location, effect.repository
-        known = found.setdefault(key, effect)
-        if known.grade is effect.grade:
-            found[key] = replace(known, systems=tuple(sorted({*known.systems, *effect.systems})))
+        earlier = by_place.setdefault(key, effect)
+        if earlier.grade is effect.grade:
+            by_place[key] = replace(earlier, systems=tuple(sorted({*earlier.systems, *effect.systems})))
         elif effect.grade is Grade.BREAKS:
-            found[key] = effect
-    return tuple(sorted(found.values(), key=_order))
+            by_place[key] = effect
+    return tuple(sorted(by_place.values(), key=_order))
 
 
 def _order(effect: Effect) -> tuple[object, ...]:

@@ -32,8 +32,8 @@ def node_about(subject: Subject, world: World) -> list[str]:
     if records:
         return [f"{one.node.kind} at {one.node.location}" for one in records]
     systems = world.systems(subject)
-    found = {one.started_type for system in systems for one in system.instances if one.name == subject.name}
-    return [f"started as {', '.join(sorted(found))}"] if found else []
+    types = {one.started_type for system in systems for one in system.instances if one.name == subject.name}
+    return [f"started as {', '.join(sorted(types))}"] if types else []
 
 
 def node_effects(subject: Subject, world: World) -> Iterator[Effect]:
@@ -79,14 +79,14 @@ def _hosted(system: System, host: NodeInstance) -> Iterator[Effect]:
 
 
 def _keys(system: System, own: Sequence[NodeInstance]) -> Iterator[Effect]:
-    """Yield the parameters of a file that stand below the name of a node, one effect for each file."""
+    """Yield the parameters of a file below the name of a node, one effect for each file."""
     for instance in own:
-        found: defaultdict[Location, list[Location]] = defaultdict(list)
+        by_file: defaultdict[Location, list[Location]] = defaultdict(list)
         for one in instance.parameters:
             location = one.set.location
             if area_of(location) is Area.PARAMETERS:
-                found[Location(location.path, 0, location.repository)].append(location)
-        for file, locations in found.items():
+                by_file[Location(location.path, 0, location.repository)].append(location)
+        for file, locations in by_file.items():
             first = min(locations, key=lambda one: one.line)
             what = f"{file.path} sets parameters of {instance.name}"
             reason = "a key that names the node would match nothing if it is renamed"
@@ -103,10 +103,12 @@ def _loads(system: System, instance: NodeInstance, subject: Subject) -> Effect:
 def _lists(system: System, instance: NodeInstance, names: set[str]) -> Iterator[Effect]:
     for one in instance.parameters:
         inner = one.name.rpartition("/")[2]
-        held = elements(one.set.value)
+        listed = elements(one.set.value)
         for name in sorted(names):
             last = name.rpartition("/")[2]
-            if instance.name == name or not ({name, name[1:]}.intersection(held) or (inner == _LISTS and last in held)):
+            if instance.name == name or not (
+                {name, name[1:]}.intersection(listed) or (inner == _LISTS and last in listed)
+            ):
                 continue
             certain = inner == _LISTS
             yield launch_effect(

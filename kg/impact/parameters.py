@@ -60,14 +60,14 @@ def _owned(subject: Subject, world: World) -> list[Record]:
 
 def parameter_about(subject: Subject, world: World) -> list[str]:
     """Return the types and defaults of a parameter."""
-    found = [
+    declared = [
         one
         for record in _owned(subject, world)
         for one in record.node.parameters
         if same_parameter(one.name, subject.name)
     ]
-    types = sorted({one.type for one in found if one.type})
-    return [*types, *(f"default {one}" for one in sorted({one.default for one in found if one.default is not None}))]
+    types = sorted({one.type for one in declared if one.type})
+    return [*types, *(f"default {one}" for one in sorted({one.default for one in declared if one.default is not None}))]
 
 
 def parameter_effects(subject: Subject, world: World) -> Iterator[Effect]:
@@ -134,10 +134,10 @@ def _setting(subject: Subject, system: System, instance: NodeInstance, one: Inst
     )
     certain = one.declared is not None
     if one.declared is not None:
-        is_meant = same_parameter(one.declared.name, subject.name)
+        is_same = same_parameter(one.declared.name, subject.name)
     else:
-        is_meant = re.search(rf"(?:^|[./]){re.escape(_bare(subject.name))}$", inner) is not None
-    if not (is_meant and is_owner):
+        is_same = re.search(rf"(?:^|[./]){re.escape(_bare(subject.name))}$", inner) is not None
+    if not (is_same and is_owner):
         return None
     value = f" to {one.set.value}" if one.set.value is not None else ""
     return launch_effect(

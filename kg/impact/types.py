@@ -40,8 +40,8 @@ def type_effects(subject: Subject, world: World) -> Iterator[Effect]:
 def type_about(subject: Subject, world: World) -> list[str]:
     """Return where a type is defined."""
     name = subject.owner if subject.kind is Kind.FIELD else subject.name
-    found = [f"defined at {one.definition.location}" for one in world.definitions(subject) if one.name == name]
-    return found or ["defined outside of the sources"]
+    places = [f"defined at {one.definition.location}" for one in world.definitions(subject) if one.name == name]
+    return places or ["defined outside of the sources"]
 
 
 def affected_types(name: str, definitions: Sequence[DefinitionRecord]) -> Mapping[_Type, tuple[str, ...]]:
@@ -50,16 +50,16 @@ def affected_types(name: str, definitions: Sequence[DefinitionRecord]) -> Mappin
     for one in definitions:
         for embedded in {*one.embeds.values()}:
             holders.setdefault(embedded, []).append(one)
-    found: dict[_Type, tuple[str, ...]] = {(kind, name): () for kind in _CHANNEL_KINDS.values()}
+    affected: dict[_Type, tuple[str, ...]] = {(kind, name): () for kind in _CHANNEL_KINDS.values()}
     queue: list[tuple[str, tuple[str, ...]]] = [(name, ())]
     for embedded, path in queue:
         for holder in holders.get(embedded, ()):
             key = holder.definition.kind, holder.name
-            if key not in found:
-                found[key] = (*path, embedded)
+            if key not in affected:
+                affected[key] = (*path, embedded)
                 if holder.definition.kind == "msg":
-                    queue.append((holder.name, found[key]))
-    return found
+                    queue.append((holder.name, affected[key]))
+    return affected
 
 
 def uses_type(end: Interface, affected: Mapping[_Type, tuple[str, ...]]) -> bool:
@@ -93,13 +93,13 @@ def _embedding(subject: Subject, world: World, affected: Mapping[_Type, tuple[st
 
 def _started(subject: Subject, world: World) -> Mapping[Hashable, set[str]]:
     """Return the launch files that start a node with an end, by the end."""
-    found: dict[Hashable, set[str]] = {}
+    by_end: dict[Hashable, set[str]] = {}
     for system in world.systems(subject):
         for instance in system.instances:
             for end in instance.interfaces:
                 key = end.owner.package, end.owner.node, end.declared.role, end.declared.location
-                found.setdefault(key, set()).add(system.configuration.name)
-    return found
+                by_end.setdefault(key, set()).add(system.configuration.name)
+    return by_end
 
 
 def _endpoint(

@@ -30,8 +30,8 @@ def area_of(location: Location) -> Area:
 
 
 def _holds(key: str, value: str | None, name: str) -> bool:
-    found = elements(value)
-    return name in found or (bool(_NAMING.search(key)) and name.lstrip("/") in found)
+    parts = elements(value)
+    return name in parts or (bool(_NAMING.search(key)) and name.lstrip("/") in parts)
 
 
 def holding_effects(systems: Sequence[System], name: str, named: str) -> Iterator[Effect]:

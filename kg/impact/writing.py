@@ -24,19 +24,19 @@ _SYSTEMS: Final = 2
 """So many launch files are named; of more, their number."""
 
 
-def summary(found: Impact) -> str:
+def summary(impact: Impact) -> str:
     """Return how much breaks and may break, in one sentence."""
-    certain, possible = found.count(Grade.BREAKS), found.count(Grade.MAY)
-    if not found.effects:
+    certain, possible = impact.count(Grade.BREAKS), impact.count(Grade.MAY)
+    if not impact.effects:
         return "nothing is known to use it"
     return f"{count(certain, 'place')} break{'s' if certain == 1 else ''}, {count(possible, 'place')} may"
 
 
-def impact_lines(found: Impact) -> list[str]:
+def impact_lines(impact: Impact) -> list[str]:
     """Return lines for people: the subject, then the effects by area."""
-    about = f" ({', '.join(found.about)})" if found.about else ""
-    lines = [printable(f"{found.subject.kind} {found.subject.text}{about}"), summary(found), ""]
-    for area, effects in _areas(found):
+    about = f" ({', '.join(impact.about)})" if impact.about else ""
+    lines = [printable(f"{impact.subject.kind} {impact.subject.text}{about}"), summary(impact), ""]
+    for area, effects in _areas(impact):
         lines += [str(area), *_effect_lines(effects), ""]
     return lines[:-1]
 
@@ -70,10 +70,10 @@ def _systems(one: Effect) -> str:
     return f"in {', '.join(one.systems[:_SYSTEMS])}{others}"
 
 
-def impact_markdown(found: Impact, link: Link | None = None) -> str:
+def impact_markdown(impact: Impact, link: Link | None = None) -> str:
     """Return Markdown: the numbers, then a table for each area."""
-    parts = [f"### {found.subject.kind} {code(found.subject.text)}", "", f"**{summary(found)}**", ""]
-    for area, effects in _areas(found):
+    parts = [f"### {impact.subject.kind} {code(impact.subject.text)}", "", f"**{summary(impact)}**", ""]
+    for area, effects in _areas(impact):
         parts += _table(str(area), effects, link)
     return "\n".join(parts)
 
@@ -92,16 +92,16 @@ def _row(one: Effect, link: Link | None) -> str:
     return f"| {one.grade} | {code(one.what)} | {code(_reason(one))} | {where} |"
 
 
-def impact_object(found: Impact) -> dict[str, Any]:
+def impact_object(impact: Impact) -> dict[str, Any]:
     """Return an impact as plain values, ready for JSON; the fields of docs/formats.md."""
     return {
-        "kind": str(found.subject.kind),
-        "name": found.subject.name,
-        "owner": found.subject.owner or None,
-        "about": list(found.about),
-        "breaks": found.count(Grade.BREAKS),
-        "may": found.count(Grade.MAY),
-        "effects": [_effect_object(one) for one in found.effects],
+        "kind": str(impact.subject.kind),
+        "name": impact.subject.name,
+        "owner": impact.subject.owner or None,
+        "about": list(impact.about),
+        "breaks": impact.count(Grade.BREAKS),
+        "may": impact.count(Grade.MAY),
+        "effects": [_effect_object(one) for one in impact.effects],
     }
 
 
@@ -122,43 +122,43 @@ def _where(one: Effect | Broken) -> dict[str, Any]:
     return {"file": path, "line": line, "repository": one.repository or None}
 
 
-def _areas(found: Impact) -> Iterator[tuple[str, list[Effect]]]:
-    for area, effects in groupby(found.effects, key=lambda one: one.area):
+def _areas(impact: Impact) -> Iterator[tuple[str, list[Effect]]]:
+    for area, effects in groupby(impact.effects, key=lambda one: one.area):
         yield area, list(effects)
 
 
-def broken_summary(found: Sequence[Broken]) -> str:
+def broken_summary(changes: Sequence[Broken]) -> str:
     """Return how many changes break something elsewhere, in one sentence."""
-    if not found:
+    if not changes:
         return "no differences"
-    certain = sum(one.count(Grade.BREAKS) > 0 for one in found)
-    possible = sum(bool(one.effects) for one in found) - certain
+    certain = sum(one.count(Grade.BREAKS) > 0 for one in changes)
+    possible = sum(bool(one.effects) for one in changes) - certain
     verb = "breaks" if certain == 1 else "break"
-    return f"{count(len(found), 'change')}: {certain} {verb} something elsewhere, {possible} may"
+    return f"{count(len(changes), 'change')}: {certain} {verb} something elsewhere, {possible} may"
 
 
-def broken_lines(found: Sequence[Broken]) -> list[str]:
+def broken_lines(changes: Sequence[Broken]) -> list[str]:
     """Return lines for people: each change that breaks something, with what it breaks."""
     lines = []
-    for one in found:
+    for one in changes:
         if one.effects:
             where = f"  {one.location}" if one.location else ""
             lines += [printable(f"{one.words}{where}"), *_effect_lines(one.effects), ""]
-    return [*lines, broken_summary(found)]
+    return [*lines, broken_summary(changes)]
 
 
-def broken_markdown(found: Sequence[Broken], title: str) -> str:
+def broken_markdown(changes: Sequence[Broken], title: str) -> str:
     """Return Markdown: the numbers, then a table for each change that breaks something."""
-    parts = [f"### {code(title)}", "", f"**{broken_summary(found)}**", ""]
-    for one in found:
+    parts = [f"### {code(title)}", "", f"**{broken_summary(changes)}**", ""]
+    for one in changes:
         if one.effects:
             parts += _table(code(one.words), one.effects)
     return "\n".join(parts)
 
 
-def broken_objects(found: Sequence[Broken]) -> Iterator[dict[str, Any]]:
+def broken_objects(changes: Sequence[Broken]) -> Iterator[dict[str, Any]]:
     """Yield each change as plain values, ready for JSON; the fields of docs/formats.md."""
-    for one in found:
+    for one in changes:
         yield {
             "change": one.words,
             **_where(one),

@@ -22,10 +22,10 @@ from kg.errors import Place, SourceError, UsageError
 from kg.facts import Known, Problem  # noqa: TC001 - results are read by these annotations
 from kg.lazily import lazily
 from kg.pipeline import cache
-from kg.pipeline.known import digest
 from kg.pipeline.plan import listing, mark_of
 from kg.pipeline.recording import Lookup, RecordingWorkspace, answer
 from kg.pipeline.report import PackageResult
+from kg.pipeline.visible import digest
 from kg.pipeline.work import Job, Outcome
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ _Content = TypeVar("_Content")
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class StoredResult:
     """A stored result: its name, and the problems for the report of a build."""
 
     name: str
@@ -135,7 +135,7 @@ class Artifacts:
 
     def result(
         self, version: str, job: Job, source: Source, package: PackageFolder, read: Callable[[], Outcome]
-    ) -> Found:
+    ) -> StoredResult:
         """Return the current result of a package in the build of `job`; if missing, `read` it and store it.
 
         A result that the next build must not reuse is not stored; its name is empty.
@@ -149,27 +149,27 @@ class Artifacts:
         for name in self._names(folder):
             outcome = self.outcome(name)
             if outcome is not None and _holds(job, outcome, marks):
-                return Found(name, outcome)
+                return StoredResult(name, outcome)
         outcome = read()
-        return Found(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
+        return StoredResult(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
 
     def outcome(self, name: str) -> Outcome | None:
         """Return a result by its name; None if it is missing or damaged."""
         content = self._read(name)
-        found = _decode(content, _Result) if content else None
-        if found is None:
+        stored = _decode(content, _Result) if content else None
+        if stored is None:
             return None
         result = PackageResult(
-            found.source, found.name, found.path, found.counts, found.unresolved, found.problems, found.seconds
+            stored.source, stored.name, stored.path, stored.counts, stored.unresolved, stored.problems, stored.seconds
         )
-        return Outcome(result, found.inputs, dict(found.outside), found.packed, found.known)
+        return Outcome(result, stored.inputs, dict(stored.outside), stored.packed, stored.known)
 
     def _names(self, folder: str) -> Iterable[str]:
         try:
-            found: list[str] = self._files.ls(f"{self._root}/{folder}", detail=False)
+            paths: list[str] = self._files.ls(f"{self._root}/{folder}", detail=False)
         except OSError:
             return ()
-        names = (path.rpartition("/")[2] for path in found)
+        names = (path.rpartition("/")[2] for path in paths)
         return sorted(f"{folder}/{name}" for name in names if len(name) == _NAME_CHARS)
 
     def _read(self, name: str) -> bytes | None:
@@ -214,19 +214,19 @@ def without_extra() -> UsageError:
 
 
 def _packed(outcome: Outcome) -> bytes:
-    found = outcome.result
+    result = outcome.result
     content = _Result(
-        source=found.source,
-        name=found.name,
-        path=found.path,
-        counts=dict(found.counts),
-        unresolved=dict(found.unresolved),
-        problems=found.problems,
-        seconds=found.seconds,
+        source=result.source,
+        name=result.name,
+        path=result.path,
+        counts=dict(result.counts),
+        unresolved=dict(result.unresolved),
+        problems=result.problems,
+        seconds=result.seconds,
         inputs=outcome.inputs,
         outside=tuple(sorted(outcome.outside.items())),
         packed=outcome.packed,
-        known=outcome.known,
+        known=outcome.visible,
     )
     return _encode(content)
 

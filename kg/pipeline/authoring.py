@@ -50,8 +50,8 @@ class Attempt:
         bench = Workbench(snapshot, Names.of(settings.base, RNKG))
         view = View(snapshot, explained_vocabulary(settings))
         chosen = [file for file in files if file.name in names]
-        asked = settings.origin("timeout").kind != "default"  # the default is for queries
-        return cls(library, files, chosen, bench, view, Limits((settings.timeout or None) if asked else None))
+        explicit = settings.origin("timeout").kind != "default"  # the default is for queries
+        return cls(library, files, chosen, bench, view, Limits((settings.timeout or None) if explicit else None))
 
 
 @contextmanager

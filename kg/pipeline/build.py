@@ -107,13 +107,13 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
             try:
                 with store.write(command) as transaction:
                     running = _Build(store, transaction, settings, progress, rules=rules, corpus=corpus)
-                    found = running.run(tuple(named))
+                    report_of_run = running.run(tuple(named))
                 break
             except LostSourceError as error:  # nothing was written; what was read is found again
                 if corpus is None:
                     raise
                 corpus.leave_out(error.folder, str(error))
-    finished = replace(found, seconds=time.perf_counter() - began)
+    finished = replace(report_of_run, seconds=time.perf_counter() - began)
     progress.finished(finished)
     return finished
 
@@ -231,10 +231,10 @@ class _Build:
         if self._rules is None or (not changed and self._rules == self._state.rules and current is not None):
             return None
         self._report.inferring()
-        found = self._inference.run(self._transaction)
-        if not changed and not found.added and not found.removed:
+        inferred = self._inference.run(self._transaction)
+        if not changed and not inferred.added and not inferred.removed:
             self._transaction.roll_back()
-        return found
+        return inferred
 
     def _changed(self, sources: Sequence[Source], plan: Plan) -> list[Source]:
         """Return the sources whose graph differs from its new content."""
@@ -322,9 +322,9 @@ class _Build:
                 self._report.done(outcome.result)
                 name = source.repository.name
                 mark = stamp(workspace, name, package, outcome.inputs, entries)
-                found = self._kept(package, outcome, mark)
-                results[name, package.path] = found
-                writing.add(source, found)
+                state = self._cache_result(package, outcome, mark)
+                results[name, package.path] = state
+                writing.add(source, state)
         self._report.writing(writing.triples)
         written = writing.finish(changed, results, self._started)
         self._transaction.release()
@@ -379,11 +379,11 @@ class _Build:
 
     def _earlier(self, source: Source, package: PackageFolder, plan: Plan) -> str:
         """Return the name of the last result of a package, if it has the same version."""
-        known = self._state.sources.get(source.repository.name) if self._state.version == plan.version else None
-        before = known.packages.get(package.path) if known else None
+        source_state = self._state.sources.get(source.repository.name) if self._state.version == plan.version else None
+        before = source_state.packages.get(package.path) if source_state else None
         return before.result if before else ""
 
-    def _kept(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
+    def _cache_result(self, package: PackageFolder, outcome: Outcome, mark: str) -> PackageState:
         """Cache a result and return its state for the next build."""
         with translated(str(self._cache)):
             name = cache.store(self._cache, outcome.packed)
@@ -399,7 +399,7 @@ class _Build:
             counts=dict(result.counts),
             unresolved=dict(result.unresolved),
             problems=result.problems,
-            known=outcome.known,
+            known=outcome.visible,
         )
 
     def _next_state(  # noqa: PLR0913, PLR0917 - the results of a build
@@ -411,17 +411,19 @@ class _Build:
         generation: int | None,
         named: tuple[str, ...],
     ) -> State:
-        found = dict(self._state.sources) if self._state.version == plan.version else {}
+        sources_state = dict(self._state.sources) if self._state.version == plan.version else {}
         for source in sources:
             name = source.repository.name
             packages = {package.path: results[name, package.path] for package in source.packages}
-            head, quads = written[name] if name in written else (found[name].head, found[name].quads)
-            found[name] = SourceState(source.repository, source.problems, packages, head, quads, source.pin is not None)
+            head, quads = written[name] if name in written else (sources_state[name].head, sources_state[name].quads)
+            sources_state[name] = SourceState(
+                source.repository, source.problems, packages, head, quads, source.pin is not None
+            )
         here = [one for one in named if one not in self._elsewhere]
         absolute = (one if is_address(one) else str(Path(one).expanduser().absolute()) for one in here)
         roots = dict.fromkeys((*self._state.roots, *absolute))
         current = generation or self._store.layout.current() or 0
-        return State(plan.version, plan.shape, current, tuple(roots), found, self._rules or "")
+        return State(plan.version, plan.shape, current, tuple(roots), sources_state, self._rules or "")
 
     def _source_report(self, source: Source, plan: Plan, results: dict[Key, PackageState]) -> SourceReport:
         name = source.repository.name

@@ -36,7 +36,7 @@ _LOOKUPS, _SHARED, _LAUNCHES, _DESCRIPTIONS, _NODES, _CONTENT = range(6)
 
 def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
     content: bytes,
-    found: Mapping[Lookup, str],
+    answers: Mapping[Lookup, str],
     common: bytes = b"",
     configurations: tuple[LaunchConfiguration, ...] = (),
     texts: tuple[Description, ...] = (),
@@ -46,7 +46,7 @@ def pack(  # noqa: PLR0913, PLR0917 - the parts of a result
 
     It also contains the configurations of the package's launch files, its annotated descriptions, and its node types.
     """
-    listed = json.dumps([[*lookup, answer] for lookup, answer in sorted(found.items())], separators=(",", ":"))
+    listed = json.dumps([[*lookup, answer] for lookup, answer in sorted(answers.items())], separators=(",", ":"))
     encode = msgpack.encode
     parts = [
         zlib.compress(part, _LEVEL)
@@ -109,9 +109,9 @@ def exists(folder: Path, name: str) -> bool:
 
 def keep_only(folder: Path, names: Iterable[str]) -> None:
     """Delete all other results, and partial files of a killed build."""
-    kept = {f"{name}{_ENDING}" for name in names}
+    needed = {f"{name}{_ENDING}" for name in names}
     for path in folder.iterdir():
-        if path.name not in kept and (path.suffix in {_ENDING, ".tmp"}):
+        if path.name not in needed and (path.suffix in {_ENDING, ".tmp"}):
             path.unlink(missing_ok=True)
 
 

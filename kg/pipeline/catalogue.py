@@ -15,7 +15,7 @@ from kg.graph.nodes import Stated
 from kg.graph.reading import NodeRecord
 from kg.launch.wiring.types import NodeTypes, Typed
 from kg.pipeline import cache
-from kg.pipeline.known import digest, known_as
+from kg.pipeline.visible import digest, visible_types
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -31,7 +31,7 @@ _DECODED: Final = 64
 class Catalogue(NodeTypes):
     """The node types of `packages`, whose results are in the cache `folder`, and those of other sources of the store.
 
-    `programs` contains programs that packages of other sources install, `data` their files that nodes read. `asked`
+    `programs` contains programs that packages of other sources install, `data` their files that nodes read. `questions`
     records the look-ups since it was cleared.
     """
 
@@ -43,7 +43,7 @@ class Catalogue(NodeTypes):
         programs: Mapping[str, Iterable[str]] | None = None,
         data: Iterable[DataFile] = (),
     ) -> None:
-        self.asked: dict[Question, None] = {}
+        self.questions: dict[Question, None] = {}
         self._folder = folder
         self._marks: dict[Question, str] = {}
         self._places: list[tuple[Key, NodeReference, NodeName, int]] = []
@@ -51,65 +51,65 @@ class Catalogue(NodeTypes):
         self._given: dict[Key, list[NodeRecord]] = {}
         """Node types of other sources."""
         self._decoded: OrderedDict[Key, list[NodeRecord]] = OrderedDict()
-        found = {(key[0], package.name, key): package.known for key, package in packages.items()}
+        visible = {(key[0], package.name, key): package.known for key, package in packages.items()}
         for (repository, package), records in groupby(others, key=lambda one: (one.repository, one.package)):
             whole = {one.iri: one for one in records}
             stated = (
                 Stated(one.node, one.iri, tuple(one.ends.values()), tuple(one.settable.values()))
                 for one in whole.values()
             )
-            ordered, known = known_as(stated)
+            ordered, view = visible_types(stated)
             key = (repository, f"{package}/")
             self._given[key] = [whole[one.iri] for one in ordered]
-            found[repository, package, key] = known
+            visible[repository, package, key] = view
         files = list(data)
-        for (repository, package, key), known in sorted(found.items(), key=lambda item: item[0]):
-            files += known.data
-            for at, one in enumerate(known.nodes):
+        for (repository, package, key), view in sorted(visible.items(), key=lambda item: item[0]):
+            files += view.data
+            for at, one in enumerate(view.nodes):
                 self._places.append((key, NodeReference(repository, package, one.name), one, at))
         self._add_data(files)
         self._by_reference = {reference: at for at, (_, reference, _, _) in enumerate(self._places)}
         self._index((reference.package, one) for _, reference, one, _ in self._places)
-        self._packages.update((package for _, package, _ in found), programs or ())
+        self._packages.update((package for _, package, _ in visible), programs or ())
         for package, names in (
-            *((package, known.programs) for (_, package, _), known in found.items()),
+            *((package, view.programs) for (_, package, _), view in visible.items()),
             *(programs or {}).items(),
         ):
             self._programs.setdefault(package, set()).update(names)
 
     def has(self, package: str) -> bool:
         """Return whether the build has a package."""
-        self.asked["has", package] = None
+        self.questions["has", package] = None
         return super().has(package)
 
     def installed(self, package: str) -> list[str]:
         """Return the other programs that a package installs, sorted."""
-        self.asked["installed", package] = None
+        self.questions["installed", package] = None
         return super().installed(package)
 
     def executables(self, package: str) -> list[str]:
         """Return the programs of a package that are nodes, sorted."""
-        self.asked["executables", package] = None
+        self.questions["executables", package] = None
         return super().executables(package)
 
     def started(self, package: str, name: str) -> list[Typed]:
         """Return the node types started by the name of a program of a package."""
-        self.asked["started", package, name] = None
+        self.questions["started", package, name] = None
         return super().started(package, name)
 
     def loaded(self, name: str) -> list[Typed]:
         """Return the node types loaded by the name of a class."""
-        self.asked["loaded", name] = None
+        self.questions["loaded", name] = None
         return super().loaded(name)
 
     def data(self, package: str) -> list[DataFile]:
         """Return the files of a package that nodes read at run time."""
-        self.asked["data", package] = None
+        self.questions["data", package] = None
         return super().data(package)
 
     def like(self, package: str) -> tuple[str, ...]:
         """Return suggestions for the name of a package that does not exist."""
-        self.asked["like", package] = None
+        self.questions["like", package] = None
         return super().like(package)
 
     def typed(self, at: int) -> Typed:
@@ -118,13 +118,13 @@ class Catalogue(NodeTypes):
 
     def records(self, system: System) -> dict[NodeReference, NodeRecord]:
         """Return the node types referenced in a system."""
-        found = {}
+        records = {}
         for reference in _references(system):
-            self.asked["record", reference.repository, reference.package, reference.node] = None
+            self.questions["record", reference.repository, reference.package, reference.node] = None
             at = self._by_reference.get(reference)
             if at is not None:
-                found[reference] = self._record(at)
-        return found
+                records[reference] = self._record(at)
+        return records
 
     def mark(self, question: Question) -> str:
         """Return a digest of the result of a look-up."""
@@ -172,9 +172,9 @@ class Catalogue(NodeTypes):
 
 def _references(system: System) -> Iterator[NodeReference]:
     """Yield the node types of instances and plugins in a system, each once."""
-    found: dict[NodeReference | None, None] = {}
+    references: dict[NodeReference | None, None] = {}
     for instance in system.instances:
-        found.update(dict.fromkeys((instance.type, *instance.plugins)))
-        found.update((end.owner, None) for end in instance.interfaces)
-        found.update((parameter.owner, None) for parameter in instance.parameters)
-    yield from (reference for reference in found if reference is not None)
+        references.update(dict.fromkeys((instance.type, *instance.plugins)))
+        references.update((end.owner, None) for end in instance.interfaces)
+        references.update((parameter.owner, None) for parameter in instance.parameters)
+    yield from (reference for reference in references if reference is not None)

@@ -51,16 +51,16 @@ _own = threading.local()
 
 def batches(tasks: Iterable[tuple[Task, int]]) -> list[list[Task]]:
     """Return packages, given with their sizes of code, as batches of one source each, in the same order."""
-    found: list[list[Task]] = []
+    result: list[list[Task]] = []
     open_ones: dict[str, tuple[list[Task], int]] = {}
     for task, size in tasks:
         batch, total = open_ones.get(task.source, ([], 0))
         if not batch or total + size > _BATCH_BYTES:
             batch, total = [], 0
-            found.append(batch)
+            result.append(batch)
         batch.append(task)
         open_ones[task.source] = batch, total + size
-    return found
+    return result
 
 
 def announce(source: str, *, fetching: bool = False) -> str:
@@ -77,12 +77,12 @@ def read_packages(request: Request, tasks: Sequence[Task]) -> list[Reading]:
     worker = announce(tasks[0].source)
     if not hasattr(_own, "extractor"):
         _own.extractor = Extractor()
-    found = []
+    readings = []
     for task in tasks:
-        found.append(replace(_own.extractor.read(request, task), worker=worker))
-        if found[-1].code:
+        readings.append(replace(_own.extractor.read(request, task), worker=worker))
+        if readings[-1].code:
             break
-    return found
+    return readings
 
 
 def machine_of(worker: str) -> str:
@@ -135,7 +135,7 @@ class Cluster:
         preferred = [one for one in self._workers if near and (machine_of(one) == machine) != other]
         some = 0 < len(preferred) < len(self._workers)
         choice = {"workers": preferred, "allow_other_workers": True} if some else {}
-        # A scheduler answers a key that it knows with the result it has, also that of a first attempt.
+        # A scheduler responds to a known key with its earlier result, also that of a first attempt.
         future = self._client.submit(function, *arguments, key=f"{key}-{uuid4().hex}", pure=False, **choice)
         self._given[future] = work
         future.add_done_callback(self._news.put)

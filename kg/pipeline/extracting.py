@@ -82,18 +82,18 @@ class Extractor:
         is_new = self._pipe is None
         seconds = request.seconds + (0 if request == self._request else _START_SECONDS)
         try:
-            found = self._answer(self._pipe or self._start(), request, task, seconds)
+            reading = self._answer(self._pipe or self._start(), request, task, seconds)
         except TimeoutError:
             self.close()
             return Reading(task, problem=f"the package took longer than {seconds:g} s", again=True)
         except (EOFError, OSError):
             message = f"the process that read the package ended with {end_of(self.close())}"
             return Reading(task, problem=message, again=True)
-        if found.code:
+        if reading.code:
             self.close()
             if not is_new:  # a new version of kg requires a new process
                 return self.read(request, task)
-        return found
+        return reading
 
     def close(self) -> int:
         """Stop the process and return its exit code, negative for a signal."""
@@ -119,9 +119,9 @@ class Extractor:
         while True:
             if not pipe.poll(seconds):
                 raise TimeoutError
-            found: Reading | None = pipe.recv()
-            if found is not None:
-                return found
+            reading: Reading | None = pipe.recv()
+            if reading is not None:
+                return reading
             seconds = request.seconds + LIMITS.seconds  # a source is being fetched; then its package is read
 
     def _start(self) -> Connection:
@@ -155,11 +155,11 @@ def main() -> None:
                 continue
             try:
                 reader = reader or _Reader(request, lambda: pipe.send(None))
-                found = reader.read(message)
+                reading = reader.read(message)
             except KgError as error:
                 where = f" ({error.place})" if error.place else ""
-                found = Reading(message, problem=f"{error.message}{where}", code=error.code)
-            pipe.send(found)
+                reading = Reading(message, problem=f"{error.message}{where}", code=error.code)
+            pipe.send(reading)
     os._exit(0)
 
 
@@ -223,12 +223,12 @@ class _Reader:
             raise _elsewhere(f"cannot read the folder {source.root}, which another machine of the build reads")
         read = partial(attempt, self._job, task)
         try:
-            found = self._artifacts.result(self._version, self._job, source, package, read)
+            stored = self._artifacts.result(self._version, self._job, source, package, read)
         except _UnfetchedError as error:
             return Reading(task, problem=str(error), again=True, unfetched=str(error.folder))
-        if not found.name:
-            return Reading(task, problem=found.outcome.result.problems[0].message)
-        return Reading(task, found.name)
+        if not stored.name:
+            return Reading(task, problem=stored.outcome.result.problems[0].message)
+        return Reading(task, stored.name)
 
 
 @cache

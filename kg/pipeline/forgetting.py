@@ -58,14 +58,14 @@ def forget(
 
 def _without(state: State, names: frozenset[str]) -> State:
     """Return the state without sources; a root is removed with its last source."""
-    kept = {name: source for name, source in state.sources.items() if name not in names}
+    remaining = {name: source for name, source in state.sources.items() if name not in names}
     gone = [source.repository.root for name, source in state.sources.items() if name in names]
-    left = [source.repository.root for source in kept.values()]
+    left = [source.repository.root for source in remaining.values()]
 
     def stays(root: str) -> bool:
         return any(_inside(folder, root) for folder in left) or not any(_inside(folder, root) for folder in gone)
 
-    return replace(state, sources=kept, roots=tuple(root for root in state.roots if stays(root)))
+    return replace(state, sources=remaining, roots=tuple(root for root in state.roots if stays(root)))
 
 
 def _inside(folder: str, root: str) -> bool:

@@ -79,12 +79,12 @@ def _costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int
     if not report.rules:
         last = last_run(cache)
         return last.costs if last else {}
-    found: dict[str, tuple[float, int, int]] = {}
+    costs: dict[str, tuple[float, int, int]] = {}
     for one in report.rules:
-        seconds, derived, rounds = found.get(one.rule.name, (0.0, 0, 0))
+        seconds, derived, rounds = costs.get(one.rule.name, (0.0, 0, 0))
         total = round(seconds + one.seconds, 4)
-        found[one.rule.name] = (total, derived + one.derived, max(rounds, one.rounds))
-    return found
+        costs[one.rule.name] = (total, derived + one.derived, max(rounds, one.rounds))
+    return costs
 
 
 def last_run(cache: Path) -> LastRun | None:
@@ -107,10 +107,10 @@ def unchanged(settings: Settings, layout: Layout) -> LastRun | None:
 
     Raises as `digest`.
     """
-    found = last_run(layout.cache)
-    if found is None or found.generation != layout.current() or found.base != settings.base:
+    last = last_run(layout.cache)
+    if last is None or last.generation != layout.current() or last.base != settings.base:
         return None
-    return found if found.digest == digest(settings, layout.cache) else None
+    return last if last.digest == digest(settings, layout.cache) else None
 
 
 class _Ontologies(msgspec.Struct, frozen=True):
@@ -206,8 +206,8 @@ class Inference:
         if not present:
             transaction.load(graph, [wanted])
             return
-        held = (None if anew or given is None else given.content()) or transaction.content(graph)
-        old, new = (set(content.splitlines(keepends=True)) for content in (held, wanted))
+        stored = (None if anew or given is None else given.content()) or transaction.content(graph)
+        old, new = (set(content.splitlines(keepends=True)) for content in (stored, wanted))
         if old != new:
             transaction.patch_graph(graph, b"".join(old - new), b"".join(new - old))
 
@@ -218,16 +218,16 @@ class Inference:
             RuleError: KG208 for a rule pack that cannot be loaded, KG231 for an unreadable folder of rules.
             UsageError: KG002 for a folder or a family of the settings that does not exist.
         """
-        found = digest(self._settings, self._store.layout.cache)
+        mark = digest(self._settings, self._store.layout.cache)
         unreadable: list[KgError] = []
         if self.outdated():
             self.update_ontologies(transaction, unreadable)
         problems: list[RuleError] = []
         self._last = LastRun("")
-        inferred = self._attempt(transaction, problems, found, own=True)
+        inferred = self._attempt(transaction, problems, mark, own=True)
         if inferred is None:
-            inferred = self._attempt(transaction, [], found, own=False) or self._nothing(transaction)
-        self.digest = "" if problems or unreadable else found
+            inferred = self._attempt(transaction, [], mark, own=False) or self._nothing(transaction)
+        self.digest = "" if problems or unreadable else mark
         self._last = replace(self._last, digest=self.digest)
         return replace(inferred, problems=(*unreadable, *problems))
 
@@ -243,14 +243,14 @@ class Inference:
         try:
             cache = self._store.layout.cache
             rules = rules_over(self._settings, transaction, problems, own=own, cache=cache, mark=mark)
-            found = runner.run_within(transaction, rules)
+            report = runner.run_within(transaction, rules)
         except RuleError as error:
             problems.append(error)
             return None
         self._runner = runner
-        spent = _costs(found, self._store.layout.cache)
-        self._last = LastRun("", self._settings.base, None, found.asserted, found.inferred, found.strata, spent)
-        return Inferred(found.inferred, found.added, found.removed, found.seconds.total, found.mode)
+        spent = _costs(report, self._store.layout.cache)
+        self._last = LastRun("", self._settings.base, None, report.asserted, report.inferred, report.strata, spent)
+        return Inferred(report.inferred, report.added, report.removed, report.seconds.total, report.mode)
 
     def _nothing(self, transaction: EmbeddedTransaction) -> Inferred:
         """Remove all inferred triples."""
@@ -374,10 +374,10 @@ def _schema(file: Path) -> Iterator[Triple]:
     plain = kind == RdfFormat.N_TRIPLES
     with opened(file) as content:
         lines = content.read().splitlines(keepends=True)
-    found = [line for line in lines if not plain or b"/owl#" in line or b"/rdf-schema#" in line]
+    candidates = [line for line in lines if not plain or b"/owl#" in line or b"/rdf-schema#" in line]
     address = file.absolute().as_uri()
     try:
-        triples = [quad.triple for quad in parse(b"".join(found), kind, base_iri=address, lenient=True)]
+        triples = [quad.triple for quad in parse(b"".join(candidates), kind, base_iri=address, lenient=True)]
     except SyntaxError:
         return
     yield from (triple for triple in triples if is_schema(triple.predicate, triple.object))

@@ -24,20 +24,20 @@ def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> Sy
         UnknownNameError: KG422 if none matches.
         UsageError: KG003 if several match.
     """
-    found = _on_disk(names, Path(text), roots) or matching(names, text)
-    if not found:
+    matches = _on_disk(names, Path(text), roots) or matching(names, text)
+    if not matches:
         raise unknown_launch(names, text)
-    if len(found) > 1:
-        raise several_launches(names, found, text, option="--launch ")
-    return found[0]
+    if len(matches) > 1:
+        raise several_launches(names, matches, text, option="--launch ")
+    return matches[0]
 
 
 def several_launches(
-    names: Sequence[SystemName], found: Sequence[SystemName], text: str, option: str = ""
+    names: Sequence[SystemName], matches: Sequence[SystemName], text: str, option: str = ""
 ) -> UsageError:
-    """Return the error KG003: `text` matches all of `found`; the hint lists an unambiguous text for each."""
-    ways = choices([f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in found])
-    return UsageError("KG003", f"{len(found)} launch files are called `{text}`; choose one", hint=ways)
+    """Return the error KG003: `text` matches all of `matches`; the hint lists an unambiguous text for each."""
+    ways = choices([f"`{option}{_shortest(names, one)}`  ({one.repository}:{one.path})" for one in matches])
+    return UsageError("KG003", f"{len(matches)} launch files are called `{text}`; choose one", hint=ways)
 
 
 def shared_names(names: Sequence[SystemName]) -> dict[SystemName, str]:
@@ -70,8 +70,8 @@ def matching(names: Sequence[SystemName], text: str) -> list[SystemName]:
 
 def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
     """Return the error KG422: `text` matches none of `names`, with suggestions."""
-    known = [one.name for one in names] + [one.name.rpartition("/")[2] for one in names]
-    hint = did_you_mean("/".join(text.split()), known)
+    every = [one.name for one in names] + [one.name.rpartition("/")[2] for one in names]
+    hint = did_you_mean("/".join(text.split()), every)
     place = Place(text) if Path(text).exists() else None
     message = f"the store has no launch file `{text}`"
     return UnknownNameError(
@@ -81,15 +81,15 @@ def unknown_launch(names: Sequence[SystemName], text: str) -> UnknownNameError:
 
 def assignments(texts: Sequence[str], sign: str = ":=") -> dict[str, str]:
     """Return `x:=y` as names and values; UsageError KG003 for a text with another separator, or none."""
-    found = {}
+    values = {}
     for text in texts:
         name, mark, value = text.partition(sign)
         if not mark or not name.strip() or name.endswith(":"):
-            given, _, meant = text.replace(":=", "=", 1).partition("=")
-            hint = f"Write `{given.strip()}{sign}{meant}`." if given.strip() and "=" in text else None
+            given, _, given_value = text.replace(":=", "=", 1).partition("=")
+            hint = f"Write `{given.strip()}{sign}{given_value}`." if given.strip() and "=" in text else None
             raise UsageError("KG003", f"`{text}` is not written as NAME{sign}VALUE", hint=hint)
-        found[name.strip()] = value
-    return found
+        values[name.strip()] = value
+    return values
 
 
 def check_given(launch: str | None, arguments: Mapping[str, str], environment: Mapping[str, str]) -> None:

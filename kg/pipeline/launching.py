@@ -88,8 +88,8 @@ class LaunchFile:
         self._place = Place(str(source.root / name.path))
         self._packages = {
             package.name
-            for found in state.sources.values()
-            for package in found.packages.values()
+            for built in state.sources.values()
+            for package in built.packages.values()
             if any(one.plugin is not None for one in package.known.nodes)
         }
         self._types: NodeTypes | None = None

@@ -37,17 +37,17 @@ def with_family(
         RuleError: KG2xx for rules that cannot be read or evaluated, KG205 at the deadline for queries.
         StoreError: KG304, KG306 if the copy of the store cannot be written.
     """
-    known = known_families(settings)
-    if family not in known:
-        hint = did_you_mean(family, known) or f"The families are {', '.join(known)}."
+    families = known_families(settings)
+    if family not in families:
+        hint = did_you_mean(family, families) or f"The families are {', '.join(families)}."
         raise UnknownNameError("KG001", f"unknown family of rules `{family}`", hint=hint)
     names = Names.of(settings.base, RNKG)
     rules = rules_over(settings, snapshot, families=(family,))
     cache = layout_of(settings).cache
     base = Base.of(rules, snapshot, snapshot.generation, names, cache / _FOLDER / family)
-    found = derive(text, rules, base, Limits(settings.timeout or None))
-    if not len(found.facts):
-        yield snapshot, found
+    derived = derive(text, rules, base, Limits(settings.timeout or None))
+    if not len(derived.facts):
+        yield snapshot, derived
         return
-    with overlaid(snapshot, names.inferred, found.chunks(), cache) as extended:
-        yield extended, found
+    with overlaid(snapshot, names.inferred, derived.chunks(), cache) as extended:
+        yield extended, derived

@@ -28,19 +28,19 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
     """
     state = load(layout.cache)
     named = [root for root in _roots(state, layout) if Path(root).exists()]
-    found: dict[str, tuple[str, ...] | None] = {
+    changed: dict[str, tuple[str, ...] | None] = {
         name: None for name, source in state.sources.items() if not source.elsewhere
     }
     try:
         sources = gather(named, layout.checkouts, Silent())
     except SourceError:
-        return found
+        return changed
     workspace = Workspace(sources, installed_folders(settings))
     plan = make_plan(workspace, state, layout.cache, version(settings, layout.cache), settings.max_file_bytes)
     for source in sources:
         name = source.repository.name
-        found[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)
-    return found
+        changed[name] = tuple(package.name for one, package in plan.read if one.repository.name == name)
+    return changed
 
 
 def rules_changed(layout: Layout, settings: Settings) -> bool:
@@ -55,5 +55,5 @@ def rules_changed(layout: Layout, settings: Settings) -> bool:
 def _roots(state: State, layout: Layout) -> list[str]:
     """Return the folders that earlier builds read; for git addresses their clones."""
     clones = [one.repository.root for one in state.sources.values()]
-    kept = str(layout.checkouts)
-    return [root for root in state.roots if not is_address(root)] + [one for one in clones if one.startswith(kept)]
+    checkouts = str(layout.checkouts)
+    return [root for root in state.roots if not is_address(root)] + [one for one in clones if one.startswith(checkouts)]

@@ -23,7 +23,7 @@ from kg.language.loading import identity
 from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.calls import call_files, read_calls
-from kg.pipeline.kept import installations, kept, states
+from kg.pipeline.filecache import cached_text, installations, states
 from kg.pipeline.recording import answer
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ CODE: Final = (
         "language",
     ),
     *("launch", "graph", "syntax/__init__.py", "syntax/names.py"),
-    *("pipeline/cache.py", "pipeline/known.py", "pipeline/recording.py", "pipeline/work.py"),
+    *("pipeline/cache.py", "pipeline/visible.py", "pipeline/recording.py", "pipeline/work.py"),
 )
 """Code and data of `kg` that results depend on."""
 LIBRARIES: Final = (
@@ -100,7 +100,7 @@ def code_version(model: str, folder: Path | None = None) -> str:
         libraries = [f"{name} {installed_version(name)}" for name in ("kg-ros", *LIBRARIES)]
         return _digest([resources.digest(own), *libraries])
 
-    return _digest([kept(place, files, sys.version, compute), sys.version, identity(model)])
+    return _digest([cached_text(place, files, sys.version, compute), sys.version, identity(model)])
 
 
 def shape(sources: Iterable[Source]) -> str:
@@ -147,11 +147,11 @@ def make_plan(workspace: Workspace, state: State, folder: Path, now: str, limit_
     reused: dict[Key, PackageState] = {}
     for source in workspace.sources:
         name = source.repository.name
-        known = state.sources[name].packages if name in state.sources and state.version == now else {}
+        packages = state.sources[name].packages if name in state.sources and state.version == now else {}
         for package in source.packages:
-            earlier = known.get(package.path)
-            kept = earlier if earlier and cache.exists(folder, earlier.result) else None
-            same = kept and _still_holds(workspace, source, package, kept, entries, limit_bytes)
+            earlier = packages.get(package.path)
+            cached = earlier if earlier and cache.exists(folder, earlier.result) else None
+            same = cached and _still_holds(workspace, source, package, cached, entries, limit_bytes)
             if same and (state.shape == current or _same_answers(workspace, folder, same)):
                 reused[name, package.path] = same
             else:
@@ -161,12 +161,12 @@ def make_plan(workspace: Workspace, state: State, folder: Path, now: str, limit_
 
 def entries_by_name(sources: Iterable[Source]) -> dict[str, FileEntry]:
     """Return the entries of all files of a build by `repository:path`."""
-    found: dict[str, FileEntry] = {}
+    entries: dict[str, FileEntry] = {}
     for source in sources:
         name = source.repository.name
         for files in (source.loose, *(package.files for package in source.packages)):
-            found.update((f"{name}:{entry.path}", entry) for entry in files)
-    return found
+            entries.update((f"{name}:{entry.path}", entry) for entry in files)
+    return entries
 
 
 def _still_holds(  # noqa: PLR0913, PLR0917 - called in one place
@@ -223,8 +223,8 @@ def _size_and_time(workspace: Workspace, key: str) -> str:
 
 
 def _same_answers(workspace: Workspace, folder: Path, earlier: PackageState) -> bool:
-    found = cache.lookups(folder, earlier.result)
-    return found is not None and all(answer(workspace, lookup) == before for lookup, before in found.items())
+    lookups = cache.lookups(folder, earlier.result)
+    return lookups is not None and all(answer(workspace, lookup) == before for lookup, before in lookups.items())
 
 
 def _digest(lines: list[str]) -> str:

@@ -18,7 +18,7 @@ from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
-from kg.pipeline.kept import State, installations, kept, settled, states
+from kg.pipeline.filecache import State, are_stable, cached_text, installations, states
 from kg.rules import compiled
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
@@ -92,8 +92,8 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
     """
     folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
     seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
-    made = _digest if settled(seen) else _digest.__wrapped__
-    rules = kept(cache and cache / _DIGEST, seen, (families, folders), lambda: made(families, folders, seen))
+    compute = _digest if are_stable(seen) else _digest.__wrapped__
+    rules = cached_text(cache and cache / _DIGEST, seen, (families, folders), lambda: compute(families, folders, seen))
     return f"{rules} {ontology_digest(settings, cache)}"
 
 
@@ -101,17 +101,17 @@ def ontology_digest(settings: Settings, cache: Path | None) -> str:
     """Return a digest of the ontologies in the settings; raises as `ontologies_in_force`."""
     files = ontologies_in_force(settings)
     seen = tuple(state for file in files for state in states(file))
-    made = _digest_of if settled(seen) else _digest_of.__wrapped__
-    return kept(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: made(files, seen))
+    compute = _digest_of if are_stable(seen) else _digest_of.__wrapped__
+    return cached_text(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: compute(files, seen))
 
 
 @lru_cache(maxsize=4)
 def _digest_of(files: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
-    found = blake2b(digest_size=16)
+    digest_of_files = blake2b(digest_size=16)
     for file in files:
-        found.update(f"{file.name}\0".encode())
-        found.update(_content(file))
-    return found.hexdigest()
+        digest_of_files.update(f"{file.name}\0".encode())
+        digest_of_files.update(_content(file))
+    return digest_of_files.hexdigest()
 
 
 def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
@@ -121,19 +121,19 @@ def installed_packs(cache: Path | None = None) -> tuple[Pack, ...]:
     """
     if cache is None:
         return packs()
-    found = kept(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
-    return packs() if found == str(True) else ()
+    has_packs = cached_text(cache / _PACKS, tuple(installations()), "", lambda: str(bool(packs())))
+    return packs() if has_packs == str(True) else ()
 
 
 @lru_cache(maxsize=4)
 def _digest(families: tuple[str, ...], folders: tuple[Path, ...], _seen: tuple[State, ...]) -> str:
     """Return the digest of the rules, computed again only if the state of a file changes."""
-    found = blake2b(repr(families).encode(), digest_size=16)
+    digest_of_rules = blake2b(repr(families).encode(), digest_size=16)
     for folder in folders:
         for path, name in rule_files(folder, families):
-            found.update(f"{name}{path.suffix}\0".encode())
-            found.update(_content(path))
-    return found.hexdigest()
+            digest_of_rules.update(f"{name}{path.suffix}\0".encode())
+            digest_of_rules.update(_content(path))
+    return digest_of_rules.hexdigest()
 
 
 def _content(path: Path) -> bytes:
@@ -163,15 +163,15 @@ def _read_before(cache: Path, selection: _Selection) -> _Found:
     before = compiled.load(cache, selection.key(), cut=False)
     if before is not None:
         return before, ()
-    found, broken = _read(selection)
+    rules, broken = _read(selection)
     if not broken:
         with suppress(OSError):  # a read-only store
-            found = compiled.save(cache, selection.key(), found, cut=False)
-    return found, broken
+            rules = compiled.save(cache, selection.key(), rules, cut=False)
+    return rules, broken
 
 
-def _sound(found: _Found, broken: list[RuleError] | None) -> RuleSet:
-    rules, errors = found
+def _sound(read: _Found, broken: list[RuleError] | None) -> RuleSet:
+    rules, errors = read
     if broken is None:
         for error in errors:
             raise error
@@ -241,25 +241,25 @@ def rules_over(  # noqa: PLR0913 - selects rules and their cache
     names = Names.of(settings.base, RNKG)
     named = f"GRAPH ?graph {schema_pattern()} FILTER(?graph NOT IN ({names.inferred}, {names.builds}))"
     query = f"SELECT ?s ?p ?o WHERE {{ {schema_pattern()} UNION {{ {named} }} }}"
-    found = cells(source.table(query, None), 3)
-    lines = {b"%s %s %s .\n" % row for row in zip(found[::3], found[1::3], found[2::3], strict=True)}
+    axiom_cells = cells(source.table(query, None), 3)
+    lines = {b"%s %s %s .\n" % row for row in zip(axiom_cells[::3], axiom_cells[1::3], axiom_cells[2::3], strict=True)}
     folders = rule_folders(settings) if own else rule_folders(settings)[:1]
     axioms = b"".join(sorted(lines))
     chosen = families_in_force(settings) if families is None else families
     selection = _Selection(folders, installed_packs(cache), chosen, mark or digest(settings, cache))
-    return _sound(_cut(selection, axioms) if cache is None else _kept(cache, selection, axioms), broken)
+    return _sound(_cut(selection, axioms) if cache is None else _cached_rules(cache, selection, axioms), broken)
 
 
 @lru_cache(maxsize=2)
-def _kept(cache: Path, selection: _Selection, axioms: bytes) -> _Found:
+def _cached_rules(cache: Path, selection: _Selection, axioms: bytes) -> _Found:
     """Return the rules of `_cut`, reduced to what evaluation needs, from the folder `cache` if they are there."""
     whole = f"{selection.key()} {axioms!r}"
     before = compiled.load(cache, whole)
     if before is not None:
         return before, ()
-    found, broken = _cut(selection, axioms)
+    rules, broken = _cut(selection, axioms)
     if broken:
-        return found, broken
+        return rules, broken
     packed = _packed(selection, axioms)
     with translated(str(cache)):
         return compiled.write(cache, whole, packed), ()
@@ -295,12 +295,12 @@ def division(settings: Settings, snapshot: EmbeddedSnapshot) -> tuple[Parts, Par
     start = f"{settings.base}graph/"
 
     def part(graph: str, subject: str) -> str | None:
-        kind, _, rest = graph.removeprefix(start).partition("/")
+        kind, _, path = graph.removeprefix(start).partition("/")
         if kind == "starts":  # shared by all sources, in one graph
-            kind, rest = "launch", subject.removeprefix(f"{settings.base}start/")
+            kind, path = "launch", subject.removeprefix(f"{settings.base}start/")
         if not graph.startswith(start) or kind not in {"launch", "source", "robot"}:
             return None
-        return rest.partition("/-/")[0] if kind == "launch" else rest
+        return path.partition("/-/")[0] if kind == "launch" else path
 
     iris = Iris(settings.base)
     copied = frozenset(iris.graph(name) for name in ("builds", "ontology", SHARED))
@@ -332,8 +332,8 @@ def explained_vocabulary(settings: Settings) -> Vocabulary:
 
 def _ontology_line(ontologies: tuple[Path, ...], fact: Triple) -> Evidence | None:
     """Return the line of an ontology that states a fact."""
-    found = place_of(fact, _ontology_statements(ontologies))
-    return Evidence(*found) if found else None
+    place = place_of(fact, _ontology_statements(ontologies))
+    return Evidence(*place) if place else None
 
 
 @lru_cache(maxsize=1)

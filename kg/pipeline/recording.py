@@ -43,10 +43,10 @@ class RecordingWorkspace(Workspace):
         super().module("", near=nowhere)
         self.forget()
 
-    def _record(self, found: _Found, *lookup: str) -> _Found:
+    def _record(self, result: _Found, *lookup: str) -> _Found:
         if lookup not in self.lookups:  # the sources are fixed during a build, so the result is too
-            self.lookups[lookup] = _text(found)
-        return found
+            self.lookups[lookup] = _text(result)
+        return result
 
     def source(self, repository: str) -> Source | None:
         """Return the source of a repository name."""
@@ -102,19 +102,19 @@ class RecordingWorkspace(Workspace):
 
     def installed_package(self, name: str) -> FilePath | None:
         """Return the folder of an installed package."""
-        found = super().installed_package(name)
-        self.outside["installed_package", name] = _text(found)
-        return found
+        result = super().installed_package(name)
+        self.outside["installed_package", name] = _text(result)
+        return result
 
     def is_file(self, file: FilePath) -> bool:
         """Return whether the file exists."""
-        found = super().is_file(file)
+        exists = super().is_file(file)
         source = super().source(file.repository)
         # In a pinned source, unlisted files change only with the commit, and then so do the listed ones.
         fixed = super().entry(file) is not None or (source is not None and source.pin is not None)
         record = self.lookups if fixed else self.outside
-        record["is_file", *file] = _text(found)
-        return found
+        record["is_file", *file] = _text(exists)
+        return exists
 
 
 def answer(workspace: Workspace, lookup: Lookup) -> str:
@@ -135,25 +135,25 @@ def answer(workspace: Workspace, lookup: Lookup) -> str:
     return _text(ask(*arguments))
 
 
-def _text(found: object) -> str:
+def _text(result: object) -> str:
     """Return a result as text: names as they are, the files of a package by their digest."""
-    match found:
+    match result:
         case None:
             return ""
         case bool():
-            return str(found)
+            return str(result)
         case Source():
-            return found.repository.name
+            return result.repository.name
         case FileEntry():
-            return found.kind.value
+            return result.kind.value
         case FilePath():
-            return f"{found.repository}:{found.path}"
+            return f"{result.repository}:{result.path}"
         case Place():
-            return f"{found.repository}:{found.path}:{found.name}"
+            return f"{result.repository}:{result.path}:{result.name}"
         case (Source(), PackageFolder() as folder):
             return _text(folder.files)
-        case tuple() if found and isinstance(found[0], FileEntry):
-            listed = repr([(entry.kind.value, entry.executable, entry.path) for entry in found])
+        case tuple() if result and isinstance(result[0], FileEntry):
+            listed = repr([(entry.kind.value, entry.executable, entry.path) for entry in result])
             return hashlib.blake2b(listed.encode(), digest_size=_BYTES).hexdigest()
         case _:
-            return str(found)
+            return str(result)

@@ -81,7 +81,10 @@ class SystemsReport:
 def totals(systems: Systems) -> SystemsReport:
     """Return the counts of the systems of a store."""
     graphs = [
-        one for found in systems.packages.values() for package in found.values() for one in package.graphs.values()
+        one
+        for of_package in systems.packages.values()
+        for package in of_package.values()
+        for one in package.graphs.values()
     ]
     return SystemsReport(len(graphs), sum(one.instances for one in graphs))
 
@@ -116,11 +119,11 @@ class BuildReport:
     @property
     def problems(self) -> tuple[tuple[str, Problem], ...]:
         """All problems with the name of their source."""
-        found = []
+        pairs = []
         for source in self.sources:
             listed = [*source.problems, *(one for package in source.packages for one in package.problems)]
-            found += [(source.repository.name, one) for one in listed]
-        return tuple(found)
+            pairs += [(source.repository.name, one) for one in listed]
+        return tuple(pairs)
 
     def total(self, what: str) -> int:
         """Return the sum over all sources of a key of `PackageResult.counts`."""
@@ -128,12 +131,12 @@ class BuildReport:
 
     def unresolved(self) -> dict[str, int]:
         """Return the number of unresolved names by reason, the most frequent first."""
-        found: dict[str, int] = {}
+        counts: dict[str, int] = {}
         for source in self.sources:
             for package in source.packages:
                 for reason, number in package.unresolved.items():
-                    found[reason] = found.get(reason, 0) + number
-        return dict(sorted(found.items(), key=lambda item: (-item[1], item[0])))
+                    counts[reason] = counts.get(reason, 0) + number
+        return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
 
 
 class Report(Protocol):

@@ -89,13 +89,13 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
     with translated(str(root)):
         root.parent.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix="reading-", dir=root.parent) as scratch:
-        tree, made = Path(scratch) / (top.name or "root"), Path(scratch) / ".kg"
+        tree, target = Path(scratch) / (top.name or "root"), Path(scratch) / ".kg"
         _check_out(top, revision, tree)
-        store = _copied(_newest(root), made)
-        build([str(tree)], store, replace(settings, store=made), report, f"kg diff, at {revision[:12]}")
+        store = _copied(_newest(root), target)
+        build([str(tree)], store, replace(settings, store=target), report, f"kg diff, at {revision[:12]}")
         with translated(str(root)):
             try:
-                made.rename(root)
+                target.rename(root)
             except OSError:
                 if not root.is_dir():
                     raise
@@ -105,12 +105,12 @@ def revision_store(folder: Path, revision: Revision, settings: Settings, report:
 def _newest(root: Path) -> EmbeddedStore | None:
     """Return the last store of another commit that the same program made of the same repository; None without one."""
     others = root.parent.glob(f"*-{root.name.rpartition('-')[2]}")
-    found = [path for path in others if Layout(path).current() is not None]
-    return EmbeddedStore(Layout(max(found, key=lambda path: path.stat().st_mtime))) if found else None
+    complete = [path for path in others if Layout(path).current() is not None]
+    return EmbeddedStore(Layout(max(complete, key=lambda path: path.stat().st_mtime))) if complete else None
 
 
 @contextmanager
-def beside(
+def commit_and_work_tree(
     folder: Path, revision: Revision, store: EmbeddedStore | None, settings: Settings, report: Report | None = None
 ) -> Iterator[tuple[EmbeddedStore, EmbeddedStore]]:
     """Yield the stores of a commit and of the work tree of the repository of `folder`, both with all other sources.

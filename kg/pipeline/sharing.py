@@ -36,7 +36,7 @@ class Described:
 
     def __init__(self, cache: Path) -> None:
         self._cache = str(cache)
-        self._known: set[bytes] = set()
+        self._present: set[bytes] = set()
         self._file = tempfile.SpooledTemporaryFile(max_size=_HELD_BYTES, dir=str(cache))  # noqa: SIM115 - `close` closes it
 
     def add(self, lines: Iterable[bytes]) -> None:
@@ -44,10 +44,10 @@ class Described:
 
         Raises StoreError KG304 if the disk is full.
         """
-        new = {line: start for line in lines if (start := start_of(line)) not in self._known}
-        if len(self._known) > _KNOWN:
-            self._known.clear()
-        self._known.update(new.values())
+        new = {line: start for line in lines if (start := start_of(line)) not in self._present}
+        if len(self._present) > _KNOWN:
+            self._present.clear()
+        self._present.update(new.values())
         with translated(self._cache):
             self._file.writelines(new)
 
@@ -68,16 +68,20 @@ class Described:
 
 
 def patch_shared(
-    transaction: EmbeddedTransaction, iris: Iris, gone: Iterable[bytes], came: Iterable[bytes], kept: Iterable[bytes]
+    transaction: EmbeddedTransaction,
+    iris: Iris,
+    gone: Iterable[bytes],
+    came: Iterable[bytes],
+    unchanged: Iterable[bytes],
 ) -> None:
-    """Change the graph from exactly the triples of `gone` and `kept` to those of `came` and `kept`.
+    """Change the graph from exactly the triples of `gone` and `unchanged` to those of `came` and `unchanged`.
 
-    `kept` is only read if something changes.
+    `unchanged` is only read if something changes.
     """
     before = {line for content in gone for line in content.splitlines(keepends=True)}
     after = {line for content in came for line in content.splitlines(keepends=True)}
     removed, added = before - after, after - before
-    for content in kept if removed or added else ():
+    for content in unchanged if removed or added else ():
         there = content.splitlines(keepends=True)
         removed.difference_update(there)
         added.difference_update(there)
@@ -99,9 +103,9 @@ def keep_shared(
     wanted = {line for content in contents for line in content.splitlines(keepends=True)}
     present = set(transaction.content(graph).splitlines(keepends=True))
     removed, added = present - wanted, wanted - present
-    known = {iris.source_graph(name) for name in sources}
+    own = {iris.source_graph(name) for name in sources}
     others = iris.source_graph("")
-    if any(other.value.startswith(others) and other.value not in known for other in transaction.graphs()):
+    if any(other.value.startswith(others) and other.value not in own for other in transaction.graphs()):
         removed = set()
     _change(transaction, graph, present, removed, added)
 
@@ -141,8 +145,8 @@ def keep_starts(
     if not present:
         transaction.load(graph, described.chunks())
         return
-    found: Any = transaction.query(_STARTED)
-    wanted = {row["start"].value.encode() for row in found}
+    starts: Any = transaction.query(_STARTED)
+    wanted = {row["start"].value.encode() for row in starts}
     unused = {line for line in present if start_of(line) not in wanted}
     _change(transaction, graph, present, unused, set(described) - present)
 
@@ -151,8 +155,8 @@ def _lines_of(transaction: EmbeddedTransaction, graph: NamedNode, start: bytes) 
     """Return the triples of a start and of its parts, as N-Triples."""
     iri = f"<{start.decode()}>"
     parts = f"{{ BIND({iri} AS ?part) }} UNION {{ {iri} {v.HAS_REMAP}|{v.HAS_SETTING} ?part }}"
-    found: Any = transaction.query(f"CONSTRUCT {{ ?part ?p ?o }} WHERE {{ GRAPH {graph} {{ {parts} ?part ?p ?o }} }}")
-    return found.serialize(format=RdfFormat.N_TRIPLES) or b""
+    triples: Any = transaction.query(f"CONSTRUCT {{ ?part ?p ?o }} WHERE {{ GRAPH {graph} {{ {parts} ?part ?p ?o }} }}")
+    return triples.serialize(format=RdfFormat.N_TRIPLES) or b""
 
 
 def _change(

@@ -102,7 +102,9 @@ def publish(
     """
     place = _place(address)
     if isinstance(place, Path) and place.exists() and any(place.iterdir()) and not (place / _MANIFEST).exists():
-        raise StoreError("KG566", "there is something else here", place=Place(str(place)), hint="Name another folder.")
+        raise StoreError(
+            "KG566", "the folder contains something else", place=Place(str(place)), hint="Name another folder."
+        )
     with translated(address), tempfile.TemporaryDirectory(prefix="kg-") as temporary:
         folder = Path(temporary)
         lines = canonical(snapshot.quads())
@@ -114,23 +116,23 @@ def publish(
                 output.write(line)
         graph = _part(folder / "graph", "graph-{}.nq.gz")
         files = {graph: folder / "graph"}
-        found = None
+        index_file = None
         if index is not None and index.is_file():
-            found = _part(index, "index-{}")
-            files[found] = index
+            index_file = _part(index, "index-{}")
+            files[index_file] = index
         own = {_part(path, f"rules/{name}"): path for name, path in sorted(_rules(rules).items())}
-        made = datetime.now(UTC).isoformat(timespec="seconds")
+        time = datetime.now(UTC).isoformat(timespec="seconds")
         manifest = Manifest(
             form=_FORM,
             kg=version("kg-ros"),
             base=base,
             snapshot=snapshot.generation,
-            made=made,
+            made=time,
             quads=len(lines),
             unpacked=unpacked,
             digest=digest.hexdigest(),
             graph=graph,
-            index=found,
+            index=index_file,
             rules=tuple(own),
         )
         for part, path in (files | own).items():
@@ -153,8 +155,8 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
             too large, KG566 for a store that was not pulled; and as writing a store does.
         GraphError: KG601 for a graph that is not valid N-Quads.
     """
-    kept = store.layout.root / _KEPT
-    if store.layout.current() is not None and not (kept / _MANIFEST).exists():
+    local = store.layout.root / _KEPT
+    if store.layout.current() is not None and not (local / _MANIFEST).exists():
         hint = "Name a new folder with `--store`."
         raise StoreError("KG566", "the store was built here", place=Place(str(store.layout.root)), hint=hint)
     place = _place(address)
@@ -173,17 +175,17 @@ def pull(address: str, store: EmbeddedStore, max_bytes: int, *, with_index: bool
             if target.stat().st_size != part.bytes or _file_digest(target) != part.digest:
                 raise _unusable(address, f"{part.path} differs from the manifest")
         _unpack(folder, manifest, address)
-        found = restore(store, folder / "graph.nq")
+        restored = restore(store, folder / "graph.nq")
         if manifest.index and with_index:
-            target = store.layout.cache / "search" / str(found.snapshot)
+            target = store.layout.cache / "search" / str(restored.snapshot)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(folder / manifest.index.path, target)
         # Manifest and rules replace those of the previous snapshot.
-        shutil.rmtree(kept, ignore_errors=True)
-        kept.mkdir(parents=True)
+        shutil.rmtree(local, ignore_errors=True)
+        local.mkdir(parents=True)
         if (folder / "rules").is_dir():
-            shutil.copytree(folder / "rules", kept / "rules")
-        write_atomically(kept / _MANIFEST, (folder / _MANIFEST).read_bytes())
+            shutil.copytree(folder / "rules", local / "rules")
+        write_atomically(local / _MANIFEST, (folder / _MANIFEST).read_bytes())
     return manifest
 
 
@@ -215,13 +217,13 @@ def _temporary_folder(root: Path) -> Iterator[Path]:
 
 def _rules(folders: Sequence[Path]) -> dict[str, Path]:
     """Return the files of rules in folders by their path in the snapshot; later folders take precedence."""
-    found = {}
+    files = {}
     for folder in folders:
         for path in folder.rglob("*"):
             name = path.relative_to(folder).as_posix()
             if path.suffix in _RULE_ENDINGS and path.is_file() and _SAFE.fullmatch(f"rules/{name}"):
-                found[name] = path
-    return found
+                files[name] = path
+    return files
 
 
 def _place(address: str) -> Path | str:

@@ -62,21 +62,21 @@ def gather(
     Raises:
         SourceError: KG101 for a missing folder, KG102 if none has a package, KG103 if git fails.
     """
-    found: dict[str, Source] = {}
+    sources: dict[str, Source] = {}
     texts = tuple(named)
     for text in texts:
         if text in elsewhere:
-            _add(found, elsewhere[text])
+            _add(sources, elsewhere[text])
             continue
         for listed in _listed(text):
             for source in scan_tree(_folder(listed, checkouts, report, again=again)):
-                _add(found, source)
-    if not any(source.packages for source in found.values()):
-        places = ", ".join(str(source.root) for source in found.values())
+                _add(sources, source)
+    if not any(source.packages for source in sources.values()):
+        places = ", ".join(str(source.root) for source in sources.values())
         raise SourceError("KG102", f"found no ROS package in {places or ', '.join(texts) or 'the named folders'}")
-    for source in found.values():
+    for source in sources.values():
         report.source(source.repository, len(source.packages), source.problems)
-    return tuple(found.values())
+    return tuple(sources.values())
 
 
 def folders(named: Iterable[str]) -> tuple[str, ...]:
@@ -115,15 +115,15 @@ def _folder(listed: ListedSource, checkouts: Path, report: Report, *, again: boo
         return target
 
 
-def _add(found: dict[str, Source], source: Source) -> None:
+def _add(sources: dict[str, Source], source: Source) -> None:
     """Add a source: two folders of one checkout are one source, two checkouts of one repository are different ones."""
     name, number = source.repository.name, 1
-    while name in found and found[name].root != source.root:
+    while name in sources and sources[name].root != source.root:
         number += 1
         name = f"{source.repository.name}~{number}"
-    if name in found:
-        source = _joined(found[name], source)
-    found[name] = replace(source, repository=replace(source.repository, name=name))
+    if name in sources:
+        source = _joined(sources[name], source)
+    sources[name] = replace(source, repository=replace(source.repository, name=name))
 
 
 def _joined(first: Source, second: Source) -> Source:

@@ -24,10 +24,10 @@ from kg.launch.wiring.systems import wire
 from kg.launch.wiring.types import NodeTypes
 from kg.pipeline import cache
 from kg.pipeline.catalogue import Catalogue
-from kg.pipeline.known import digest
 from kg.pipeline.report import SystemsReport, totals
 from kg.pipeline.sharing import Described, keep_starts
 from kg.pipeline.state import PackageState, PackageSystems, Question, Systems, WiredSystem
+from kg.pipeline.visible import digest
 from kg.store.allocator import give_back
 
 if TYPE_CHECKING:
@@ -70,8 +70,8 @@ def update_systems(  # noqa: PLR0913, PLR0917 - all that systems depend on
             writing.take(work.contents)
             work.contents = {}
     sources = {source for source, _ in packages} | set(last.packages)
-    known = tuple(iris.launch_graph(source, "") for source in sources)
-    gone = [graph for graph in sorted(present) if known and graph.startswith(known) and graph not in work.graphs]
+    prefixes = tuple(iris.launch_graph(source, "") for source in sources)
+    gone = [graph for graph in sorted(present) if prefixes and graph.startswith(prefixes) and graph not in work.graphs]
     writing.take(dict.fromkeys(gone, b""))
     writing.finish()
     systems = work.systems()
@@ -89,9 +89,9 @@ def _catalogue(
     strangers = (iris.source_graph(source) for source, _ in packages)
     if not any(graph.startswith(iris.source_graph("")) for graph in present.difference(strangers)):
         return Catalogue(folder, packages)
-    known = {source for source, _ in packages}
-    others = [record for record in node_records(transaction) if record.repository not in known]
-    data = [file for file in data_files(transaction) if file.repository not in known]
+    own = {source for source, _ in packages}
+    others = [record for record in node_records(transaction) if record.repository not in own]
+    data = [file for file in data_files(transaction) if file.repository not in own]
     return Catalogue(folder, packages, others, programs(transaction), data)
 
 
@@ -128,8 +128,10 @@ class _Writing:
 
     def _give(self, name: str, content: list[bytes]) -> None:
         graph, wanted = NamedNode(name), set(content)
-        held = set(self._transaction.content(graph).splitlines(keepends=True)) if name in self._intact else set[bytes]()
-        removed, added = held - wanted, wanted - held
+        stored = (
+            set(self._transaction.content(graph).splitlines(keepends=True)) if name in self._intact else set[bytes]()
+        )
+        removed, added = stored - wanted, wanted - stored
         if self._read:
             self._gone += filter(_starts_something, removed)
             self._came += filter(_starts_something, added)
@@ -173,8 +175,8 @@ def node_types(graph: Queryable, packages: Iterable[str]) -> tuple[NodeTypes, di
     """Return the node types of some packages, their records by reference, and other programs of all packages."""
     records = node_records(graph, packages=packages)
     pairs = [(record.reference, record.node) for record in records]
-    found = NodeTypes(pairs, programs=programs(graph), data=data_files(graph))
-    return found, {record.reference: record for record in reversed(records)}
+    types = NodeTypes(pairs, programs=programs(graph), data=data_files(graph))
+    return types, {record.reference: record for record in reversed(records)}
 
 
 class _Work:
@@ -192,46 +194,46 @@ class _Work:
         self._intact = intact
         self._questions = [question for question, _ in last.answers]
         self._changed = {at for at, (question, mark) in enumerate(last.answers) if catalogue.mark(question) != mark}
-        self._found: dict[Key, dict[str, WiredSystem]] = {}
-        self._asked: dict[Question, int] = {}
+        self._current: dict[Key, dict[str, WiredSystem]] = {}
+        self._lookups: dict[Question, int] = {}
         """Look-ups of the systems in `_found`, each with its index there."""
         self._results: dict[Key, str] = {}
 
     def package(self, folder: Path, key: Key, result: str) -> None:
         """Wire the changed systems of a package; `result` is the name of its result in the cache `folder`."""
         earlier = self._last.packages.get(key[0], {}).get(key[1])
-        held = {path: one for path, one in earlier.graphs.items() if self._holds(key, path, one)} if earlier else {}
-        found = {path: self._numbered(one, (self._questions[at] for at in one.asked)) for path, one in held.items()}
-        if earlier is None or earlier.result != result or len(held) < len(earlier.graphs):
+        valid = {path: one for path, one in earlier.graphs.items() if self._holds(key, path, one)} if earlier else {}
+        systems = {path: self._numbered(one, (self._questions[at] for at in one.asked)) for path, one in valid.items()}
+        if earlier is None or earlier.result != result or len(valid) < len(earlier.graphs):
             configurations = {one.path: one for one in cache.launches(folder, result) or ()}
-            kept = {path: one for path, one in found.items() if path in configurations}
-            found = {
-                path: kept[path]
-                if path in kept and kept[path].configuration == _mark(configuration)
+            rewired = {path: one for path, one in systems.items() if path in configurations}
+            systems = {
+                path: rewired[path]
+                if path in rewired and rewired[path].configuration == _mark(configuration)
                 else self._wired(key, configuration, earlier)
                 for path, configuration in configurations.items()
             }
-        self._found[key], self._results[key] = found, result
-        self.graphs.update(self._iris.launch_graph(key[0], path) for path in found)
+        self._current[key], self._results[key] = systems, result
+        self.graphs.update(self._iris.launch_graph(key[0], path) for path in systems)
 
     def _holds(self, key: Key, path: str, system: WiredSystem) -> bool:
         same = self._last.version == self._version and self._changed.isdisjoint(system.asked)
         return same and self._iris.launch_graph(key[0], path) in self._intact
 
-    def _numbered(self, system: WiredSystem, asked: Iterable[Question]) -> WiredSystem:
+    def _numbered(self, system: WiredSystem, questions: Iterable[Question]) -> WiredSystem:
         """Return a system with the indices of the look-ups of its wiring."""
-        return replace(system, asked=tuple(self._asked.setdefault(one, len(self._asked)) for one in asked))
+        return replace(system, asked=tuple(self._lookups.setdefault(one, len(self._lookups)) for one in questions))
 
     def _wired(self, key: Key, configuration: LaunchConfiguration, earlier: PackageSystems | None) -> WiredSystem:
-        self._catalogue.asked.clear()
+        self._catalogue.questions.clear()
         system = self._wire(configuration)
         content = system_triples(system, self._catalogue.records(system), self._iris)
         mark, graph = digest(content), self._iris.launch_graph(key[0], configuration.path)
         before = earlier.graphs.get(configuration.path) if earlier else None
         if graph not in self._intact or before is None or before.graph != mark:
             self.contents[graph] = content
-        made = WiredSystem(_mark(configuration), mark, len(system.instances), ())
-        return self._numbered(made, self._catalogue.asked)
+        system_state = WiredSystem(_mark(configuration), mark, len(system.instances), ())
+        return self._numbered(system_state, self._catalogue.questions)
 
     def _wire(self, configuration: LaunchConfiguration) -> System:
         """Wire a configuration.
@@ -249,11 +251,11 @@ class _Work:
 
     def systems(self) -> Systems:
         """Return the state for the next build."""
-        questions, places = list(self._asked), dict[int, int]()
+        questions, places = list(self._lookups), dict[int, int]()
         packages: dict[str, dict[str, PackageSystems]] = {}
-        for key, found in sorted(self._found.items()):
+        for key, systems in sorted(self._current.items()):
             graphs = {}
-            for path, system in sorted(found.items()):
+            for path, system in sorted(systems.items()):
                 at = tuple(sorted(places.setdefault(number, len(places)) for number in system.asked))
                 graphs[path] = replace(system, asked=at)
             packages.setdefault(key[0], {})[key[1]] = PackageSystems(self._results[key], graphs)

@@ -90,24 +90,24 @@ def _flipped(system: System, given: Mapping[str, str]) -> Iterator[tuple[str, st
 
 def _unset(system: System, file: LaunchFile, given: Mapping[str, str]) -> dict[str, str]:
     """Return the variables that the files of a system read and that are not given, with another value."""
-    found: dict[str, str] = {}
+    values: dict[str, str] = {}
     for place in sorted(system.configuration.files):
         text = (file.reader.read(FilePath(*place)) or b"").decode("utf-8", "replace")
         for match in _VARIABLE.finditer(text):
-            held = {key.partition("_")[0] for key, value in match.groupdict().items() if value is not None}
-            for key in held:
+            groups = {key.partition("_")[0] for key, value in match.groupdict().items() if value is not None}
+            for key in groups:
                 name, default = match[key], match.groupdict().get(f"{key}_default")
                 value = {**_OTHER, "0": "1", "1": "0"}.get(default) if default else _SET
                 if name not in given and value is not None:
-                    found.setdefault(name, value)
-    return found
+                    values.setdefault(name, value)
+    return values
 
 
-def united(found: Variants) -> System:
+def united(evaluated: Variants) -> System:
     """Return the system with the additions of its variants: each such node and end has its variants as condition."""
-    instances = {_key(one): one for one in found.system.instances}
+    instances = {_key(one): one for one in evaluated.system.instances}
     labels: dict[object, list[str]] = {}
-    for label, system in found.others:
+    for label, system in evaluated.others:
         for one in system.instances:
             if _key(one) not in instances:
                 instances[_key(one)] = one
@@ -115,7 +115,7 @@ def united(found: Variants) -> System:
             if _key(one) in labels:
                 labels[_key(one)].append(label)
     ends = {key: {_end(end): end for end in one.interfaces} for key, one in instances.items()}
-    for label, system in found.others:
+    for label, system in evaluated.others:
         for one in system.instances:
             for end in one.interfaces if _key(one) not in labels else ():
                 if _end(end) not in ends[_key(one)]:
@@ -124,7 +124,7 @@ def united(found: Variants) -> System:
                 if (_key(one), _end(end)) in labels:
                     labels[_key(one), _end(end)].append(label)
     return replace(
-        found.system,
+        evaluated.system,
         instances=tuple(_marked(one, ends[key].values(), labels, key) for key, one in instances.items()),
     )
 

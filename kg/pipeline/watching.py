@@ -114,12 +114,12 @@ class _RuleStatus:
         broken = {finding.rule for finding in findings if finding.severity == "error"}
         sound = [entry for entry in entries if entry.name not in broken]
         results = tuple(run_examples(parted(sound)[0], self.library))
-        found, problem = None, None
+        changed, problem = None, None
         if bench is not None and (sound or gone):
-            found, problem = self._difference(bench, sound)
+            changed, problem = self._difference(bench, sound)
         view = View(bench.snapshot, explained_vocabulary(self._settings)) if bench else None
         seconds = time.perf_counter() - begin
-        return Glance(tuple(names), tuple(gone), tuple(findings), results, found, problem, view, seconds)
+        return Glance(tuple(names), tuple(gone), tuple(findings), results, changed, problem, view, seconds)
 
     def _difference(self, bench: Workbench, entries: Sequence[Entry]) -> tuple[Difference | None, KgError | None]:
         try:

@@ -18,8 +18,8 @@ from kg.graph.shared import split
 from kg.language.annotating import annotate
 from kg.lazily import lazily
 from kg.pipeline import cache
-from kg.pipeline.known import known_as
 from kg.pipeline.report import PackageResult
+from kg.pipeline.visible import visible_types
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,14 +55,14 @@ class Job:
 class Outcome:
     """Outcome of one package: the result packed for the cache, and the data for the report and the next build.
 
-    `outside` contains look-ups of files that no scan lists, with results; `known` what can be started.
+    `outside` contains look-ups of files that no scan lists, with results; `visible` what can be started.
     """
 
     result: PackageResult
     inputs: dict[str, str]
     outside: dict[Lookup, str]
     packed: bytes
-    known: Known = field(default_factory=Known)
+    visible: Known = field(default_factory=Known)
     reusable: bool = True
 
 
@@ -72,12 +72,12 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     `earlier` is the name of its last result of the same version, whose tagged descriptions are reused.
     """
     began = time.perf_counter()
-    found = job.workspace.source(source)
-    package = next(one for one in found.packages if one.path == path) if found else None
-    if found is None or package is None:
+    scanned = job.workspace.source(source)
+    package = next(one for one in scanned.packages if one.path == path) if scanned else None
+    if scanned is None or package is None:
         raise LookupError(f"{source}:{path}")
     job.workspace.forget()
-    facts = read_package(job.workspace, found, package, job.max_file_bytes, job.calls)
+    facts = read_package(job.workspace, scanned, package, job.max_file_bytes, job.calls)
     tagged = cache.descriptions(job.cache, earlier) if job.cache and earlier else ()
     before = {one.text: one for one in tagged}
     facts = replace(facts, descriptions=annotate(facts.descriptions, job.model, before))
@@ -85,7 +85,7 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     triples, stated = package_parts(facts, iris)
     own, shared = split(triples, iris)
     data = (DataFile(facts.repository, package.name, one.path, one.text) for one in facts.files if one.text is not None)
-    stated, known = known_as(stated, facts.programs, data)
+    stated, visible = visible_types(stated, facts.programs, data)
     counts = asdict(count([facts], triples=len(own) + len(shared)))
     result = PackageResult(
         source=source,
@@ -98,7 +98,7 @@ def work(job: Job, source: str, path: str, earlier: str = "") -> Outcome:
     )
     record = job.workspace.lookups
     packed = cache.pack(b"".join(own), record, b"".join(shared), facts.launches, facts.descriptions, stated)
-    return Outcome(result, dict(facts.inputs), job.workspace.outside, packed, known)
+    return Outcome(result, dict(facts.inputs), job.workspace.outside, packed, visible)
 
 
 def read_package(
@@ -116,8 +116,8 @@ def read_package(
     facts = extract_package(reader, calls)
     if any(entry.kind is FileKind.LAUNCH for entry in package.files):
         nothing: tuple[LaunchConfiguration, ...] = ()
-        known = facts.package
-        launches = guard(reader, reading.read_launches, nothing, reader, package, known.ros, known.also)
+        own = facts.package
+        launches = guard(reader, reading.read_launches, nothing, reader, package, own.ros, own.also)
         facts = replace(facts, launches=launches, problems=reader.sorted_problems(), inputs=reader.inputs)
     return replace(facts, snippets=read_snippets(reader, facts))
 

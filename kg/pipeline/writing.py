@@ -133,8 +133,8 @@ class Writing:
         if self._shared_intact and len(self._patched) == len(changed):
             gone = [shared_of(self._folder, one) for result, one in before.items() if result not in after]
             came = [shared_of(self._folder, one) for result, one in after.items() if result not in before]
-            kept = (shared_of(self._folder, one) for result, one in after.items() if result in before)
-            patch_shared(self._transaction, self._iris, gone, came, kept)
+            unchanged = (shared_of(self._folder, one) for result, one in after.items() if result in before)
+            patch_shared(self._transaction, self._iris, gone, came, unchanged)
         else:
             contents = (shared_of(self._folder, package) for package in packages)
             keep_shared(self._transaction, self._iris, contents, {*built, *others})
@@ -163,15 +163,15 @@ class Writing:
         after = set(head.splitlines(keepends=True))
         for gone in self._stale_results(source, earlier):
             before.update(self._content(gone).splitlines(keepends=True))
-        kept = []
+        reused = []
         for package in source.packages:
             if (name, package.path) in self._plan.reused:
-                kept.append(self._plan.reused[name, package.path])
+                reused.append(self._plan.reused[name, package.path])
             else:
                 after.update(self._content(results[name, package.path]).splitlines(keepends=True))
         removed, added = before - after, after - before
         doubtful = {line for line in removed if not line.startswith(self._own(source)) and not _OWN.search(line)}
-        for one in kept if doubtful else ():
+        for one in reused if doubtful else ():
             removed -= doubtful.intersection(self._content(one).splitlines(keepends=True))
         self.triples += len(removed) + len(added)
         self._transaction.patch_graph(self._graph(name), b"".join(sorted(removed)), b"".join(sorted(added)))

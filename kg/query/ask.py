@@ -53,8 +53,8 @@ def row(
     if not isinstance(answer, Solutions) or len(rows) < number:
         message = f"the answer has {len(rows)} row{'s' * (len(rows) != 1)}, not {number}"
         raise UsageError("KG003", message, hint="See it with `kg query`.")
-    found = zip(answer.variables, rows[number - 1], strict=True)
-    return text, {name: term for name, term in found if term is not None}
+    pairs = zip(answer.variables, rows[number - 1], strict=True)
+    return text, {name: term for name, term in pairs if term is not None}
 
 
 def suggestion(
@@ -75,10 +75,10 @@ def suggestion(
         if not isinstance(result, Solutions) or name not in result.variables:
             continue
         column = result.variables.index(name)
-        terms_found = (row[column] for row in result.rows)
-        known = {term.value for term in terms_found if isinstance(term, Literal | NamedNode)}
+        column_terms = (row[column] for row in result.rows)
+        candidates = {term.value for term in column_terms if isinstance(term, Literal | NamedNode)}
         wanted = query.bind({name: values[name]})[name].value
-        if wanted not in known:
-            hint = did_you_mean(wanted, known)
+        if wanted not in candidates:
+            hint = did_you_mean(wanted, candidates)
             return f"unknown {name} `{wanted}`" + (f". {hint}" if hint else "")
     return None

@@ -30,18 +30,18 @@ def bind(text: str, values: Mapping[str, NamedNode | Literal]) -> str:
     """
     if not values:
         return text
-    found = list(tokens(text))
-    blocks = _blocks(found)
+    lexed = list(tokens(text))
+    blocks = _blocks(lexed)
     edits: list[tuple[int, int, str]] = []
     for name, term in values.items():
         if name in blocks:
             edits += [(start, end, f" {term} ") for start, end in blocks[name]]
-        elif any(token.kind is Kind.VARIABLE and token.text[1:] == name for token in found):
-            start = _first_group(found)
+        elif any(token.kind is Kind.VARIABLE and token.text[1:] == name for token in lexed):
+            start = _first_group(lexed)
             edits.append((start, start, f" VALUES ?{name} {{ {term} }} "))
         else:
-            known = dict.fromkeys(f"?{token.text[1:]}" for token in found if token.kind is Kind.VARIABLE)
-            hint = f"Its variables are {', '.join(known)}." if known else "It has no variables."
+            variables = dict.fromkeys(f"?{token.text[1:]}" for token in lexed if token.kind is Kind.VARIABLE)
+            hint = f"Its variables are {', '.join(variables)}." if variables else "It has no variables."
             raise QueryError("KG505", f"the query does not use the variable ?{name}", hint=hint)
     for start, end, replacement in sorted(edits, reverse=True):
         text = text[:start] + replacement + text[end:]
@@ -53,23 +53,23 @@ def defaults(text: str) -> dict[str, str]:
     return {name: text[slice(*spans[0])].strip() for name, spans in _blocks(list(tokens(text))).items()}
 
 
-def _blocks(found: list[Token]) -> dict[str, list[tuple[int, int]]]:
+def _blocks(lexed: list[Token]) -> dict[str, list[tuple[int, int]]]:
     """Return the offsets between the braces of each `VALUES ?name { ... }`, by name."""
     blocks: dict[str, list[tuple[int, int]]] = {}
-    for index in range(len(found) - 3):
-        keyword, variable, opening = found[index : index + 3]
+    for index in range(len(lexed) - 3):
+        keyword, variable, opening = lexed[index : index + 3]
         if keyword.text.lower() == "values" and variable.kind is Kind.VARIABLE and opening.text == "{":
-            closing = next((token for token in found[index + 3 :] if token.text == "}"), None)
+            closing = next((token for token in lexed[index + 3 :] if token.text == "}"), None)
             if closing:
                 blocks.setdefault(variable.text[1:], []).append((opening.end, closing.start))
     return blocks
 
 
-def _first_group(found: list[Token]) -> int:
+def _first_group(lexed: list[Token]) -> int:
     """Return the offset after the opening brace of the WHERE clause."""
-    template = bool(found) and any(token.text.lower() == "construct" for token in found[:1])
-    for index, token in enumerate(found):
-        if token.text.lower() == "construct" and found[index + 1].text == "{":
+    template = bool(lexed) and any(token.text.lower() == "construct" for token in lexed[:1])
+    for index, token in enumerate(lexed):
+        if token.text.lower() == "construct" and lexed[index + 1].text == "{":
             template = True
         if token.text == "{" and not template:
             return token.end

@@ -95,7 +95,7 @@ def _lengths(neighbours: Neighbours, sources: Numbers) -> Counter[int]:
     bits[places, places // _BITS] = np.left_shift(np.uint64(1), (places % _BITS).astype(np.uint64))
     seen = np.zeros((neighbours.degrees.size, bits.shape[1]), np.uint64)
     seen[sources] = bits
-    found: Counter[int] = Counter()
+    pairs: Counter[int] = Counter()
     ring, distance = sources, 0
     while ring.size:
         distance += 1
@@ -110,8 +110,8 @@ def _lengths(neighbours: Neighbours, sources: Numbers) -> Counter[int]:
         seen[ring] |= bits
         new = bits.any(axis=1)
         ring, bits = ring[new], bits[new]
-        found[distance] = int(np.bitwise_count(bits).sum())
-    return +found
+        pairs[distance] = int(np.bitwise_count(bits).sum())
+    return +pairs
 
 
 def _parts(neighbours: Neighbours) -> Numbers:

@@ -46,11 +46,11 @@ def run(  # noqa: PLR0913 - the settings of one query, all by name
 
 def _collect(evaluation: Evaluation, limit: int | None, began: float) -> Result:
     """Collect the rows."""
-    if isinstance(evaluation.found, bool):
-        return Boolean(evaluation.found, time.perf_counter() - began, evaluation.snapshot)
-    window: Window[Any] = Window(evaluation.found, most=limit)
-    found = tuple(window)
+    if isinstance(evaluation.result, bool):
+        return Boolean(evaluation.result, time.perf_counter() - began, evaluation.snapshot)
+    window: Window[Any] = Window(evaluation.result, most=limit)
+    rows = tuple(window)
     seconds, cut = time.perf_counter() - began, limit if window.more else None
     if evaluation.kind == "graph":
-        return Graph(found, seconds, evaluation.snapshot, cut)
-    return Solutions(evaluation.variables, found, seconds, evaluation.snapshot, cut)
+        return Graph(rows, seconds, evaluation.snapshot, cut)
+    return Solutions(evaluation.variables, rows, seconds, evaluation.snapshot, cut)

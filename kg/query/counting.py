@@ -15,7 +15,7 @@ from kg.query import stored
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.query.stats import Asked
+    from kg.query.stats import Source
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Counted:
     by_kind: tuple[tuple[str, int], ...]
 
 
-def counted(graph: Asked) -> Counted:
+def counted(graph: Source) -> Counted:
     """Return the figures of a store in the terms of RNKG."""
     triples = 0
     numbers: dict[str, int] = {}

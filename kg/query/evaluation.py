@@ -50,13 +50,13 @@ class Dataset:
 class Evaluation:
     """Result stream of the engine: `kind` is `rows`, `graph` or `boolean`.
 
-    `found` yields rows or triples as the engine finds them, or is a bool. Errors while iterating are those of
+    `result` yields rows or triples as the engine finds them, or is a bool. Errors while iterating are those of
     `Prepared.evaluate`.
     """
 
     kind: str
     variables: tuple[str, ...]
-    found: Iterator[Row] | Iterator[Triple] | bool
+    result: Iterator[Row] | Iterator[Triple] | bool
     snapshot: str
 
 
@@ -109,9 +109,9 @@ def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str 
         QueryError: KG502 refused, KG505 parameter, KG516 nested too deeply.
     """
     text = normalise(text)
-    found = list(tokens(text))
-    check(found, text, path)
-    words = {token.text.lower() for token in found if token.kind is Kind.WORD}
+    lexed = list(tokens(text))
+    check(lexed, text, path)
+    words = {token.text.lower() for token in lexed if token.kind is Kind.WORD}
     return Prepared(
         typed=text,
         bound=bind(text, parameters),

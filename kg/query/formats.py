@@ -87,9 +87,9 @@ def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], outpu
     if chosen is None:
         raise unfit("rows", name)
     output(chosen.head(variables))
-    found = iter(rows)
+    remaining = iter(rows)
     separator = b""
-    while some := list(islice(found, _AT_A_TIME)):
+    while some := list(islice(remaining, _AT_A_TIME)):
         output(separator + chosen.rows(variables, some))
         separator = chosen.separator
     output(chosen.tail)
@@ -116,6 +116,8 @@ def write_boolean(name: str, output: Callable[[bytes], object], *, value: bool) 
 def unfit(kind: str, *names: str) -> QueryError:
     """Return KG504 for formats `names` that cannot represent a result of this kind: `rows`, `graph` or `boolean`."""
     noun, able = _KINDS[kind]
-    known = [*able, parquet.NAME] if kind == "rows" else list(able)
+    formats = [*able, parquet.NAME] if kind == "rows" else list(able)
     given = " and ".join(f"`{name}`" for name in names)
-    return QueryError("KG504", f"{given} cannot represent {noun}", hint=f"Use {', '.join(known[:-1])} or {known[-1]}.")
+    return QueryError(
+        "KG504", f"{given} cannot represent {noun}", hint=f"Use {', '.join(formats[:-1])} or {formats[-1]}."
+    )

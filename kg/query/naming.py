@@ -74,51 +74,51 @@ def facts(
     predicates = terms(snapshot, predicate, property_=True, prefixes=prefixes)
     words = (subject, value)
     subjects, values = ends = [terms(snapshot, word, among=None, prefixes=prefixes) for word in words]
-    held = _held(snapshot, _triples(subjects, predicates, values))
-    if not held and subjects and values:
+    stored = _stored(snapshot, _triples(subjects, predicates, values))
+    if not stored and subjects and values:
         # At least one of two names that things have is meant as it is, so the store has few things to look at.
         ended = [
             terms(snapshot, word, among=_among(use, predicates, other), prefixes=prefixes)
             for word, use, other in zip(words, _JOINED, (values, subjects), strict=True)
         ]
-        held = _held(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
-    elif not held:
-        # Of what only ends in the names, the property tells what can be meant.
+        stored = _stored(snapshot, [*_triples(ended[0], predicates, values), *_triples(subjects, predicates, ended[1])])
+    elif not stored:
+        # Among things whose IRI only ends in the names, the property selects.
         subjects, values = ends = [
             terms(snapshot, word, among=_among(places[0], predicates), prefixes=prefixes)
             for word, places in zip(words, _PLACES, strict=True)
         ]
-        held = _held(snapshot, _triples(subjects, predicates, values))
-    if held:
-        exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(held) > 1 else set()
-        ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in held]
-        return [fact for fact, rank in zip(held, ranks, strict=True) if rank == min(ranks)], True
+        stored = _stored(snapshot, _triples(subjects, predicates, values))
+    if stored:
+        exact = {*_named(snapshot, subject), *_named(snapshot, value)} if len(stored) > 1 else set()
+        ranks = [(fact.subject not in exact) + (fact.object not in exact) for fact in stored]
+        return [fact for fact, rank in zip(stored, ranks, strict=True) if rank == min(ranks)], True
     subjects, values = (
-        _used_with(snapshot, word, found, [place.format(predicates[0]) for place in places], prefixes)
+        _used_with(snapshot, word, terms_of_word, [place.format(predicates[0]) for place in places], prefixes)
         if len(predicates) == 1
         else terms(snapshot, word, prefixes=prefixes)
-        for word, found, places in zip(words, ends, _PLACES, strict=True)
+        for word, terms_of_word, places in zip(words, ends, _PLACES, strict=True)
     )
     if len(predicates) == 1 and max(len(subjects), len(values)) > 1:
         _check_used(snapshot, predicates[0], prefixes)
     subjects, values = _exactly(snapshot, subject, subjects), _exactly(snapshot, value, values)
-    subjects, values = _beside(subjects, values), _beside(values, subjects)
-    for word, found in ((subject, subjects), (predicate, predicates), (value, values)):
-        if len(found) > 1:
-            ways = choices([str(term) for term in found])
-            raise UsageError("KG003", f"{len(found)} things are called `{word}`; choose one", hint=ways)
+    subjects, values = _in_same_launch(subjects, values), _in_same_launch(values, subjects)
+    for word, terms_of_word in ((subject, subjects), (predicate, predicates), (value, values)):
+        if len(terms_of_word) > 1:
+            ways = choices([str(term) for term in terms_of_word])
+            raise UsageError("KG003", f"{len(terms_of_word)} things are called `{word}`; choose one", hint=ways)
     return _triples(subjects, predicates, values), False
 
 
-def _held(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
+def _stored(snapshot: Askable, facts: list[Triple]) -> list[Triple]:
     """Return those facts that the store holds, each once."""
-    known: set[Triple] = set()
+    stored: set[Triple] = set()
     for predicate in dict.fromkeys(fact.predicate for fact in facts):
         # Names may have hundreds of things on either side, and few of the pairs are facts.
         subjects = " ".join(dict.fromkeys(str(fact.subject) for fact in facts))
         rows: Any = snapshot.query(f"SELECT ?s ?o {{ VALUES ?s {{ {subjects} }} ?s {predicate} ?o }}")
-        known.update(Triple(row[0], predicate, row[1]) for row in rows)
-    return [fact for fact in dict.fromkeys(facts) if fact in known]
+        stored.update(Triple(row[0], predicate, row[1]) for row in rows)
+    return [fact for fact in dict.fromkeys(facts) if fact in stored]
 
 
 def _among(pattern: str, predicates: list[_Term], ends: list[_Term] | None = None) -> str:
@@ -127,18 +127,18 @@ def _among(pattern: str, predicates: list[_Term], ends: list[_Term] | None = Non
     return " UNION ".join(f"{{ {pattern.format(one, listed)} }}" for one in predicates)
 
 
-def _exactly(snapshot: Askable, word: str, found: list[_Term]) -> list[_Term]:
+def _exactly(snapshot: Askable, word: str, candidates: list[_Term]) -> list[_Term]:
     """Return the things with exactly this name, or all if none has it."""
-    named = _named(snapshot, word) if len(found) > 1 else []
-    return [term for term in found if term in named] or found
+    named = _named(snapshot, word) if len(candidates) > 1 else []
+    return [term for term in candidates if term in named] or candidates
 
 
-def _beside(found: list[_Term], others: list[_Term]) -> list[_Term]:
+def _in_same_launch(candidates: list[_Term], others: list[_Term]) -> list[_Term]:
     """Return the things in the launch configuration of the only other end (or in none, as it), or all if none is."""
     if len(others) != 1 or not isinstance(others[0], NamedNode):
-        return found
-    near: list[_Term] = [one for one in found if isinstance(one, NamedNode) and _system(one) == _system(others[0])]
-    return near or found
+        return candidates
+    near: list[_Term] = [one for one in candidates if isinstance(one, NamedNode) and _system(one) == _system(others[0])]
+    return near or candidates
 
 
 def _system(term: NamedNode) -> str:
@@ -151,9 +151,9 @@ def _check_used(snapshot: Askable, predicate: _Term, prefixes: Mapping[str, str]
     """Raise KG001 for a property without triples: it cannot resolve ambiguous names, and is often misspelt."""
     if isinstance(predicate, NamedNode) and not snapshot.query(f"ASK {{ ?s {predicate} ?o }}"):
         rows: Any = snapshot.query(_PROPERTIES)
-        known = [shorten(row[0].value, prefixes) for row in rows]
+        properties = [shorten(row[0].value, prefixes) for row in rows]
         short = shorten(predicate.value, prefixes)
-        raise UnknownNameError("KG001", f"nothing has the property {short}", hint=did_you_mean(short, known))
+        raise UnknownNameError("KG001", f"nothing has the property {short}", hint=did_you_mean(short, properties))
 
 
 def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]) -> list[Triple]:
@@ -165,17 +165,17 @@ def _triples(subjects: list[_Term], predicates: list[_Term], values: list[_Term]
 
 
 def _used_with(
-    snapshot: Askable, word: str, found: list[_Term], places: list[str], prefixes: Mapping[str, str]
+    snapshot: Askable, word: str, candidates: list[_Term], places: list[str], prefixes: Mapping[str, str]
 ) -> list[_Term]:
     """Return the things called `word` that a property is used with, or else those of a kind that it is, or else all.
 
-    `found` are those that have the name, and perhaps those whose IRI ends in it and that the property is used with.
+    `candidates` have the name, or their IRI ends in it and the property is used with them.
     Where what has exactly the name is of such a kind, nothing else is meant, and not all that is named has to be read.
     """
     used, other = places
-    if passed := _passing(snapshot, found, used):
+    if passed := _passing(snapshot, candidates, used):
         return passed
-    named = [one for one in _named(snapshot, word) if one in found]
+    named = [one for one in _named(snapshot, word) if one in candidates]
     for limit in (_SAMPLE, ""):
         if named and (passed := _alike(snapshot, named, _KINDS.format(other, limit))):
             return passed
@@ -185,20 +185,20 @@ def _used_with(
     return _alike(snapshot, every, _KINDS.format(other, "")) or every
 
 
-def _passing(snapshot: Askable, found: Sequence[_Term], test: str) -> list[_Term]:
+def _passing(snapshot: Askable, candidates: Sequence[_Term], test: str) -> list[_Term]:
     """Return the IRIs for which a pattern of `?t` has a match in the store."""
-    iris = [one for one in found if isinstance(one, NamedNode)]
+    iris = [one for one in candidates if isinstance(one, NamedNode)]
     return [one for one in iris if snapshot.query(f"ASK {{ {test.replace('?t', str(one))} }}")]
 
 
-def _alike(snapshot: Askable, found: Sequence[_Term], query: str) -> list[_Term]:
+def _alike(snapshot: Askable, candidates: Sequence[_Term], query: str) -> list[_Term]:
     """Return those IRIs that are of one of the kinds that a query finds."""
     rows: Any = snapshot.query(query)
     kinds = {row[0] for row in rows}
-    listed = " ".join(str(one) for one in found if isinstance(one, NamedNode))
+    listed = " ".join(str(one) for one in candidates if isinstance(one, NamedNode))
     pairs: Any = snapshot.query(f"SELECT ?t ?kind WHERE {{ VALUES ?t {{ {listed} }} ?t a ?kind }}")
     alike = {row[0] for row in pairs if row[1] in kinds}
-    return [one for one in found if one in alike]
+    return [one for one in candidates if one in alike]
 
 
 def terms(
@@ -239,10 +239,10 @@ def terms(
 def _literal(word: str) -> Literal:
     prefixes = "".join(f"@prefix {name}: <{namespace}> .\n" for name, namespace in PREFIXES.items())
     try:
-        found = next(iter(parse(f"{prefixes}<x:s> <x:p> {word} .", RdfFormat.TURTLE))).object
+        term = next(iter(parse(f"{prefixes}<x:s> <x:p> {word} .", RdfFormat.TURTLE))).object
     except SyntaxError as error:
         raise UsageError("KG003", f"`{word}` is not a literal as Turtle writes it") from error
-    return cast("Literal", found)
+    return cast("Literal", term)
 
 
 def _property(snapshot: Askable, word: str) -> list[NamedNode]:
@@ -252,12 +252,12 @@ def _property(snapshot: Askable, word: str) -> list[NamedNode]:
         if used := [iri for iri in prefixed if snapshot.query(f"ASK {{ ?s {iri} ?o }}")]:
             return used
     rows: Any = snapshot.query(_PROPERTIES)
-    known = [row[0] for row in rows]
-    found = [iri for iri in known if re.split(r"[/#]", iri.value)[-1] == word]
-    if not found:
-        hint = did_you_mean(word, [shorten(iri.value) for iri in known]) or _ALL_PROPERTIES
+    properties = [row[0] for row in rows]
+    matches = [iri for iri in properties if re.split(r"[/#]", iri.value)[-1] == word]
+    if not matches:
+        hint = did_you_mean(word, [shorten(iri.value) for iri in properties]) or _ALL_PROPERTIES
         raise UnknownNameError("KG001", f"unknown property `{word}`", hint=hint)
-    return found
+    return matches
 
 
 def _named(snapshot: Askable, word: str, *others: str) -> list[NamedNode]:
@@ -269,13 +269,13 @@ def _named(snapshot: Askable, word: str, *others: str) -> list[NamedNode]:
 
 def _called(snapshot: Askable, word: str, among: str | None) -> list[_Term]:
     """Return the things called `word`, or whose IRI ends in it; see `terms`."""
-    found = _named(snapshot, word, f"/{word}")  # ROS names may be typed without their leading slash
+    things = _named(snapshot, word, f"/{word}")  # ROS names may be typed without their leading slash
     if among is not None:
         ends = (Literal(word), Literal("#" + word), Literal("/" + word))
         ended: Any = snapshot.query(_ENDING % (among, *ends), prefixes=PREFIXES)
-        found += [row[0] for row in ended if row[0] not in found]
-    if not found and among == "":
-        known: Any = snapshot.query(_NAMES, prefixes=PREFIXES)
-        hint = did_you_mean(word, [row[0].value for row in known])
+        things += [row[0] for row in ended if row[0] not in things]
+    if not things and among == "":
+        names: Any = snapshot.query(_NAMES, prefixes=PREFIXES)
+        hint = did_you_mean(word, [row[0].value for row in names])
         raise UnknownNameError("KG001", f"nothing in the store is called `{word}`", hint=hint)
-    return list(found)
+    return list(things)

@@ -48,12 +48,12 @@ def statements(text: str) -> Iterator[Statement]:
 
 def statement_at(text: str, offset: int) -> Statement | None:
     """Return the query that contains or precedes `offset`; the first one if it precedes all, None if there is none."""
-    found = None
+    statement = None
     for one in statements(text):
-        if found is not None and one.start > offset:
-            return found
-        found = one
-    return found
+        if statement is not None and one.start > offset:
+            return statement
+        statement = one
+    return statement
 
 
 def segment_at(text: str, offset: int) -> Statement:

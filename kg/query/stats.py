@@ -60,7 +60,7 @@ class Statistics:
 _OF_NODES: Final = ("topics", "services", "actions", "types", "parameters")
 
 
-class Asked(Protocol):
+class Source(Protocol):
     """A data source for queries over the whole store: a snapshot, or its columns."""
 
     def query(self, text: str, /) -> Any:
@@ -72,7 +72,7 @@ class Asked(Protocol):
         ...
 
 
-def statistics(snapshot: Asked) -> Statistics:
+def statistics(snapshot: Source) -> Statistics:
     """Return the figures of a store, from a snapshot or its columns."""
     kinds = {_text(row[0]): _text(row[1]) for row in snapshot.query(stored.internal("entities"))}
     numbers = {iri: number for number, iri in enumerate(sorted(kinds))}
@@ -94,7 +94,7 @@ def statistics(snapshot: Asked) -> Statistics:
     )
 
 
-def _edges(snapshot: Asked, numbers: Mapping[str, int]) -> Sequence[tuple[int, int]]:
+def _edges(snapshot: Source, numbers: Mapping[str, int]) -> Sequence[tuple[int, int]]:
     """Return the pairs of entities related by a property, as numbers."""
     # The entities of a launch file are named below its configuration.
     rows = ((_text(row[0]), _text(row[1])) for row in snapshot.query(stored.internal("relations")))
@@ -102,18 +102,18 @@ def _edges(snapshot: Asked, numbers: Mapping[str, int]) -> Sequence[tuple[int, i
     return [(one, other) for one, other in places if one is not None and other is not None]
 
 
-def _per_node(graph: Asked) -> tuple[tuple[str, float], ...]:
+def _per_node(graph: Source) -> tuple[tuple[str, float], ...]:
     """Return the mean number of entities of each kind that are related to a node."""
     nodes: set[tuple[str, str]] = set()
-    found: Counter[str] = Counter()
+    numbers: Counter[str] = Counter()
     for row in graph.query(stored.internal("entities-per-node")):
         package, node, kind, _ = map(_text, row)
         nodes.add((package, node))
-        found[kind] += 1
-    return tuple((kind, found[kind] / len(nodes)) for kind in _OF_NODES) if nodes else ()
+        numbers[kind] += 1
+    return tuple((kind, numbers[kind] / len(nodes)) for kind in _OF_NODES) if nodes else ()
 
 
-def _pairs(graph: Asked, name: str) -> tuple[tuple[str, int], ...]:
+def _pairs(graph: Source, name: str) -> tuple[tuple[str, int], ...]:
     return tuple((_text(row[0]), int(_text(row[1]))) for row in graph.query(stored.find(name).text))
 
 

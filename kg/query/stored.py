@@ -95,33 +95,33 @@ class StoredQuery:
 
     def bind(self, values: Mapping[str, str]) -> dict[str, NamedNode | Literal]:
         """Return the terms of parameters given as text; QueryError KG505 for an unknown name or a malformed value."""
-        known = {parameter.name: parameter for parameter in self.parameters}
+        by_name = {parameter.name: parameter for parameter in self.parameters}
         for name in values:
-            if name not in known:
-                takes = f"It takes {', '.join(known)}." if known else "It takes none."
-                hint = did_you_mean(name, known) or takes
+            if name not in by_name:
+                takes = f"It takes {', '.join(by_name)}." if by_name else "It takes none."
+                hint = did_you_mean(name, by_name) or takes
                 raise QueryError("KG505", f"the query {self.name} has no parameter `{name}`", hint=hint)
         return {
-            name: self._term(name, value) if isinstance(value, TermText) else known[name].term(value)
+            name: self._term(name, value) if isinstance(value, TermText) else by_name[name].term(value)
             for name, value in values.items()
         }
 
     def _term(self, name: str, text: str) -> NamedNode | Literal:
-        found = self.read_term(text)
-        if found is None:
+        term = self.read_term(text)
+        if term is None:
             hint = 'Write <iri>, prefix:name, a number, true, "text", "text"@en or "text"^^xsd:date.'
             raise QueryError("KG505", f"`{text}` is not a term for ?{name}", hint=hint)
-        return found
+        return term
 
     def read_term(self, text: str) -> NamedNode | Literal | None:
         """Return the IRI or literal that `text` is in Turtle, with known prefixes and those of the query, else None."""
-        known = {**PREFIXES, **declared(self.text)}
-        prologue = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in known.items() if f"{prefix}:" in text)
+        prefixes = {**PREFIXES, **declared(self.text)}
+        prologue = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in prefixes.items() if f"{prefix}:" in text)
         try:
-            found = [quad.object for quad in parse(f"{prologue}<urn:s> <urn:p> {text}\n.", RdfFormat.TURTLE)]
+            terms = [quad.object for quad in parse(f"{prologue}<urn:s> <urn:p> {text}\n.", RdfFormat.TURTLE)]
         except SyntaxError:
             return None
-        only = found[0] if len(found) == 1 else None
+        only = terms[0] if len(terms) == 1 else None
         return only if isinstance(only, NamedNode | Literal) else None
 
 
@@ -143,12 +143,12 @@ def read(path: Path, name: str) -> StoredQuery:
     header = takewhile(lambda line: line.startswith("#"), text.splitlines())
     lines = [line.removeprefix("#").strip() for line in header]
     prose = [line for line in lines if not line.startswith("@")]
-    title, *rest = prose or [""]
+    title, *description = prose or [""]
     blocks = defaults(text)
     parameters = tuple(
         _parameter(path, number, line, blocks) for number, line in enumerate(lines, 1) if line.startswith("@")
     )
-    return StoredQuery(name, path, title or name, "\n".join(rest).strip(), parameters, text)
+    return StoredQuery(name, path, title or name, "\n".join(description).strip(), parameters, text)
 
 
 def _parameter(path: Path, number: int, line: str, blocks: Mapping[str, str]) -> QueryParameter:
@@ -172,13 +172,13 @@ def discover(folders: Iterable[Path] = ()) -> dict[str, StoredQuery]:
 
 def _files(folders: Iterable[Path]) -> dict[str, Path]:
     """Return the files of queries by name, sorted; later folders take precedence."""
-    found: dict[str, Path] = {}
+    paths: dict[str, Path] = {}
     for folder in (resources.folder("queries"), *folders):
         for path in folder.rglob("*.rq"):
             parts = path.relative_to(folder).with_suffix("").parts
             if parts[0] != _INTERNAL:
-                found["/".join(parts)] = path
-    return dict(sorted(found.items()))
+                paths["/".join(parts)] = path
+    return dict(sorted(paths.items()))
 
 
 def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
@@ -187,14 +187,14 @@ def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
     Raises:
         UsageError: KG001 with suggestions, or with the queries that share the last part.
     """
-    known = _files(folders)
-    same = [name] if name in known else [path for path in known if path.rpartition("/")[2] == name]
+    files = _files(folders)
+    same = [name] if name in files else [path for path in files if path.rpartition("/")[2] == name]
     if len(same) == 1:
-        return read(known[same[0]], same[0])
+        return read(files[same[0]], same[0])
     if same:
         names = ", ".join(same)
         raise UsageError("KG001", f"several queries are called `{name}`: {names}", hint="Give the whole name.")
-    hint = did_you_mean(name, [*known, *(path.rpartition("/")[2] for path in known)])
+    hint = did_you_mean(name, [*files, *(path.rpartition("/")[2] for path in files)])
     raise UnknownNameError("KG001", f"unknown stored query `{name}`", hint=hint or "`kg query --list` lists them.")
 
 

@@ -12,7 +12,7 @@ import pyoxigraph
 
 from kg.errors import Place, QueryError, RuleError
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
-from kg.similar import asked, did_you_mean
+from kg.similar import did_you_mean, suggest
 from kg.syntax.lexer import Kind, Token, tokens
 from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute
 from kg.syntax.parser import parse_query
@@ -57,9 +57,9 @@ def syntax_error(
     For an update, `parse_update` parses it with the engine and raises its errors. Relative IRIs of a query are resolved
     against `base`.
     """
-    found = list(tokens(text))
-    special = _open_quote(found, text, path) or _broken_iri(found, text, path) or _undeclared(found, text, path)
-    special = special or (_no_update if parse_update else _no_query)(found, text, path)
+    lexed = list(tokens(text))
+    special = _open_quote(lexed, text, path) or _broken_iri(lexed, text, path) or _undeclared(lexed, text, path)
+    special = special or (_no_update if parse_update else _no_query)(lexed, text, path)
     if special:
         return special
     match = _POSITION.match(error.msg)
@@ -67,20 +67,20 @@ def syntax_error(
         return QueryError("KG501", error.msg, place=place_of(text, 1, 1, path))
     reported = offset_of(text, int(match[1]), int(match[2]))
     sentence = _SENTENCE.search(match[3])
-    cause = _misplaced(found, reported, text, path) if parse_update else None
+    cause = _misplaced(lexed, reported, text, path) if parse_update else None
     if cause is None and not sentence:
         parse = parse_update or partial(pyoxigraph.Store().query, base_iri=base, prefixes=dict(PREFIXES))
-        culprit = _first_misfit(found, text, reported, parse)
-        cause = None if parse_update else _parsed(found, text, path, base, culprit.start if culprit else len(text))
+        culprit = _first_misfit(lexed, text, reported, parse)
+        cause = None if parse_update else _parsed(lexed, text, path, base, culprit.start if culprit else len(text))
         return cause or _unexpected(culprit, text, path, update=parse_update is not None)
-    cause = cause or (None if parse_update else _parsed(found, text, path, base, None))
+    cause = cause or (None if parse_update else _parsed(lexed, text, path, base, None))
     if cause or sentence is None:
         return cause or QueryError("KG501", error.msg, place=place_at(text, reported, path))
-    end = next((token.end for token in found if token.start <= reported < token.end), reported)
+    end = next((token.end for token in lexed if token.start <= reported < token.end), reported)
     return QueryError("KG501", sentence[1][0].lower() + sentence[1][1:], place=place_at(text, reported, path, end))
 
 
-def _parsed(found: list[Token], text: str, path: str, base: str | None, culprit: int | None) -> QueryError | None:
+def _parsed(lexed: list[Token], text: str, path: str, base: str | None, culprit: int | None) -> QueryError | None:
     """Return the error of the parser of `kg` about a query, unless it contradicts the engine.
 
     `culprit` is the offset of the engine's first unexpected token; None if the engine parsed all tokens, and objects to
@@ -96,7 +96,7 @@ def _parsed(found: list[Token], text: str, path: str, base: str | None, culprit:
         expected = error.message.startswith("expected")
         if (offset != culprit) if expected else (culprit is not None and offset > culprit):
             return None
-        token = next((token for token in found if token.start == offset), None)
+        token = next((token for token in lexed if token.start == offset), None)
         hint = error.hint or (_suggestion(token) if token and expected else None)
         return QueryError(
             "KG501", error.message, place=place_at(text, offset, path, token.end if token else offset), hint=hint
@@ -115,15 +115,15 @@ def _unexpected(culprit: Token | None, text: str, path: str, *, update: bool) ->
 
 
 def _suggestion(token: Token) -> str | None:
-    return asked(keywords_meant(token.text)) if token.kind is Kind.WORD else None
+    return suggest(similar_keywords(token.text)) if token.kind is Kind.WORD else None
 
 
-def _misplaced(found: list[Token], reported: int, text: str, path: str) -> QueryError | None:
+def _misplaced(lexed: list[Token], reported: int, text: str, path: str) -> QueryError | None:
     """Return the error about a term that the braces before the offset `reported` must not contain.
 
     DATA must not contain variables, and no deletion blank nodes (SPARQL 1.1 Query, section 19.8, notes 7 to 9).
     """
-    opened = _template_before(found, reported)
+    opened = _template_before(lexed, reported)
     if opened is None:
         return None
     kind, inside = opened
@@ -141,32 +141,32 @@ def _misplaced(found: list[Token], reported: int, text: str, path: str) -> Query
     return None
 
 
-def _template_before(found: list[Token], reported: int) -> tuple[str, list[Token]] | None:
+def _template_before(lexed: list[Token], reported: int) -> tuple[str, list[Token]] | None:
     """Return the last template or data that begins before an offset: its keywords, and its tokens from the brace on."""
-    words = [token.text.upper() for token in found]
-    for at in range(len(found) - 1, -1, -1):
-        if found[at].start >= reported or words[at] not in {"INSERT", "DELETE"}:
+    words = [token.text.upper() for token in lexed]
+    for at in range(len(lexed) - 1, -1, -1):
+        if lexed[at].start >= reported or words[at] not in {"INSERT", "DELETE"}:
             continue
         brace = at + 1 if words[at + 1 : at + 2] == ["{"] else at + 2
         kind = " ".join(words[at:brace])
         if words[brace : brace + 1] != ["{"] or kind not in _TEMPLATES:
             continue
         depth = 0
-        for end in range(brace, len(found)):
+        for end in range(brace, len(lexed)):
             depth += (words[end] == "{") - (words[end] == "}")
             if depth == 0:
-                return kind, found[brace:end]
-        return kind, found[brace:]
+                return kind, lexed[brace:end]
+        return kind, lexed[brace:]
     return None
 
 
-def keywords_meant(word: str) -> list[str]:
+def similar_keywords(word: str) -> list[str]:
     """Return the keywords and functions that a word may be a misspelling of; empty if it is one."""
     typed = word.upper()
     return [] if typed in _WORDS or len(typed) < _SHORTEST else get_close_matches(typed, _WORDS, n=2, cutoff=_ALIKE)
 
 
-def _first_misfit(found: list[Token], text: str, reported: int, parse: Parse) -> Token | None:
+def _first_misfit(lexed: list[Token], text: str, reported: int, parse: Parse) -> Token | None:
     """Return the first unexpected token; None if the text only ends too early.
 
     The engine compares keywords by their length and reports the place where an unmatched keyword would have ended, up
@@ -174,9 +174,9 @@ def _first_misfit(found: list[Token], text: str, reported: int, parse: Parse) ->
     with whitespace longer than any keyword and an invalid character, reports that character.
     """
     misfit = None
-    for token in reversed([token for token in found if token.start <= reported]):
+    for token in reversed([token for token in lexed if token.start <= reported]):
         if _reaches_end(text[: token.end], parse):
-            return misfit or next((later for later in found if later.start > token.start), None)
+            return misfit or next((later for later in lexed if later.start > token.start), None)
         misfit = token
     return misfit
 
@@ -191,16 +191,16 @@ def _reaches_end(beginning: str, parse: Parse) -> bool:
     return True
 
 
-def _open_quote(found: list[Token], text: str, path: str) -> QueryError | None:
-    for token in found:
+def _open_quote(lexed: list[Token], text: str, path: str) -> QueryError | None:
+    for token in lexed:
         if token.kind is Kind.SIGN and token.text in {"'", '"'}:
             return QueryError("KG501", "this quote is never closed", place=place_at(text, token.start, path, token.end))
     return None
 
 
-def _broken_iri(found: list[Token], text: str, path: str) -> QueryError | None:
+def _broken_iri(lexed: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about an IRI with a character that IRIs do not contain, such as a space."""
-    for token in found:
+    for token in lexed:
         match = _BROKEN_IRI.match(text, token.start) if token.text == "<" else None
         if match and (sign := _NOT_IN_IRIS.search(match[0][1:-1])):
             place = place_at(text, token.start, path, match.end())
@@ -210,13 +210,13 @@ def _broken_iri(found: list[Token], text: str, path: str) -> QueryError | None:
     return None
 
 
-def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
+def _undeclared(lexed: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about the first undeclared prefix."""
     declared = set(PREFIXES)
-    for before, token in itertools.pairwise(found):
+    for before, token in itertools.pairwise(lexed):
         if before.text.lower() == "prefix" and token.kind is Kind.NAME:
             declared.add(token.text.partition(":")[0])
-    for token in found:
+    for token in lexed:
         prefix = token.text.partition(":")[0]
         if token.kind is Kind.NAME and prefix != "_" and prefix not in declared:
             close = [] if prefix in WELL_KNOWN else [f"{name}:" for name in declared if name]
@@ -227,9 +227,9 @@ def _undeclared(found: list[Token], text: str, path: str) -> QueryError | None:
     return None
 
 
-def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
+def _no_query(lexed: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that does not begin with a query form."""
-    token = _after_prologue(found)
+    token = _after_prologue(lexed)
     if token is None:
         return QueryError("KG501", "the query is empty", place=_behind(text, path), hint=_BEGINNINGS)
     if token.text.upper() in _FORMS:
@@ -241,9 +241,9 @@ def _no_query(found: list[Token], text: str, path: str) -> QueryError | None:
     return QueryError("KG501", f"a query does not begin with `{token.text}`", place=place, hint=hint or _BEGINNINGS)
 
 
-def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
+def _no_update(lexed: list[Token], text: str, path: str) -> QueryError | None:
     """Return the error about a text that does not begin with an update operation."""
-    token = _after_prologue(found)
+    token = _after_prologue(lexed)
     if token is None or token.text.upper() in _UPDATES:
         return None
     place = place_at(text, token.start, path, token.end)
@@ -253,11 +253,11 @@ def _no_update(found: list[Token], text: str, path: str) -> QueryError | None:
     return QueryError("KG501", f"an update does not begin with `{token.text}`", place=place, hint=hint or _OPERATIONS)
 
 
-def _after_prologue(found: list[Token]) -> Token | None:
+def _after_prologue(lexed: list[Token]) -> Token | None:
     position = 0
-    while position < len(found) and found[position].text.lower() in {"prefix", "base"}:
-        position += 3 if found[position].text.lower() == "prefix" else 2
-    return found[position] if position < len(found) else None
+    while position < len(lexed) and lexed[position].text.lower() in {"prefix", "base"}:
+        position += 3 if lexed[position].text.lower() == "prefix" else 2
+    return lexed[position] if position < len(lexed) else None
 
 
 def _behind(text: str, path: str) -> Place:

@@ -20,13 +20,13 @@ class Window(Generic[Item]):
 
     def __init__(
         self,
-        found: Iterable[Item],
+        rows: Iterable[Item],
         *,
         offset: int = 0,
         most: int | None = None,
         tick: Callable[[int], object] = lambda _: None,
     ) -> None:
-        self._found = found
+        self._rows = rows
         self._offset = offset
         self._most = most
         self._tick = tick
@@ -35,7 +35,7 @@ class Window(Generic[Item]):
 
     def __iter__(self) -> Iterator[Item]:
         """Yield the items; reads one more than `most` to detect whether there are more."""
-        for item in islice(self._found, self._offset, None):
+        for item in islice(self._rows, self._offset, None):
             if self.count == self._most:
                 self.more = True
                 return

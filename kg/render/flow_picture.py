@@ -33,7 +33,7 @@ _KEY: Final = (
     "boxes are rules, rounded names what they derive for others; a dashed line with a bar: absence or counting"
 )
 _COLORS: Final = 8
-"""Groups that the style tells apart by colour."""
+"""Groups that the style distinguishes by colour."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,16 +68,16 @@ def draw_flow(title: str, boxes: Sequence[Box], flows: Iterable[Flow]) -> str:
     places = lay_out(_nodes(boxes, every), [(flow.source, flow.target) for flow in every])
     wide = int(max(places.wide, width(title) * 10.3, width(_KEY) * _SMALL) + 2 * _MARGIN)
     high = int(_HEAD + places.high + _FOOT)
-    known = {box.key: box for box in boxes}
+    by_key = {box.key: box for box in boxes}
     drawn = [
         f'<text class="title" x="{_MARGIN}" y="32">{escaped(title)}</text>',
         f'<text class="key" x="{_MARGIN}" y="52">{escaped(_KEY)}</text>',
         f'<g transform="translate({_MARGIN} {_HEAD})">',
-        *(_draw_flow(flow, known, way) for flow, way in zip(every, places.ways, strict=True)),
+        *(_draw_flow(flow, by_key, way) for flow, way in zip(every, places.ways, strict=True)),
         *(line for box in boxes for line in _draw_box(box, places.boxes[box.key], groups)),
         "</g>",
     ]
-    return document("flow", (wide, high), title, _description(known, every), drawn)
+    return document("flow", (wide, high), title, _description(by_key, every), drawn)
 
 
 def _nodes(boxes: Sequence[Box], flows: Sequence[Flow]) -> list[Node]:
@@ -123,7 +123,7 @@ def _description(boxes: Mapping[str, Box], flows: Sequence[Flow]) -> str:
         makes = [boxes[flow.target].name for flow in flows if flow.source == box.key]
         reads = [boxes[flow.source].name for flow in flows if flow.target == box.key and not flow.absent]
         lacks = [boxes[flow.source].name for flow in flows if flow.target == box.key and flow.absent]
-        told = [f"{verb} {', '.join(names)}" for verb, names in (("derives", makes), ("reads", reads)) if names]
-        told += [f"asks for the absence of {', '.join(lacks)}"] if lacks else []
-        sentences.append(f"{box.group}/{box.name}{' ' if told else ''}{', '.join(told)}.")
+        phrases = [f"{verb} {', '.join(names)}" for verb, names in (("derives", makes), ("reads", reads)) if names]
+        phrases += [f"asks for the absence of {', '.join(lacks)}"] if lacks else []
+        sentences.append(f"{box.group}/{box.name}{' ' if phrases else ''}{', '.join(phrases)}.")
     return " ".join(sentences)

@@ -58,8 +58,8 @@ def node_graph_lines(node: str, relations: Sequence[Relation]) -> list[str]:
     """Return the relations as text: a line for each, below the node; `(inferred)` marks inferred ones."""
     of = {one.subject: [other for other in relations if other.subject == one.subject] for one in relations}
     lines = [printable(node)]
-    for name, found in groupby(of.get(node, ()), key=lambda one: one.name):
-        for number, one in enumerate(found):
+    for name, named in groupby(of.get(node, ()), key=lambda one: one.name):
+        for number, one in enumerate(named):
             line = f"  {name if not number else '':<18} {printable(one.object)}"
             kinds = ", ".join(f"{other.name} {printable(other.object)}" for other in of.get(one.object, ()))
             lines.append(f"{line}{f'  ({kinds})' if kinds else ''}{'  (inferred)' if one.inferred else ''}")
@@ -101,8 +101,8 @@ def _near_places(node: str, near: Sequence[Relation]) -> tuple[float, dict[str, 
     wide = _wide(node) + 10
     x, y = _MARGIN + wide + _WAY, float(_MARGIN + _HIGH)
     places: dict[str, _Place] = {}
-    for _, found in groupby(near, key=lambda one: one.name):
-        for one in found:
+    for _, named in groupby(near, key=lambda one: one.name):
+        for one in named:
             if one.object not in places:
                 places[one.object] = _Place(x, y, _wide(one.object))
                 y += _ROW
@@ -118,14 +118,14 @@ def _far_places(far: Sequence[Relation], places: Mapping[str, _Place], column: f
     for one in far:
         if one.object not in places:
             leading.setdefault(one.object, []).append(places[one.subject].middle)
-    found = dict(places)
+    placed = dict(places)
     # From top to bottom by the middle of the sources, but no box above the end of the one before it.
     below = float(_MARGIN + _HIGH)
     for name, heights in sorted(leading.items(), key=lambda item: (sum(item[1]) / len(item[1]), item[0])):
         below = max(below, sum(heights) / len(heights))
-        found[name] = _Place(column + _WAY, below, _wide(name))
+        placed[name] = _Place(column + _WAY, below, _wide(name))
         below += _ROW
-    return found
+    return placed
 
 
 def _ways(relations: Sequence[Relation], places: Mapping[str, _Place]) -> Iterator[str]:
@@ -138,9 +138,9 @@ def _ways(relations: Sequence[Relation], places: Mapping[str, _Place]) -> Iterat
         bend = (far - x) / 2
         curve = f"M{x:g} {y:g}C{x + bend:g} {y:g} {far - bend:g} {level:g} {far:g} {level:g}H{end.x:g}"
         yield f'<path class="{"way inferred" if one.inferred else "way"}" d="{curve}"/>'
-    for entity, found in names.items():
+    for entity, labels in names.items():
         end = places[entity]
-        yield label("relation", end.x - 6, end.middle - 5, ", ".join(found), "end")
+        yield label("relation", end.x - 6, end.middle - 5, ", ".join(labels), "end")
 
 
 def _box(name: str, place: _Place, *, is_node: bool) -> Iterator[str]:

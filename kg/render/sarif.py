@@ -85,10 +85,10 @@ def _location(spot: Spot) -> dict[str, object]:
     region = {"startLine": spot.line or 1}
     if spot.column:
         region["startColumn"] = spot.column
-    found: dict[str, object] = {"physicalLocation": {"artifactLocation": {"uri": spot.uri}, "region": region}}
+    location: dict[str, object] = {"physicalLocation": {"artifactLocation": {"uri": spot.uri}, "region": region}}
     if spot.words:
-        found["message"] = {"text": spot.words}
-    return found
+        location["message"] = {"text": spot.words}
+    return location
 
 
 def _escaped(text: str) -> str:

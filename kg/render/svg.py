@@ -20,7 +20,7 @@ _LONGEST: Final = 38
 
 
 def document(style: str, size: tuple[int, int], title: str, words: str, drawn: Iterable[str]) -> str:
-    """Return a picture of so many pixels, which `title` and `words` tell of; `style` names a file in `styles`."""
+    """Return a picture of this size in pixels, described by `title` and `words`; `style` names a file in `styles`."""
     wide, high = size
     attributes = f'width="{wide}" height="{high}" viewBox="0 0 {wide} {high}" role="img" aria-labelledby="title desc"'
     lines = [

@@ -88,15 +88,15 @@ class SystemGraph:
 
     def states(self) -> frozenset[str]:
         """Return what became of anything in it; empty where one system alone is drawn, or nothing changed."""
-        found = {member.state for member in self.members} | {channel.state for channel in self.channels}
-        return frozenset((found | {link.state for link in self.links}) - {State.SAME})
+        states = {member.state for member in self.members} | {channel.state for channel in self.channels}
+        return frozenset((states | {link.state for link in self.links}) - {State.SAME})
 
     def ends(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
         """Return for each channel the members that publish or call, and those that subscribe or offer."""
-        found: dict[str, tuple[list[str], list[str]]] = {channel.key: ([], []) for channel in self.channels}
+        ends: dict[str, tuple[list[str], list[str]]] = {channel.key: ([], []) for channel in self.channels}
         for link in self.links:
-            found[link.channel][0 if link.outward else 1].append(link.member)
-        return {key: (tuple(sources), tuple(targets)) for key, (sources, targets) in found.items()}
+            ends[link.channel][0 if link.outward else 1].append(link.member)
+        return {key: (tuple(sources), tuple(targets)) for key, (sources, targets) in ends.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,24 +151,24 @@ def bundles(graph: SystemGraph) -> tuple[Bundle, ...]:
     """Return the channels of a graph, those of one kind, state and with the same ends together."""
     ends = graph.ends()
     links = {(link.member, link.channel, link.outward): link.state for link in graph.links}
-    found: defaultdict[tuple[object, ...], list[Channel]] = defaultdict(list)
+    groups: defaultdict[tuple[object, ...], list[Channel]] = defaultdict(list)
     for channel in graph.channels:
         sources, targets = ends[channel.key]
         states = tuple(
             links[one, channel.key, outward] for outward in (True, False) for one in ends[channel.key][not outward]
         )
-        found[channel.kind, sources, targets, channel.state, states, channel.open].append(channel)
-    return tuple(Bundle(every[0].key, every[0].kind, tuple(every), *ends[every[0].key]) for every in found.values())
+        groups[channel.kind, sources, targets, channel.state, states, channel.open].append(channel)
+    return tuple(Bundle(every[0].key, every[0].kind, tuple(every), *ends[every[0].key]) for every in groups.values())
 
 
 def instance_keys(instances: Iterable[NodeInstance]) -> Mapping[str, NodeInstance]:
     """Return the instances by their names; duplicates have a number as suffix."""
-    found: dict[str, NodeInstance] = {}
+    by_key: dict[str, NodeInstance] = {}
     seen: Counter[str] = Counter()
     for instance in sorted(instances, key=lambda one: (one.name, str(one.started.location))):
         seen[instance.name] += 1
-        found[instance.name if seen[instance.name] == 1 else f"{instance.name}#{seen[instance.name]}"] = instance
-    return found
+        by_key[instance.name if seen[instance.name] == 1 else f"{instance.name}#{seen[instance.name]}"] = instance
+    return by_key
 
 
 def of_framework(end: InstanceInterface) -> bool:

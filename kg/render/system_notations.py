@@ -136,10 +136,10 @@ def _ids(graph: SystemGraph) -> dict[str, str]:
 def _by_host(graph: SystemGraph) -> Mapping[str | None, list[Member]]:
     """Return the members by the host that they share, hosts among those inside of them."""
     hosts = {member.host for member in graph.members if member.host}
-    found: dict[str | None, list[Member]] = {None: []}
+    members: dict[str | None, list[Member]] = {None: []}
     for member in graph.members:
-        found.setdefault(member.key if member.key in hosts else member.host, []).append(member)
-    return found
+        members.setdefault(member.key if member.key in hosts else member.host, []).append(member)
+    return members
 
 
 def _unknown(member: Member) -> bool:

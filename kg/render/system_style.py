@@ -1,4 +1,4 @@
-"""What pictures of systems look like beside their style: signs of kinds and of changes, sizes of letters.
+"""The look of pictures of systems, apart from their style sheet: signs of kinds and of changes, sizes of letters.
 
 Nothing is told by colour alone: topics have round ends and solid lines, services square ends and dashed lines, actions
 cut corners and thick lines; what is new has a `+`, what is gone a `-`, what changed a `~` before its name.

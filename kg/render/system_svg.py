@@ -69,27 +69,27 @@ class _Drawing:
         every = sorted(self.loose[member.key], key=lambda one: (one.state == State.SAME, one.text[0] == "?"))
         if len(every) <= self.most:
             return every
-        rest = every[self.most - 1 :]
+        hidden = every[self.most - 1 :]
         way = "--expand" if member.kind == "namespace" else "kg node"
-        about = "; ".join(one.about for one in rest)
-        more = _Loose("", f"+ {len(rest)} more; {way} shows them", about, State.SAME)
+        about = "; ".join(one.about for one in hidden)
+        more = _Loose("", f"+ {len(hidden)} more; {way} shows them", about, State.SAME)
         return [*every[: self.most - 1], more]
 
     def nodes(self) -> list[Node]:
         """Return the boxes to be placed: hosts, what lies in them, and channels."""
-        found = []
+        nodes = []
         for member in self.graph.members:
-            # The layout lets a host grow around what lies in it, so its own size is only the least.
+            # The layout enlarges a host to hold its content, so its own size is a minimum.
             across, down = (60.0, 40.0) if member.key in self.hosts else self.size(member)
-            found.append(Node(member.key, across, down, member.host))
+            nodes.append(Node(member.key, across, down, member.host))
         hosts = {member.key: member.host for member in self.graph.members}
         for bundle in self.joining:
             lines = _bundle_lines(bundle)
             across = round(max(wide(line, TERM) for line in lines)) + 26
             down = max(9 + _LINE * len(lines), _PORT * max(len(bundle.sources), len(bundle.targets)) + 8)
             around = {hosts[member] for member in (*bundle.sources, *bundle.targets)}
-            found.append(Node(bundle.key, across, down, around.pop() if len(around) == 1 else None))
-        return found
+            nodes.append(Node(bundle.key, across, down, around.pop() if len(around) == 1 else None))
+        return nodes
 
     def spread(self) -> list[tuple[str, str]]:
         """Return links that are not drawn, which put those of a host that are joined to nothing side by side."""
@@ -217,8 +217,8 @@ def _bundle_lines(bundle: Bundle) -> list[str]:
 
 def _bundle(bundle: Bundle, where: Rectangle) -> Iterable[str]:
     state = bundle.channels[0].state
-    told = "; ".join(f"{bundle.kind} {one.name} ({' and '.join(one.types) or '?'})" for one in bundle.channels)
-    yield f"<g><title>{escaped(told)}</title>"
+    title = "; ".join(f"{bundle.kind} {one.name} ({' and '.join(one.types) or '?'})" for one in bundle.channels)
+    yield f"<g><title>{escaped(title)}</title>"
     path = outline(bundle.kind, where.x, where.y, where.wide, where.high)
     yield f'<path class="{" ".join(filter(None, ["sign", bundle.kind, state]))}" d="{path}"/>'
     lines = _bundle_lines(bundle)
@@ -275,7 +275,7 @@ def _description(graph: SystemGraph) -> str:
     sentences = []
     for member in graph.members:
         ends = (("sends to", gives[member.key]), ("serves", takes[member.key]))
-        told = [f"{verb} {', '.join(which)}" for verb, which in ends if which]
+        phrases = [f"{verb} {', '.join(which)}" for verb, which in ends if which]
         state = f" ({member.state})" if member.state else ""
-        sentences.append(f"{member.name}{state}{' ' if told else ''}{' and '.join(told)}.")
+        sentences.append(f"{member.name}{state}{' ' if phrases else ''}{' and '.join(phrases)}.")
     return " ".join([*sentences, *(f"Not shown: {one}." for one in graph.hidden)])

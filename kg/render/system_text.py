@@ -86,9 +86,9 @@ def nobody_at(channel: Channel, *, outward: bool) -> str:
 
 
 def _head(member: Member) -> str:
-    told = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
-    told += [f"if {member.condition}" if member.condition else "", member.place]
-    words = "  ".join(filter(None, [", ".join(filter(None, told)), f"({member.reason})" if member.reason else ""]))
+    parts = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
+    parts += [f"if {member.condition}" if member.condition else "", member.place]
+    words = "  ".join(filter(None, [", ".join(filter(None, parts)), f"({member.reason})" if member.reason else ""]))
     return printable(f"{SIGNS[member.state]}{member.name}  {words}".rstrip())
 
 

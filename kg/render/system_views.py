@@ -30,13 +30,13 @@ def around(graph: SystemGraph, focus: Collection[str], depth: int = 1) -> System
         edge = {member for channel in passed for side in ends[channel] for member in side} - near
         near |= edge
     hosts = {member.host for member in graph.members if member.key in near and member.host}
-    kept = tuple(member for member in graph.members if member.key in near | hosts)
+    members = tuple(member for member in graph.members if member.key in near | hosts)
     links = tuple(link for link in graph.links if link.member in near and link.channel in channels)
     joined = {link.channel for link in links}
-    left_out = len(graph.members) - len(kept)
+    left_out = len(graph.members) - len(members)
     return SystemGraph(
         graph.title,
-        kept,
+        members,
         tuple(channel for channel in graph.channels if channel.key in joined),
         links,
         (*graph.hidden, f"{count(left_out, 'node')} farther away") if left_out else graph.hidden,
@@ -49,14 +49,14 @@ def collapsed(graph: SystemGraph, expand: Collection[str] = (), most: int = 60) 
     As few levels of namespaces as necessary are collapsed; those in `expand`, and their content, never.
     """
     deepest = max((member.name.count("/") - 1 for member in graph.members), default=0)
-    found = graph
+    shown = graph
     for level in range(deepest, 0, -1):
-        if len(found.members) <= most:
+        if len(shown.members) <= most:
             break
-        found = _at_level(found, level, [name.rstrip("/") + "/" for name in expand])
-    inside = len(graph.channels) - len(found.channels)
+        shown = _at_level(shown, level, [name.rstrip("/") + "/" for name in expand])
+    inside = len(graph.channels) - len(shown.channels)
     return (
-        replace(found, hidden=(*found.hidden, f"{count(inside, 'channel')} inside of namespaces")) if inside else found
+        replace(shown, hidden=(*shown.hidden, f"{count(inside, 'channel')} inside of namespaces")) if inside else shown
     )
 
 
@@ -67,8 +67,8 @@ def _at_level(graph: SystemGraph, level: int, expand: Collection[str]) -> System
     into: dict[str, str] = {}
     for key, group in groups.items():
         inside = f"{group}/"
-        is_kept = any(inside.startswith(one) or one.startswith(inside) for one in expand)
-        into[key] = f"{group}/*" if group and sizes[group] > 1 and not is_kept else key
+        is_expanded = any(inside.startswith(one) or one.startswith(inside) for one in expand)
+        into[key] = f"{group}/*" if group and sizes[group] > 1 and not is_expanded else key
     members: dict[str, Member] = {}
     for member in graph.members:
         key = into[member.key]

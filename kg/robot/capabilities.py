@@ -67,25 +67,25 @@ class Definition:
         """
         parameters = self.described.parameters
         if ways:
-            told = {name for way in ways for name in way.fields}
-            parameters = tuple(one for one in parameters if one.name in told)
+            named = {name for way in ways for name in way.fields}
+            parameters = tuple(one for one in parameters if one.name in named)
         return msgspec.structs.replace(self.described, parameters=parameters, ways=ways, implied_by=implied_by)
 
     def fields_of(self, messages: frozenset[str]) -> dict[str, str]:
         """Return the paths of parameters in messages of these names, by the name of the parameter."""
         parts = _PARTS.get(self.described.modality, frozenset())
-        found = ((name, _path(texts, messages, parts)) for name, texts in self.fields.items())
-        return {name: path for name, path in found if path is not None}
+        paths = ((name, _path(texts, messages, parts)) for name, texts in self.fields.items())
+        return {name: path for name, path in paths if path is not None}
 
     def constants_of(self, messages: frozenset[str]) -> dict[str, float | bool | str]:
         """Return the fixed values of fields of these messages, by their paths."""
-        found: dict[str, float | bool | str] = {}
+        constants: dict[str, float | bool | str] = {}
         for text in self.constants:
             place, _, value = text.partition(" = ")
             path = _path((place,), messages, _PARTS.get(self.described.modality, frozenset()))
             if path is not None:
-                found[path] = _value(value)
-        return found
+                constants[path] = _value(value)
+        return constants
 
 
 def definitions(graph: Askable) -> dict[str, Definition]:
@@ -205,27 +205,27 @@ def capabilities_of(graph: Askable, whole: str, of: str) -> Capabilities:
     return read(graph, whole, of, definitions(graph))
 
 
-def held(graph: Askable, whole: str) -> dict[str, str]:
+def capability_labels(graph: Askable, whole: str) -> dict[str, str]:
     """Return the IRIs of the capabilities of the system or package with the IRI `whole`, with their labels."""
     return {row["capability"].value: row["label"].value for row in _rows(graph, "capability-holders", whole)}
 
 
 def read(graph: Askable, whole: str, of: str, known: Mapping[str, Definition]) -> Capabilities:
     """Return the capabilities, given definitions that were read before."""
-    having = {iri for iri in held(graph, whole) if iri in known}
+    having = {iri for iri in capability_labels(graph, whole) if iri in known}
     ways: defaultdict[str, dict[tuple[str, str, str, str], set[str]]] = defaultdict(dict)
     """The messages of each capability, by kind, name, type and node of the interface."""
     for row in _rows(graph, "capability-ways", whole):
         key = (_KINDS[row["role"].value], row["channel"].value, row["type"].value, row["node"].value)
         ways[row["capability"].value].setdefault(key, set()).add(row["message"].value)
-    found = [
+    every = [
         known[iri].capability(
             ways=tuple(_way(known[iri], key, frozenset(messages)) for key, messages in sorted(ways[iri].items())),
             implied_by=tuple(sorted(known[each].described.name for each in having if iri in known[each].implied)),
         )
         for iri in having
     ]
-    return Capabilities(of=of, capabilities=tuple(sorted(found, key=lambda one: (one.kinds, one.label, one.iri))))
+    return Capabilities(of=of, capabilities=tuple(sorted(every, key=lambda one: (one.kinds, one.label, one.iri))))
 
 
 def _rows(graph: Askable, name: str, whole: str) -> Iterable[Any]:
@@ -254,9 +254,9 @@ _PACKAGES = """SELECT ?iri ?name ?repository WHERE {
 
 def added(subject: Capabilities, base: Capabilities) -> Capabilities:
     """Return the capabilities that one subject has and another lacks."""
-    known = {one.iri for one in base.capabilities}
+    present = {one.iri for one in base.capabilities}
     return msgspec.structs.replace(
-        subject, capabilities=tuple(one for one in subject.capabilities if one.iri not in known)
+        subject, capabilities=tuple(one for one in subject.capabilities if one.iri not in present)
     )
 
 
@@ -269,16 +269,16 @@ def package_iri(snapshot: EmbeddedSnapshot, name: str) -> str:
     """
     repository, _, plain = name.rpartition(":")
     rows: Any = snapshot.query(_PACKAGES, substitutions={Variable("name"): pyoxigraph.Literal(plain)})
-    found = [(row["iri"].value, row["repository"].value) for row in rows]
-    found = [one for one in found if repository in {"", one[1]}]
-    if not found:
+    packages = [(row["iri"].value, row["repository"].value) for row in rows]
+    packages = [one for one in packages if repository in {"", one[1]}]
+    if not packages:
         every: Any = snapshot.query(_PACKAGES)
         hint = did_you_mean(plain, {row["name"].value for row in every}) or "`kg packages` lists those of the store."
         raise UnknownNameError("KG001", f"the store has no package `{name}`", hint=hint)
-    if len(found) > 1:
-        ways = "\n".join(f"`{source}:{plain}`" for _, source in found)
-        raise UsageError("KG003", f"{len(found)} packages are called `{plain}`; choose one", hint=ways)
-    return str(found[0][0])
+    if len(packages) > 1:
+        ways = "\n".join(f"`{source}:{plain}`" for _, source in packages)
+        raise UsageError("KG003", f"{len(packages)} packages are called `{plain}`; choose one", hint=ways)
+    return str(packages[0][0])
 
 
 _HOLDERS = """SELECT DISTINCT ?node WHERE {
@@ -292,11 +292,11 @@ def find(capabilities: Capabilities, name: str) -> Capability:
 
     Raises RobotError KG818 if there is none, with suggestions.
     """
-    found = called(capabilities, name.strip().removeprefix("capability:"))
-    if found:
-        return found[0]
-    known = [text for one in capabilities.capabilities for text in (one.name, one.label)]
-    raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, known))
+    matches = called(capabilities, name.strip().removeprefix("capability:"))
+    if matches:
+        return matches[0]
+    names = [text for one in capabilities.capabilities for text in (one.name, one.label)]
+    raise RobotError("KG818", f"{capabilities.of} has no capability `{name}`", hint=did_you_mean(name, names))
 
 
 def proofs(graph: Askable, view: View, rules: tuple[Rule, ...], whole: str, capability: Capability) -> Iterator[Proof]:

@@ -57,7 +57,7 @@ class SimulatedClock:
         """Return the last published time in seconds; 0 before the first."""
         return self._now
 
-    def tell(self, seconds: float) -> None:
+    def set_time(self, seconds: float) -> None:
         """Set the time and wake sleepers; a time that goes back, after a reset, wakes all."""
         back = seconds < self._now
         self._now = seconds
@@ -70,7 +70,7 @@ class SimulatedClock:
         """Follow the messages of the topic `/clock`."""
         async for tick in ticks:
             now = tick.value["clock"]
-            self.tell(now["sec"] + now["nanosec"] / 1e9)
+            self.set_time(now["sec"] + now["nanosec"] / 1e9)
 
     async def begun(self, seconds: float) -> None:
         """Return after the first message, or some wall-clock seconds: earlier measurements would start at 0."""

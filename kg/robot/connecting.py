@@ -94,15 +94,15 @@ def scheme_of(address: str) -> str:
     return scheme
 
 
-def options(address: str, query: str, known: Mapping[str, str]) -> dict[str, str]:
-    """Return the options in the query of an address, by name; `known` has their descriptions.
+def options(address: str, query: str, valid_options: Mapping[str, str]) -> dict[str, str]:
+    """Return the options in the query of an address, by name; `valid_options` has their descriptions.
 
     Raises:
         RobotError: KG801 an unknown option.
     """
     given = dict(parse_qsl(query, keep_blank_values=True))
-    if unknown := given.keys() - known.keys():
-        valid = ", ".join(f"{name}= ({what})" for name, what in known.items())
+    if unknown := given.keys() - valid_options.keys():
+        valid = ", ".join(f"{name}= ({what})" for name, what in valid_options.items())
         raise RobotError("KG801", f"`{address}` has an option `{min(unknown)}`", hint=f"Valid: {valid}.")
     return given
 

@@ -116,7 +116,7 @@ class Publication(Protocol):
 
     @property
     def confirmed(self) -> bool:
-        """Whether every connected subscriber has confirmed all messages; False if the connection cannot tell."""
+        """Whether every connected subscriber has confirmed all messages; False if the connection cannot report it."""
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the robot is lost."""

@@ -96,13 +96,13 @@ class GoalProgress:
     """The client's side of a goal: its feedback, and the result or the reason for its absence."""
 
     def __init__(self) -> None:
-        self._told: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
+        self._feedback: Inbox[Value] = Inbox(_MOST_FEEDBACK, lambda: None)
         self._done: asyncio.Future[Value] = asyncio.get_running_loop().create_future()
         self._done.add_done_callback(lambda done: done.cancelled() or done.exception())  # it may never be awaited
 
     async def feedback(self) -> AsyncIterator[Value]:
         """Yield feedback until the goal has ended."""
-        async for value in self._told:
+        async for value in self._feedback:
             yield value
 
     async def result(self) -> Value:
@@ -111,7 +111,7 @@ class GoalProgress:
 
     def take_feedback(self, value: Value) -> None:
         """Add feedback of the server."""
-        self._told.put(value)
+        self._feedback.put(value)
 
     def end(self, outcome: Value | BaseException) -> None:
         """Set the result, or the reason for its absence; the first one counts."""
@@ -120,7 +120,7 @@ class GoalProgress:
                 self._done.set_exception(outcome)
             else:
                 self._done.set_result(outcome)
-        self._told.end()
+        self._feedback.end()
 
 
 class Changes:
@@ -129,7 +129,7 @@ class Changes:
     def __init__(self) -> None:
         self._watchers: set[asyncio.Event] = set()
 
-    def tell(self) -> None:
+    def notify(self) -> None:
         """Notify all watchers."""
         for watcher in self._watchers:
             watcher.set()
@@ -148,10 +148,10 @@ class Changes:
         """Yield the result of `look`, and again whenever it changes; ends with None."""
         last: Item | None = None
         with self.news() as news:
-            while (found := look()) is not None:
-                if found != last:
-                    yield found
-                    last = found
+            while (value := look()) is not None:
+                if value != last:
+                    yield value
+                    last = value
                     continue  # it may have changed again while the caller worked
                 await news.wait()
                 news.clear()

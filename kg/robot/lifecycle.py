@@ -46,11 +46,11 @@ _AGAIN: Final = 2.0  # seconds after which an inactive node is polled again, in 
 
 @dataclass(slots=True)
 class _Followed:
-    """A managed node; `restless` is set while it is not known to be active, `asked` after the first poll."""
+    """A managed node; `restless` is set while it is not known to be active, `polled` after the first poll."""
 
     node: LiveNode
     state: str | None = None
-    asked: asyncio.Event = field(default_factory=asyncio.Event)
+    polled: asyncio.Event = field(default_factory=asyncio.Event)
     restless: asyncio.Event = field(default_factory=asyncio.Event)
     tasks: Tasks = field(default_factory=Tasks)
 
@@ -75,8 +75,8 @@ class States:
             if end.type == _GET_STATE and end.role is Role.SERVICES and end.name == f"{end.node}/get_state"
         }
         nodes = {node.name: node for node in graph.nodes if node.name in managed}
-        for name, known in list(self._followed.items()):
-            if nodes.get(name) != known.node:  # it is gone, or another process has its name now
+        for name, followed in list(self._followed.items()):
+            if nodes.get(name) != followed.node:  # it is gone, or another process has its name now
                 self._followed.pop(name).tasks.cancel()
         for name in nodes.keys() - self._followed.keys() if not self._closed else ():
             one = self._followed[name] = _Followed(nodes[name])
@@ -88,9 +88,9 @@ class States:
             return graph
         return replace(graph, nodes=tuple(replace(one, state=states.get(one.name)) for one in graph.nodes))
 
-    async def told(self) -> None:
+    async def wait_polled(self) -> None:
         """Return when each followed node has reported its state, or timed out."""
-        waiting = [one.asked.wait() for one in self._followed.values()]
+        waiting = [one.polled.wait() for one in self._followed.values()]
         with suppress(TimeoutError):
             await asyncio.wait_for(asyncio.gather(*waiting), _PATIENCE)
 
@@ -106,7 +106,7 @@ class States:
                 service = f"{one.node.name}/get_state"
                 answer = await self._connection.call(service, _GET_STATE, {}, seconds=_PATIENCE)
                 self._take(one, answer["current_state"])
-            one.asked.set()
+            one.polled.set()
             await asyncio.sleep(_AGAIN)
             await one.restless.wait()  # an active node reports its changes
 
@@ -119,8 +119,8 @@ class States:
             finally:
                 await events.aclose()
 
-    def _take(self, one: _Followed, told: dict[str, Any]) -> None:
-        state = _STATES.get(told["id"])
+    def _take(self, one: _Followed, reported: dict[str, Any]) -> None:
+        state = _STATES.get(reported["id"])
         if state == ACTIVE:
             one.restless.clear()
         else:
@@ -136,8 +136,8 @@ def idle(graph: ComputationGraph, name: str, role: Role) -> tuple[LiveNode, ...]
 
 
 def _idle(graph: ComputationGraph, names: set[str]) -> tuple[LiveNode, ...]:
-    found = tuple(node for node in graph.nodes if node.name in names and node.state not in {None, ACTIVE})
-    return found if len(found) == len(names) else ()
+    inactive = tuple(node for node in graph.nodes if node.name in names and node.state not in {None, ACTIVE})
+    return inactive if len(inactive) == len(names) else ()
 
 
 def in_words(nodes: Iterable[LiveNode]) -> str:
@@ -159,16 +159,16 @@ def available(capabilities: Capabilities, graph: ComputationGraph) -> Capabiliti
     def nodes(way: Way, one: Capability) -> tuple[LiveNode, ...]:
         return _idle(graph, names[way.name, role_of(way, reads=one.modality == "read")])
 
-    known = {one.name: one for one in capabilities.capabilities}
+    by_name = {one.name: one for one in capabilities.capabilities}
     why: dict[str, str | None] = {}
 
     def reason(name: str) -> str | None:
         if name not in why:
             why[name] = None  # a capability that implies itself is no evidence
-            one = known[name]
-            told = [in_words(nodes(way, one)) for way in one.ways]
-            told = told or [reason(specific) or "" for specific in one.implied_by if specific in known]
-            why[name] = "; ".join(dict.fromkeys(told)) if told and all(told) else None
+            one = by_name[name]
+            reasons = [in_words(nodes(way, one)) for way in one.ways]
+            reasons = reasons or [reason(specific) or "" for specific in one.implied_by if specific in by_name]
+            why[name] = "; ".join(dict.fromkeys(reasons)) if reasons and all(reasons) else None
         return why[name]
 
     marked = (msgspec.structs.replace(one, unavailable=reason(one.name)) for one in capabilities.capabilities)

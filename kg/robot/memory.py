@@ -339,24 +339,24 @@ class MemoryConnection:
             side.kind = kind
         if side.kind != kind:
             raise RobotError("KG806", f"`{topic}` is of the type {side.kind}, not {kind}")
-        if not self.types.knows(kind):
-            known = next((one.types for one in side.publications if one.types.knows(kind)), None)
-            if known is not None:
-                self.types.define(kind, known.definition(kind))
+        if not self.types.has(kind):
+            publisher_types = next((one.types for one in side.publications if one.types.has(kind)), None)
+            if publisher_types is not None:
+                self.types.define(kind, publisher_types.definition(kind))
             self.types.fields(kind)  # raises if it is still unknown
         return side
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response; RobotError KG803, KG807 or KG808 as every connection."""
         self.present()
-        found = self.bus.services.get(service)
-        if found is None:
+        server = self.bus.services.get(service)
+        if server is None:
             raise RobotError("KG807", f"no node serves `{service}`")
-        if kind is not None and kind != found.kind:
-            raise RobotError("KG806", f"`{service}` is of the type {found.kind}, not {kind}")
-        value = self.types.complete(f"{found.kind}_Request", request)
+        if kind is not None and kind != server.kind:
+            raise RobotError("KG806", f"`{service}` is of the type {server.kind}, not {kind}")
+        value = self.types.complete(f"{server.kind}_Request", request)
         try:
-            return await within(self.clock, seconds, found.call(value))
+            return await within(self.clock, seconds, server.call(value))
         except TimeoutError:
             raise RobotError("KG803", f"`{service}` did not answer within {seconds:g} s") from None
 
@@ -503,7 +503,7 @@ class Bus:
 
     def changed(self) -> None:
         """Notify the watchers of the graph."""
-        self.changes.tell()
+        self.changes.notify()
 
     def graph(self, without: str | None = None) -> ComputationGraph:
         """Return the computation graph, without the named node."""

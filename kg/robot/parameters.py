@@ -86,10 +86,10 @@ async def read(connection: Connection, node: str | None = None) -> tuple[list[No
     """
     if is_recording(connection.address):
         raise RobotError("KG851", f"{connection.address} is a recording, which has no parameters")
-    found, problems = await (_read_server if _is_server(connection) else _read_nodes)(connection, node)
+    parameters, problems = await (_read_server if _is_server(connection) else _read_nodes)(connection, node)
     if node is not None and problems:
         raise RobotError(problems[0].code, f"{problems[0].subject}: {problems[0].message}")
-    return found, problems
+    return parameters, problems
 
 
 async def find(connection: Connection, node: str, name: str, *, new: bool = False) -> NodeParameter:
@@ -97,14 +97,14 @@ async def find(connection: Connection, node: str, name: str, *, new: bool = Fals
 
     In ROS 1, a `new` one, which is to be set, need not exist, since any node may add parameters.
     """
-    found, _ = await read(connection, None if new and _is_server(connection) else node)
-    known = {_joined(one.node, one.name): one for one in found}
+    parameters, _ = await read(connection, None if new and _is_server(connection) else node)
+    by_name = {_joined(one.node, one.name): one for one in parameters}
     whole = _joined(f"/{node.strip('/')}", name)
-    if whole in known:
-        return known[whole]
+    if whole in by_name:
+        return by_name[whole]
     if new and _is_server(connection):
         return NodeParameter(node=f"/{node.strip('/')}", name=name, type=_UNSET)
-    hint = did_you_mean(name, {one.name for one in found})
+    hint = did_you_mean(name, {one.name for one in parameters})
     raise RobotError("KG843", f"{node} has no parameter `{name}`", hint=hint)
 
 
@@ -119,8 +119,8 @@ async def write(connection: Connection, parameter: NodeParameter, value: Any) ->
         return msgspec.structs.replace(parameter, value=value)
     kind = _kind_of(value) if parameter.dynamic or parameter.type == _UNSET else parameter.type
     number = _NUMBERS[kind]
-    told = {"name": parameter.name, "value": {"type": number, _TYPES[number][1]: value}}
-    answer = await _ask(connection, parameter.node, "SetParameters", {"parameters": [told]})
+    request = {"name": parameter.name, "value": {"type": number, _TYPES[number][1]: value}}
+    answer = await _ask(connection, parameter.node, "SetParameters", {"parameters": [request]})
     for result in answer["results"]:
         if not result["successful"]:
             reason = result["reason"] or "it gives no reason"
@@ -173,11 +173,11 @@ async def _read_server(connection: Any, node: str | None) -> tuple[list[NodePara
             spaces = {name.rpartition("/")[0] for name in names}
             raise RobotError("KG843", f"no parameter is below `{space}`", hint=did_you_mean(space, spaces))
     values = await asyncio.gather(*(connection.parameter(name) for name in owners))
-    found = [
+    parameters = [
         NodeParameter(node=owner, name=name[len(owner.rstrip("/")) + 1 :], type=_kind_of(value), value=value)
         for (name, owner), value in zip(owners.items(), values, strict=True)
     ]
-    return sorted(found, key=lambda one: (one.node, one.name)), []
+    return sorted(parameters, key=lambda one: (one.node, one.name)), []
 
 
 def _kind_of(value: Any) -> str:
@@ -202,8 +202,8 @@ async def _read_nodes(connection: Connection, node: str | None) -> tuple[list[No
             hint = did_you_mean(called, nodes) or "`kg robot nodes` lists the nodes."
             raise RobotError("KG843", f"no node `{called}` offers parameters", hint=hint)
         nodes = {called}
-    told = await asyncio.gather(*(_of_node(connection, one) for one in sorted(nodes)))
-    return [one for found, _ in told for one in found], [one for _, problem in told for one in problem]
+    replies = await asyncio.gather(*(_of_node(connection, one) for one in sorted(nodes)))
+    return [one for parameters, _ in replies for one in parameters], [one for _, problem in replies for one in problem]
 
 
 async def _of_node(connection: Connection, node: str) -> tuple[list[NodeParameter], list[GraphProblem]]:
@@ -220,17 +220,17 @@ async def _of_node(connection: Connection, node: str) -> tuple[list[NodeParamete
     ], []
 
 
-def _parameter(node: str, name: str, kind: str, value: Any, told: Mapping[str, Any]) -> NodeParameter:
-    (limits,) = [*told.get("floating_point_range", ()), *told.get("integer_range", ())][:1] or [None]
+def _parameter(node: str, name: str, kind: str, value: Any, descriptor: Mapping[str, Any]) -> NodeParameter:
+    (limits,) = [*descriptor.get("floating_point_range", ()), *descriptor.get("integer_range", ())][:1] or [None]
     return NodeParameter(
         node=node,
         name=name,
-        type=kind if kind != _UNSET else _type_of(told.get("type", 0)),
+        type=kind if kind != _UNSET else _type_of(descriptor.get("type", 0)),
         value=value,
-        description=told.get("description", ""),
-        constraints=told.get("additional_constraints", ""),
-        read_only=told.get("read_only", False),
-        dynamic=told.get("dynamic_typing", False),
+        description=descriptor.get("description", ""),
+        constraints=descriptor.get("additional_constraints", ""),
+        read_only=descriptor.get("read_only", False),
+        dynamic=descriptor.get("dynamic_typing", False),
         minimum=limits and limits["from_value"],
         maximum=limits and limits["to_value"],
         step=limits and (limits["step"] or None),
@@ -239,16 +239,16 @@ def _parameter(node: str, name: str, kind: str, value: Any, told: Mapping[str, A
 
 async def _values(connection: Connection, node: str, names: list[str]) -> list[tuple[str, Any]]:
     """Return types and values, one request each: a node with an unset parameter may omit all values."""
-    told = (await _ask(connection, node, "GetParameters", {"names": names}))["values"]
-    if len(told) != len(names):
+    replies = (await _ask(connection, node, "GetParameters", {"names": names}))["values"]
+    if len(replies) != len(names):
         each = await asyncio.gather(*(_ask(connection, node, "GetParameters", {"names": [name]}) for name in names))
-        told = [one["values"][0] if one["values"] else {"type": 0} for one in each]
-    found: list[tuple[str, Any]] = []
-    for one in told:
+        replies = [one["values"][0] if one["values"] else {"type": 0} for one in each]
+    values: list[tuple[str, Any]] = []
+    for one in replies:
         kind = _type_of(one["type"])
         value = one[_TYPES[_NUMBERS[kind]][1]] if kind != _UNSET else None
-        found.append((kind, list(value) if isinstance(value, bytes) else value))
-    return found
+        values.append((kind, list(value) if isinstance(value, bytes) else value))
+    return values
 
 
 def _type_of(number: int) -> str:
@@ -290,12 +290,12 @@ def _byte(parameter: NodeParameter, text: str) -> int:
 
 def _elements(parameter: NodeParameter, text: str) -> list[str]:
     try:
-        found = load_yaml(text, BaseLoader)
+        elements = load_yaml(text, BaseLoader)
     except YAMLError:
-        found = None
-    if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+        elements = None
+    if not isinstance(elements, list) or not all(isinstance(one, str) for one in elements):
         raise _refused(parameter, f"`{text}` is not a list; write [1, 2]")
-    return found
+    return elements
 
 
 def _guessed(parameter: NodeParameter, text: str) -> Any:

@@ -58,8 +58,8 @@ def _over(what: str, task: asyncio.Task[Any]) -> None:
 
 def report(what: str, error: BaseException) -> None:
     """Report an error to the handler of the event loop, which logs it by default."""
-    told = f"{what} failed: {error}"
-    asyncio.get_running_loop().call_exception_handler({"message": told, "exception": error})
+    message = f"{what} failed: {error}"
+    asyncio.get_running_loop().call_exception_handler({"message": message, "exception": error})
 
 
 async def ended(*tasks: asyncio.Future[Any]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from kg.codes import SEVERITIES
 from kg.errors import Fix, Place, RuleError
 from kg.rules.files import HEADINGS, Documentation
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -66,7 +66,7 @@ def _unknown(what: str, written: str, hint: str, known: Iterable[str], place: Pl
     start = (place.excerpt or "").rfind(written) + 1
     word = replace(place, column=start, end_line=place.line, end_column=start + len(written))
     fixes = [Fix(each, word) for each in near]
-    return RuleError("KG206", f"unknown {what} `{written}`", place=place, hint=asked(near) or hint, fixes=fixes)
+    return RuleError("KG206", f"unknown {what} `{written}`", place=place, hint=suggest(near) or hint, fixes=fixes)
 
 
 def _value(key: str, value: str, place: Place) -> str:

@@ -21,7 +21,7 @@ from kg import resources
 from kg.search.documents import Document, PackageDocument
 from kg.search.index import Columns, Index
 from kg.search.reading import Concept
-from kg.store import kept as files
+from kg.store import cachefile
 
 _FOLDER: Final = "search"
 _COLUMNS: Final = ("text", "names", "features")
@@ -75,7 +75,7 @@ def save(cache: Path, generation: str, index: Index) -> None:
 
 def load(cache: Path, generation: str) -> Index | None:
     """Return the index of a generation from the folder `cache`; None if there is no usable one."""
-    content = kept(cache / _FOLDER, generation)
+    content = load_cached(cache / _FOLDER, generation)
     if content is None:
         return None
     end = content.index(b"\n")
@@ -137,12 +137,12 @@ def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
     Raises:
         OSError: it could not be written; the previous files are unchanged.
     """
-    files.keep(folder, generation, _version(), parts)
+    cachefile.save(folder, generation, _version(), parts)
 
 
-def kept(folder: Path, generation: str) -> bytes | None:
+def load_cached(folder: Path, generation: str) -> bytes | None:
     """Return the cached content of a generation; None if missing or unusable."""
-    return files.kept(folder, generation, _version())
+    return cachefile.load(folder, generation, _version())
 
 
 @cache

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 _COMMON: Final = ("name", "plugin", "text", "interface", "type", "parameter", "class")
 """Fields that variants of a node share."""
 _PROSE: Final = ("manifest", "readme")
-_OFTEN: Final = 2.0  # however often a term stands in a field, it counts less than so many times
-_SHORTEST: Final = 0.2  # A field counts as at least so long, beside the mean of all nodes
+_OFTEN: Final = 2.0  # upper bound of the count of a term in a field
+_SHORTEST: Final = 0.2  # minimum length of a field, relative to the mean of all nodes
 
 
 def own_words(node: Document) -> Iterator[tuple[str, str]]:
@@ -42,10 +42,10 @@ def own_words(node: Document) -> Iterator[tuple[str, str]]:
             yield "interface", anonymous(end.name)
         if end.type:
             yield "type", end.type.rpartition("/")[2]
-    for name, told in node.parameters:
+    for name, description in node.parameters:
         yield "parameter", name
-        if told:
-            yield "parameter", told
+        if description:
+            yield "parameter", description
     for label in (*node.hardware, *node.functions, *node.capabilities):
         yield "class", label
 
@@ -64,11 +64,11 @@ def shared_words(package: PackageDocument) -> Iterator[tuple[str, str]]:
 
 def counted(texts: Iterable[tuple[str, str]]) -> dict[str, Counter[str]]:
     """Return the frequency of each term in each field."""
-    found: dict[str, Counter[str]] = {}
+    frequencies: dict[str, Counter[str]] = {}
     for field, text in texts:
         once = {*name_terms(text), *joined(text)} if field == "name" else terms(text)
-        found.setdefault(field, Counter()).update(once)
-    return found
+        frequencies.setdefault(field, Counter()).update(once)
+    return frequencies
 
 
 def documents(content: Content, groups: Sequence[int]) -> list[dict[str, Counter[str]]]:
@@ -103,12 +103,12 @@ def mains(content: Content, groups: Sequence[int]) -> list[bool]:
 
 def passing(fields: Iterable[Mapping[str, Counter[str]]]) -> frozenset[str]:
     """Return the terms that only the usage sections of READMEs have: they mention other products too."""
-    told: set[str] = set()
+    described: set[str] = set()
     used: set[str] = set()
     for one in fields:
         for name, counts in one.items():
-            (used if name == "usage" else told).update(counts)
-    return frozenset(used - told)
+            (used if name == "usage" else described).update(counts)
+    return frozenset(used - described)
 
 
 def worths(
@@ -123,7 +123,7 @@ def worths(
         name: max(1.0, sum(one.get(name, Counter()).total() for one in fields) / max(1, len(fields)))
         for name in weights
     }
-    found = []
+    scores = []
     for one, main in zip(fields, mains(content, groups), strict=True):
         total: defaultdict[str, float] = defaultdict(float)
         for name, counts in one.items():
@@ -131,5 +131,5 @@ def worths(
             weight, times = weights[name] / length, rank["main"] if main and name in _PROSE else 1.0
             for term, count in counts.items():
                 total[term] += weight * _OFTEN * count * times / (count * times + 1)
-        found.append({term: value / (value + rank["saturation"]) for term, value in total.items()})
-    return found
+        scores.append({term: value / (value + rank["saturation"]) for term, value in total.items()})
+    return scores

@@ -35,7 +35,7 @@ def wishes(filters: Mapping[str, Sequence[str]], names: Names) -> tuple[Wish, ..
     return tuple(_wish(kind, value, names) for kind, values in filters.items() for value in values)
 
 
-def known(kind: str, names: Names) -> list[str]:
+def filter_values(kind: str, names: Names) -> list[str]:
     """Return the possible values of a filter, sorted."""
     kinds = _TYPED.get(kind, (kind,))
     return sorted({name.partition(":")[2] for name in names.features if name.partition(":")[0] in kinds})
@@ -44,7 +44,7 @@ def known(kind: str, names: Names) -> list[str]:
 def _wish(kind: str, value: str, names: Names) -> Wish:
     features = _features(kind, value.strip(), names)
     if not features:
-        choices = known(kind, names)
+        choices = filter_values(kind, names)
         near = did_you_mean(value, [*choices, *(name.rpartition("/")[2] for name in choices if kind in _TYPED)])
         named = ", ".join(f"`{one}`" for one in choices[:_MOST])
         some = f"There are {named}{' and more' if len(choices) > _MOST else ''}." if choices else _NONE
@@ -58,7 +58,7 @@ def _features(kind: str, value: str, names: Names) -> tuple[str, ...]:
     if kind == "license":
         return names.licenses(value)
     if kind in {"hardware", "function", "capability"}:
-        found = names.concepts.get(phrase(value), ())
-        return tuple(feature for feature in found if feature.startswith(f"{kind}:"))
+        features = names.concepts.get(phrase(value), ())
+        return tuple(feature for feature in features if feature.startswith(f"{kind}:"))
     feature = f"{kind}:{value}"
     return (feature,) if feature in names.features else ()

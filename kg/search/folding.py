@@ -32,27 +32,27 @@ _KINDS: Final = {"executable": 0, "script": 1, "component": 2, "nodelet": 3, "pl
 def bare_name(name: str) -> str:
     """Return a name without its namespace and the words for its form."""
     last = name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
-    kept = [word for word in words(last) if word not in _FORMS]
-    return " ".join(kept or words(last))
+    significant = [word for word in words(last) if word not in _FORMS]
+    return " ".join(significant or words(last))
 
 
 def groups(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDArray[np.int32]:
     """Return the index of the first node of each node's group."""
     family = _families(packages)
     first: dict[tuple[object, ...], int] = {}
-    found = list(range(len(nodes)))
+    first_of = list(range(len(nodes)))
     for place, node in enumerate(nodes):
         keys = [(family[node.package], bare_name(name)) for name in (node.name, *node.aliases)]
-        known = [found[first[key]] for key in keys if key in first]
-        if known:
-            found[place] = min(known)
+        earlier = [first_of[first[key]] for key in keys if key in first]
+        if earlier:
+            first_of[place] = min(earlier)
         for key in keys:
             first.setdefault(key, place)
-    _join_wrappers(nodes, found)
-    return np.array(found, np.int32)
+    _join_wrappers(nodes, first_of)
+    return np.array(first_of, np.int32)
 
 
-def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
+def _join_wrappers(nodes: Sequence[Document], groups_of: list[int]) -> None:
     """Add programs that only start a nodelet or component to its group.
 
     Such a program has all interfaces of the other, from the same lines. If there are several candidates, such as nodes
@@ -69,8 +69,8 @@ def _join_wrappers(nodes: Sequence[Document], found: list[int]) -> None:
             rivals = [one for one in programs if one != program and set(partners[one]) & set(others)]
             partner = _partner(nodes, program, rivals, others)
             if partner is not None:
-                old, new = found[program], found[partner]
-                found[:] = [min(old, new) if group in {old, new} else group for group in found]
+                old, new = groups_of[program], groups_of[partner]
+                groups_of[:] = [min(old, new) if group in {old, new} else group for group in groups_of]
 
 
 def _is_own(end: End) -> bool:
@@ -87,8 +87,8 @@ def _partner(nodes: Sequence[Document], program: int, rivals: Sequence[int], oth
         return others[0]
     named = set(bare_name(nodes[program].name).split())
     named -= {word for rival in rivals for word in bare_name(nodes[rival].name).split()}
-    kept = [place for place in others if named & set(bare_name(nodes[place].name).split())]
-    return kept[0] if len(kept) == 1 else None
+    sharing = [place for place in others if named & set(bare_name(nodes[place].name).split())]
+    return sharing[0] if len(sharing) == 1 else None
 
 
 def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDArray[np.int32]:
@@ -99,10 +99,10 @@ def order(packages: Sequence[PackageDocument], nodes: Sequence[Document]) -> NDA
         version = [-int(part) if part.isdigit() else 0 for part in (package.version or "0").split(".")]
         return package.deprecated, -(node.ros or package.ros), _KINDS.get(node.kind, len(_KINDS)), version, place
 
-    found = np.zeros(len(nodes), np.int32)
+    ranks = np.zeros(len(nodes), np.int32)
     for position, place in enumerate(sorted(range(len(nodes)), key=key)):
-        found[place] = position
-    return found
+        ranks[place] = position
+    return ranks
 
 
 def is_main(node: Document, package: PackageDocument, variants: int, others: int) -> bool:
@@ -117,8 +117,8 @@ def is_main(node: Document, package: PackageDocument, variants: int, others: int
 def _families(packages: Sequence[PackageDocument]) -> list[int]:
     """Return the index of the first copy of each package."""
     places = {package.iri: place for place, package in enumerate(packages)}
-    found = list(range(len(packages)))
+    first_copies = list(range(len(packages)))
     for place, package in enumerate(packages):
         copies = [places[iri] for iri in package.copies if iri in places]
-        found[place] = min([place, *(found[copy] for copy in copies)])
-    return found
+        first_copies[place] = min([place, *(first_copies[copy] for copy in copies)])
+    return first_copies

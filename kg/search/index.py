@@ -58,12 +58,12 @@ class Columns:
 
     def dense(self, name: str, size: int) -> Floats:
         """Return the values of a column for all nodes."""
-        found = np.zeros(size, np.float32)
+        values = np.zeros(size, np.float32)
         place = self.names.get(name)
         if place is not None:
             part = slice(self.starts[place], self.starts[place + 1])
-            found[self.rows[part]] = self.values[part]
-        return found
+            values[self.rows[part]] = self.values[part]
+        return values
 
 
 class Nodes(Protocol):
@@ -122,7 +122,7 @@ def build(content: Content) -> Index:
         content.concepts,
         _columns(worths(content, fields, group.tolist())),
         _columns(_shares(content.nodes)),
-        _columns(dict.fromkeys(found, 1.0) for found in features),
+        _columns(dict.fromkeys(names, 1.0) for names in features),
         group,
         order(content.packages, content.nodes),
         _started(content.nodes, group),
@@ -171,12 +171,12 @@ def _shares(nodes: Sequence[Document]) -> Iterator[dict[str, float]]:
 
 def _columns(nodes: Iterable[Mapping[str, float]]) -> Columns:
     """Return the columns of the values that each node has, by name."""
-    found: defaultdict[str, list[tuple[int, float]]] = defaultdict(list)
+    by_name: defaultdict[str, list[tuple[int, float]]] = defaultdict(list)
     for place, values in enumerate(nodes):
         for name, value in values.items():
-            found[name].append((place, value))
-    names = {name: place for place, name in enumerate(sorted(found))}
-    lists = [found[name] for name in names]
+            by_name[name].append((place, value))
+    names = {name: place for place, name in enumerate(sorted(by_name))}
+    lists = [by_name[name] for name in names]
     starts = np.cumsum([0, *map(len, lists)], dtype=np.int64)
     rows = np.array([place for places in lists for place, _ in places], np.int32)
     return Columns(names, starts, rows, np.array([value for places in lists for _, value in places], np.float32))

@@ -44,7 +44,7 @@ def lexicon() -> Lexicon:
         {word: tuple(parts.split()) for word, parts in content["compounds"].items()},
         {other: word for word, others in content["families"].items() for other in others},
         tuple(tuple(group) for group in content["synonyms"].values()),
-        {said: tuple(meant) for said, meant in content["everyday"].items()},
+        {words_typed: tuple(synonyms) for words_typed, synonyms in content["everyday"].items()},
         {phrase: tuple(types) for phrase, types in content["types"].items()},
         {direction: tuple(phrases) for direction, phrases in content["directions"].items()},
         {turn: tuple(phrases) for turn, phrases in content["asides"].items()},

@@ -56,17 +56,17 @@ class Names:
     def licenses(self, name: str) -> tuple[str, ...]:
         """Return the licences whose name begins with `name`, ignoring case: BSD is any of the BSD licences."""
         start = name.lower()
-        return tuple(feature for known, feature in self._licenses.items() if _begins(known, start))
+        return tuple(feature for name_of_licence, feature in self._licenses.items() if _begins(name_of_licence, start))
 
-    def known(self, term: str) -> bool:
+    def describes_node(self, term: str) -> bool:
         """Return whether a term describes a node."""
         return term in self._terms
 
     def spellings(self, term: str) -> tuple[tuple[str, float], ...]:
         """Return terms of nodes spelled like a term that describes no node, with their similarity, best first."""
         if term not in self._spellings:
-            found = self._alike(term) if len(term) >= _LEAST_LETTERS else ()
-            self._spellings[term] = tuple(sorted(found, key=lambda one: (-one[1], one[0]))[:_FEW])
+            similar_terms = self._alike(term) if len(term) >= _LEAST_LETTERS else ()
+            self._spellings[term] = tuple(sorted(similar_terms, key=lambda one: (-one[1], one[0]))[:_FEW])
         return self._spellings[term]
 
     def _alike(self, term: str) -> Iterator[tuple[str, float]]:
@@ -86,13 +86,13 @@ class Names:
                 yield one, likeness
 
     def _concepts(self, concepts: Sequence[Concept]) -> dict[tuple[str, ...], tuple[str, ...]]:
-        found: defaultdict[tuple[str, ...], list[str]] = defaultdict(list)
+        by_stems: defaultdict[tuple[str, ...], list[str]] = defaultdict(list)
         for concept in concepts:
             feature = f"{concept.kind}:{concept.label}"
             if feature in self.features:
                 for label in (concept.label, *concept.others):
-                    found[phrase(label)].append(feature)
-        return {stems: tuple(dict.fromkeys(features)) for stems, features in found.items() if stems}
+                    by_stems[phrase(label)].append(feature)
+        return {stems: tuple(dict.fromkeys(features)) for stems, features in by_stems.items() if stems}
 
 
 def _cut(term: str) -> frozenset[str]:
@@ -103,20 +103,20 @@ def _cut(term: str) -> frozenset[str]:
 
 def _synonyms(concepts: Sequence[Concept]) -> Mapping[tuple[str, ...], tuple[tuple[str, ...], ...]]:
     groups = [*lexicon().synonyms, *((concept.label, *concept.others) for concept in concepts)]
-    found: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
+    by_phrase: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
     for group in groups:
         stems = [phrase(one) for one in group]
         others = [_content(one) for one in group if not one.startswith("=") and "not" not in one.split()]
         for one in filter(None, stems):
-            found.setdefault(one, {}).update(dict.fromkeys(filter(None, others)))
-    for said, meant in lexicon().everyday.items():
-        found.setdefault(phrase(said), {}).update(dict.fromkeys(map(_content, meant)))
-    return {one: tuple(others) for one, others in found.items()}
+            by_phrase.setdefault(one, {}).update(dict.fromkeys(filter(None, others)))
+    for typed, others_typed in lexicon().everyday.items():
+        by_phrase.setdefault(phrase(typed), {}).update(dict.fromkeys(map(_content, others_typed)))
+    return {one: tuple(others) for one, others in by_phrase.items()}
 
 
 def _content(text: str) -> tuple[str, ...]:
     return tuple(stem(word) for word in words(text) if not is_stop(word))
 
 
-def _begins(known: str, start: str) -> bool:
-    return known.startswith(start) and not known[len(start) : len(start) + 1].isalpha()
+def _begins(name: str, start: str) -> bool:
+    return name.startswith(start) and not name[len(start) : len(start) + 1].isalpha()

@@ -42,11 +42,13 @@ class Question:
     answers: tuple[tuple[str, int], ...]
 
 
-def question(hits: Sequence[Hit], asked: Mapping[str, object]) -> Question | None:
-    """Return the question that splits the hits best; None if no question other than those `asked` splits them."""
+def question(hits: Sequence[Hit], answered: Mapping[str, object]) -> Question | None:
+    """Return the question that splits the hits best; None if no question other than those `answered` splits them."""
     best, most = None, 0.0
     for kind, text in QUESTIONS.items():
-        counts = Counter(value for hit in hits for value in set(_values(kind, hit))) if kind not in asked else Counter()
+        counts = (
+            Counter(value for hit in hits for value in set(_values(kind, hit))) if kind not in answered else Counter()
+        )
         answers = [(value, count) for value, count in counts.most_common() if count < len(hits)][:_MOST]
         gained = max((_split(count / len(hits)) for _, count in answers), default=0.0)
         if gained > most:

@@ -55,7 +55,7 @@ _MOST: Final = 2000
 _LONGEST: Final = 6  # so many words has the longest phrase of the lexicon
 _TOLD: Final = 3  # behind so many significant words, `for` begins an aside
 _SHORT_NAME: Final = 2
-_OF_EVERY: Final = ("ros", "msg", "msgs")  # names that tell nothing of a node
+_OF_EVERY: Final = ("ros", "msg", "msgs")  # names without information about a node
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,12 +95,12 @@ class Wording:
 class Wish:
     """A feature that hits should have: any of `features`. A strict wish excludes all nodes without it.
 
-    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `said` contains its words.
+    `kind` is subscribes, publishes, ..., hardware, function, capability, ros, license; `wording` contains its words.
     """
 
     kind: str
     features: tuple[str, ...]
-    said: str
+    wording: str
     strict: bool = False
 
 
@@ -135,40 +135,40 @@ class _Token:
 
 def parse(text: str, names: Names) -> Need:
     """Parse a text into a need; `names` are those of the store. Never fails, and is deterministic."""
-    strict, rest = _strict(text[:_MOST], names)
-    tokens = _weighed(rest)
+    strict, remaining = _strict(text[:_MOST], names)
+    tokens = _weighed(remaining)
     wishes = [*strict, *_typed(tokens, names), *_hardware(tokens, names)]
     return Need(text, tuple(_wordings(tokens, names)), tuple(dict.fromkeys(wishes)))
 
 
 def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
     """Return the wishes in the form of filters, and the text without parts that are not words to search for."""
-    found: list[Wish] = []
+    wishes: list[Wish] = []
     for match in _EXPLICIT.finditer(text):
         kind, at = _ROLES[match["role"]], match
         while at is not None:
             features = names.types(kind, at["type"])
             if features:
-                found.append(Wish(kind, features, at["type"], strict=True))
+                wishes.append(Wish(kind, features, at["type"], strict=True))
             at = _MORE.match(text, at.end())  # type: ignore[assignment]  # the loop ends with None
-    found += _versions(text)
+    wishes += _versions(text)
     for match in _LICENSED.finditer(text):
         name = match["one"] or match["two"]
         if features := names.licenses(name):
-            found.append(Wish("license", features, name, strict=True))
+            wishes.append(Wish("license", features, name, strict=True))
             text = text.replace(match[0], " ")
-    return found, _ROS.sub(" ", text)
+    return wishes, _ROS.sub(" ", text)
 
 
 def _versions(text: str) -> list[Wish]:
     """Return the wishes for a version of ROS; none if a text names both, for example a bridge between them."""
-    found = [(match["version"], match[0]) for match in _ROS.finditer(text)]
+    versions = [(match["version"], match[0]) for match in _ROS.finditer(text)]
     for match in _DISTRIBUTION.finditer(text):
         name = match["behind"] or match["last"] or match["before"]
-        found.append((_DISTRIBUTIONS[name.lower()], name))
-    if len({version for version, _ in found}) > 1:
+        versions.append((_DISTRIBUTIONS[name.lower()], name))
+    if len({version for version, _ in versions}) > 1:
         return []
-    return [Wish("ros", (f"ros:{version}",), said, strict=True) for version, said in found]
+    return [Wish("ros", (f"ros:{version}",), wording, strict=True) for version, wording in versions]
 
 
 @lru_cache(maxsize=1)
@@ -178,7 +178,7 @@ def _turns() -> dict[tuple[str, ...], str]:
 
 def _weighed(text: str) -> list[_Token]:
     """Return the tokens of a text, with asides marked; an aside ends with its clause."""
-    found: list[_Token] = []
+    result: list[_Token] = []
     for clause in re.split(r"[,;:]\s", text):
         tokens = [token for name in clause.split() for token in _tokens(name)]
         stems = tuple(token.stem for token in tokens)
@@ -188,12 +188,12 @@ def _weighed(text: str) -> list[_Token]:
             if turn == "wanted" and aside == "unwanted":
                 aside = ""
             elif not aside and (
-                turn == "unwanted" or (turn == "purpose" and sum(not is_stop(one.word) for one in found) >= _TOLD)
+                turn == "unwanted" or (turn == "purpose" and sum(not is_stop(one.word) for one in result) >= _TOLD)
             ):
                 aside = turn
-            found += [replace(token, aside=bool(aside)) for token in tokens[at : at + length]]
+            result += [replace(token, aside=bool(aside)) for token in tokens[at : at + length]]
             at += length
-    return found
+    return result
 
 
 def _tokens(name: str) -> list[_Token]:
@@ -221,13 +221,13 @@ def _cues() -> dict[tuple[str, ...], str]:
     return {phrase(one): side for side, phrases in lexicon().directions.items() for one in phrases}
 
 
-def _matches(tokens: Sequence[_Token], known: dict[tuple[str, ...], object]) -> Iterator[tuple[int, int]]:
+def _matches(tokens: Sequence[_Token], phrases: dict[tuple[str, ...], object]) -> Iterator[tuple[int, int]]:
     """Yield begin and end of known phrases: the longest at each index, without overlaps."""
     begin = 0
     stems = tuple(token.stem for token in tokens)
     while begin < len(stems):
         for end in range(min(len(stems), begin + _LONGEST), begin, -1):
-            if stems[begin:end] in known:
+            if stems[begin:end] in phrases:
                 yield begin, end
                 begin = end
                 break
@@ -241,7 +241,7 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
     A phrase of insignificant words alone that has synonyms is one wording: `where it is`.
     """
     seen: set[str] = set()
-    said = {token.whole for token in tokens} | {token.stem for token in tokens}
+    present = {token.whole for token in tokens} | {token.stem for token in tokens}
     spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
     end = 0
     others: tuple[tuple[str, ...], ...] = ()
@@ -254,20 +254,22 @@ def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
                 yield Wording(phrased, tuple(Alternative(one, 1.0) for one in others), token.aside)
         if token.stem not in seen and (not is_stop(token.word) or token.name):
             seen.add(token.stem)
-            yield _wording(token, [one for one in others if not said.issuperset(one)], names)
+            yield _wording(token, [one for one in others if not present.issuperset(one)], names)
 
 
 def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -> Wording:
     rank = lexicon().weights["rank"]
-    found = [Alternative((token.stem,), 1.0)]
+    alternatives = [Alternative((token.stem,), 1.0)]
     if token.whole is not None:
-        found.append(Alternative((token.whole,), 1.0))
-    known = any(names.known(one.terms[0]) for one in found)
-    near = () if known else names.spellings(token.whole or token.stem)
-    found += [Alternative((term,), rank["spelling"] * likeness) for term, likeness in near]
-    found += [Alternative(one, rank["synonym"]) for one in synonyms]
+        alternatives.append(Alternative((token.whole,), 1.0))
+    describes = any(names.describes_node(one.terms[0]) for one in alternatives)
+    near = () if describes else names.spellings(token.whole or token.stem)
+    alternatives += [Alternative((term,), rank["spelling"] * likeness) for term, likeness in near]
+    alternatives += [Alternative(one, rank["synonym"]) for one in synonyms]
     spelled = tuple(term for term, _ in near)
-    return Wording(token.typed if not known else token.word, tuple(found), token.aside, not known, spelled)
+    return Wording(
+        token.typed if not describes else token.word, tuple(alternatives), token.aside, not describes, spelled
+    )
 
 
 def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
@@ -277,11 +279,11 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
         if tokens[begin].aside:
             continue
         stems = tuple(token.stem for token in tokens[begin:end])
-        said = " ".join(token.word for token in tokens[begin:end])
+        wording = " ".join(token.word for token in tokens[begin:end])
         for kind in _SIDES.get(_side(tokens, begin, end), ()):
             features = tuple(feature for type_ in phrases[stems] for feature in names.types(kind, type_))
             if features:
-                yield Wish(kind, features, said)
+                yield Wish(kind, features, wording)
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:
@@ -305,7 +307,7 @@ def _hardware(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
     for begin, end in _matches(tokens, names.concepts):  # type: ignore[arg-type]  # only the keys are looked at
         if tokens[begin].aside:
             continue
-        said = " ".join(token.word for token in tokens[begin:end])
+        wording = " ".join(token.word for token in tokens[begin:end])
         for feature in names.concepts[tuple(token.stem for token in tokens[begin:end])]:
             if feature.startswith("hardware:"):
-                yield Wish("hardware", (feature,), said)
+                yield Wish("hardware", (feature,), wording)

@@ -26,22 +26,22 @@ if TYPE_CHECKING:
     from kg.search.needs import Alternative, Need, Wish, Wording
 
 _RAREST: Final = 2.0
-_ABOUT: Final = ("ros", "license", "kind", "package")  # filters that tell nothing of what a node does
+_ABOUT: Final = ("ros", "license", "kind", "package")  # filters without information about what a node does
 _FILTERED: Final = 0.01  # what fulfils the filters is a hit, whatever else the words say
 
 
 def scores(index: Index, need: Need) -> Floats:
     """Return the score of each node, zero for those excluded by a strict wish."""
     total = covered(index, need) + np.float32(_rank("named")) * _named(index, need) + _wished(index, need)
-    asked = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
-    total *= prior(index, frozenset(asked))
+    requested = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
+    total *= prior(index, frozenset(requested))
     strict = [wish for wish in need.wishes if wish.strict]
     if not strict:
         return total
-    kept = np.zeros(index.size, np.int32)
+    fulfilled = np.zeros(index.size, np.int32)
     for wish in strict:
-        kept[wish_rows(index, wish)] += 1
-    return np.where(kept == len(strict), total + _FILTERED, 0).astype(np.float32)
+        fulfilled[wish_rows(index, wish)] += 1
+    return np.where(fulfilled == len(strict), total + _FILTERED, 0).astype(np.float32)
 
 
 def covered(index: Index, need: Need) -> Floats:
@@ -75,9 +75,9 @@ def _information(index: Index, need: Need, wording: Wording) -> float:
     """Return the information of a wording; an unknown ordinary word has less than an unknown name."""
     if not wording.unknown or wording.name:
         return wording.weight * index.information(_spelling(index, wording).terms[0])
-    known = [index.information(_spelling(index, one).terms[0]) for one in need.wordings if not one.unknown]
+    amounts = [index.information(_spelling(index, one).terms[0]) for one in need.wordings if not one.unknown]
     most = index.information(wording.alternatives[0].terms[0])
-    mean = sum(known) / len(known) if known else most
+    mean = sum(amounts) / len(amounts) if amounts else most
     return wording.weight * (most + _rank("ordinary") * (mean - most))
 
 
@@ -96,8 +96,8 @@ def wording_scores(index: Index, wording: Wording) -> Floats:
     best = np.zeros(index.size, np.float32)
     for one in wording.alternatives:
         columns = [index.text.dense(term, index.size) for term in one.terms]
-        told = max(index.information(term) for term in one.terms)
-        best = np.maximum(best, np.float32(one.weight * min(1.0, told / own)) * np.min(columns, axis=0))
+        amount = max(index.information(term) for term in one.terms)
+        best = np.maximum(best, np.float32(one.weight * min(1.0, amount / own)) * np.min(columns, axis=0))
     return best
 
 
@@ -146,14 +146,14 @@ def _rank(name: str) -> float:
     return lexicon().weights["rank"][name]
 
 
-def prior(index: Index, asked: frozenset[str]) -> Floats:
-    """Return the score factor of each node that is independent of the need, except that `asked` words lower no node."""
+def prior(index: Index, requested: frozenset[str]) -> Floats:
+    """Return the score factor of each node independent of the need, but `requested` words lower no node."""
     down = lexicon().weights["down"]
-    found = 1 + np.float32(_rank("started")) * index.started
+    factors = 1 + np.float32(_rank("started")) * index.started
     for words, lost in ((TESTS, down["test"]), (MARKS - TESTS, down["mark"])):
         marked = np.zeros(index.size, np.bool_)
-        for word in words - asked:
+        for word in words - requested:
             marked[index.features.rows_of(f"mark:{word}")] = True
-        found[marked] *= 1 - lost
-    found[index.features.rows_of("untold:")] *= 1 - down["untold"]
-    return found.astype(np.float32)
+        factors[marked] *= 1 - lost
+    factors[index.features.rows_of("untold:")] *= 1 - down["untold"]
+    return factors.astype(np.float32)

@@ -107,7 +107,7 @@ class _Reading:
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot = snapshot
         self.graphs = [graph for graph in snapshot.graphs() if is_source_graph(graph.value)]
-        self.known: defaultdict[str, list[str]] = defaultdict(list)
+        self.terms: defaultdict[str, list[str]] = defaultdict(list)
         self.texts = self._texts()
         ontologies = (graph for graph in snapshot.graphs() if graph.value.endswith(_ONTOLOGY))
         self.individuals = grouped(row for graph in ontologies for row in rows(self.snapshot, _CONCEPTS % graph))
@@ -115,7 +115,7 @@ class _Reading:
     def content(self) -> Content:
         owners = {node: (package, source) for node, package, source in self._sources(_OWNED)}
         for node in owners:
-            self.known[node.partition("#")[0]].append(node)
+            self.terms[node.partition("#")[0]].append(node)
         packages = self._packages(owners.values())
         places = {package.iri: place for place, package in enumerate(packages)}
         return Content(packages, self._nodes(owners, places), self._concepts())
@@ -133,16 +133,18 @@ class _Reading:
         for owner, part, predicate, value in self._sources(_TEXTS):
             owners[part] = owner
             parts[part][predicate].append(value)
-        found: defaultdict[str, list[Text]] = defaultdict(list)
+        by_owner: defaultdict[str, list[Text]] = defaultdict(list)
         for part, properties in parts.items():
             get = partial(value_of, properties)
             text, kind, path = get(v.DESCRIPTION_TEXT), get(v.DESCRIPTION_KIND), get(v.PATH)
             if text and _LICENCE.search(text):
                 continue
-            found[owners[part]].append(Text(text or "", kind or "", path or "", int(get(v.LINE) or 0), get(v.HEADING)))
+            by_owner[owners[part]].append(
+                Text(text or "", kind or "", path or "", int(get(v.LINE) or 0), get(v.HEADING))
+            )
         return {
             owner: tuple(sorted(texts, key=lambda one: (one.path, one.line, one.text)))
-            for owner, texts in found.items()
+            for owner, texts in by_owner.items()
         }
 
     def _packages(self, owners: Iterable[tuple[str, str]]) -> list[PackageDocument]:
@@ -153,13 +155,13 @@ class _Reading:
         for one, other in rows(self.snapshot, "SELECT ?a ?b { GRAPH ?g { ?a rnkg:copyOf ?b } }"):
             copies[one].add(other)
             copies[other].add(one)
-        found = []
+        packages = []
         for iri, properties in grouped(self._sources(_PACKAGES)).items():
             if iri not in sources:
                 continue
             get = partial(value_of, properties)
             spdx = [one.rpartition("/")[2] for one in properties.get(v.bare(v.LICENSE), ())]
-            found.append(
+            packages.append(
                 PackageDocument(
                     iri=iri,
                     repository=names[sources[iri]],
@@ -174,19 +176,19 @@ class _Reading:
                     copies=tuple(sorted(copies.get(iri, ()))),
                 )
             )
-        return sorted(found, key=lambda one: (one.repository, one.name, one.path))
+        return sorted(packages, key=lambda one: (one.repository, one.name, one.path))
 
     def _nodes(self, owners: Mapping[str, tuple[str, str]], places: Mapping[str, int]) -> list[Document]:
         ends, parameters = self._ends(), self._parameters()
         programs = dict(self._sources(_PROGRAMS))
         classes = self._classes()
         starts = self._starts()
-        found = []
+        nodes = []
         for iri, properties in grouped(self._sources(_NODES)).items():
             if iri not in owners or owners[iri][0] not in places:
                 continue
             get = partial(value_of, properties)
-            found.append(
+            nodes.append(
                 Document(
                     iri=iri,
                     name=get(v.NAME) or "",
@@ -208,68 +210,68 @@ class _Reading:
                     starts=starts[iri],
                 )
             )
-        return sorted(found, key=lambda one: (one.package, one.name, one.path, one.line, one.iri))
+        return sorted(nodes, key=lambda one: (one.package, one.name, one.path, one.line, one.iri))
 
     def _ends(self) -> dict[str, tuple[End, ...]]:
         types = dict(self._sources(_TYPES))
-        found: defaultdict[str, set[tuple[str, str, str, str, int]]] = defaultdict(set)
+        by_node: defaultdict[str, set[tuple[str, str, str, str, int]]] = defaultdict(set)
         messages = {iri.rpartition("/message/")[0] for iri in types.values() if "/message/" in iri}
         transforms = " ".join(f"<{base}/message/{name}>" for base in sorted(messages) for name in TRANSFORM_TYPES)
         for body in (_ENDS, _TRANSFORMS % transforms):
             for part, path, line in self._sources(body):
-                node = owner_of(part, self.known)
+                node = owner_of(part, self.terms)
                 role, name = _part(node, part)
                 if role in _ROLES:
-                    found[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
+                    by_node[node].add((_ROLES[role], name or "", _type_name(types.get(part)) or "", path, int(line)))
         return {
             node: tuple(
                 End(role, name or None, kind or None, path, line) for role, name, kind, path, line in sorted(ends)
             )
-            for node, ends in found.items()
+            for node, ends in by_node.items()
         }
 
     def _parameters(self) -> dict[str, tuple[tuple[str, str | None], ...]]:
-        told = dict(self._sources(_TOLD))
-        found: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
+        descriptions = dict(self._sources(_TOLD))
+        by_node: defaultdict[str, dict[str, str | None]] = defaultdict(dict)
         for (part,) in self._sources(_PARAMETERS):
-            node = owner_of(part, self.known)
+            node = owner_of(part, self.terms)
             kind, name = _part(node, part)
             if kind == _PARAMETER and name is not None:
-                found[node][name] = told.get(part) or found[node].get(name)
-        return {node: tuple(sorted(named.items())) for node, named in found.items()}
+                by_node[node][name] = descriptions.get(part) or by_node[node].get(name)
+        return {node: tuple(sorted(named.items())) for node, named in by_node.items()}
 
     def _classes(self) -> Mapping[tuple[str, str], tuple[str, ...]]:
         """Return the labels of the classes of nodes, by node and field of a document."""
         labels = {iri: value_of(properties, v.LABEL) for iri, properties in self.individuals.items()}
-        found: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
+        by_field: defaultdict[tuple[str, str], set[str]] = defaultdict(set)
         for name, predicate in _CLASSES.items():
             for node, concept in rows(self.snapshot, f"SELECT ?n ?c {{ GRAPH ?g {{ ?n {predicate} ?c }} }}"):
-                found[node, name].add(labels.get(concept) or concept.rpartition("#")[2])
-        return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in found.items()})
+                by_field[node, name].add(labels.get(concept) or concept.rpartition("#")[2])
+        return defaultdict(tuple, {key: tuple(sorted(names)) for key, names in by_field.items()})
 
     def _starts(self) -> Counter[str]:
         """Return the number of starts of each node in launch files."""
         return Counter(node for _, node in rows(self.snapshot, "SELECT ?i ?n { GRAPH ?g { ?i rnkg:instanceOf ?n } }"))
 
     def _concepts(self) -> list[Concept]:
-        found = []
+        concepts = []
         for iri, properties in self.individuals.items():
             kind = next((kind for kind, place in _SCHEMES.items() if place in iri), None)
             label = value_of(properties, v.LABEL)
             if kind is not None and label is not None:
-                found.append(Concept(label, kind, tuple(sorted(properties.get(_ALTERNATIVE, ()))), self._wider(iri)))
-        return sorted(found, key=lambda one: (one.kind, one.label))
+                concepts.append(Concept(label, kind, tuple(sorted(properties.get(_ALTERNATIVE, ()))), self._wider(iri)))
+        return sorted(concepts, key=lambda one: (one.kind, one.label))
 
     def _wider(self, iri: str) -> tuple[str, ...]:
         """Return the labels of all broader concepts."""
-        found: dict[str, str] = {}
+        wider: dict[str, str] = {}
         waiting = list(self.individuals[iri].get(_BROADER, ()))
         while waiting:
             one = waiting.pop()
-            if one not in found and one in self.individuals:
-                found[one] = value_of(self.individuals[one], v.LABEL) or ""
+            if one not in wider and one in self.individuals:
+                wider[one] = value_of(self.individuals[one], v.LABEL) or ""
                 waiting += self.individuals[one].get(_BROADER, ())
-        return tuple(sorted(filter(None, found.values())))
+        return tuple(sorted(filter(None, wider.values())))
 
 
 def _part(node: str, part: str) -> tuple[str, str | None]:

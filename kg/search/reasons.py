@@ -43,7 +43,7 @@ _KINDS: Final = {
     "plugin": "its description says",
 }
 _CLASSES: Final = {"hardware": "works with {}", "function": "is for {}", "capability": "can {}"}
-_EXCERPT: Final = 90  # so many characters of a text stand in a reason
+_EXCERPT: Final = 90  # maximum number of characters of a text in a reason
 _MORE: Final = " …"
 
 
@@ -65,10 +65,10 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
     node = index.nodes[place]
     package = index.packages[node.package]
     weights = _weights(index, need, place)
-    found = [*_of_wishes(index, need.wishes, weights, node, package), *_of_words(weights, node, package)]
-    found.sort(key=lambda one: (-one.weight, one.text))
+    candidates = [*_of_wishes(index, need.wishes, weights, node, package), *_of_words(weights, node, package)]
+    candidates.sort(key=lambda one: (-one.weight, one.text))
     seen: dict[str, Reason] = {}
-    for one in found:
+    for one in candidates:
         # `named scan` and `named scan.py` are the same reason.
         seen.setdefault("named" if one.text.startswith("named ") else one.text, one)
     return tuple(seen.values())[:limit]
@@ -76,14 +76,14 @@ def reasons(index: Index, need: Need, place: int, limit: int) -> tuple[Reason, .
 
 def _weights(index: Index, need: Need, place: int) -> dict[str, float]:
     """Return the score of each term of the need for a node."""
-    found: dict[str, float] = {}
+    weights: dict[str, float] = {}
     for wording in need.wordings:
-        told = share(index, need, wording)
+        part = share(index, need, wording)
         for one in wording.alternatives:
             for term in one.terms:
-                value = told * one.weight * index.text.value(term, place)
-                found[term] = max(value, found.get(term, 0.0))
-    return {term: value for term, value in found.items() if value > 0}
+                value = part * one.weight * index.text.value(term, place)
+                weights[term] = max(value, weights.get(term, 0.0))
+    return {term: value for term, value in weights.items() if value > 0}
 
 
 def _of_wishes(
@@ -95,14 +95,14 @@ def _of_wishes(
         for end in node.ends:
             if end.role in _ROLES.get(wish.kind, (wish.kind,)) and f"{end.role}:{end.type}" in features:
                 words = terms(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}")
-                said = sum(weights.get(term, 0.0) for term in set(words))
-                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + said / 2, end.path, end.line)
+                words_weight = sum(weights.get(term, 0.0) for term in set(words))
+                yield Reason(f"{_VERBS[end.role]} {end.type}", weight + words_weight / 2, end.path, end.line)
                 break
         labels = {"hardware": node.hardware, "function": node.functions, "capability": node.capabilities}
         if wish.kind in labels:
-            kept = [label for label in labels[wish.kind] if f"{wish.kind}:{label}" in features]
-            kept = kept or ([wish.features[0].partition(":")[2]] if wish.strict else [])
-            yield from (Reason(_CLASSES[wish.kind].format(label), weight) for label in kept[:1])
+            matching = [label for label in labels[wish.kind] if f"{wish.kind}:{label}" in features]
+            matching = matching or ([wish.features[0].partition(":")[2]] if wish.strict else [])
+            yield from (Reason(_CLASSES[wish.kind].format(label), weight) for label in matching[:1])
         if wish.strict and wish.kind == "license":
             yield Reason(f"licence {' and '.join(package.licenses)}", 0.5, package.path, 1)
 
@@ -123,13 +123,13 @@ def _of_words(weights: Mapping[str, float], node: Document, package: PackageDocu
     if value := worth(package.name, "package"):
         yield Reason(f"in the package {package.name}", value, package.path, 1)
     if package.description and (value := worth(package.description, "manifest")):
-        said = _excerpt(package.description, lambda one: worth(one, "manifest"))
-        yield Reason(f"its package says “{said}”", value, package.path, 1)
+        excerpt = _excerpt(package.description, lambda one: worth(one, "manifest"))
+        yield Reason(f"its package says “{excerpt}”", value, package.path, 1)
     for end in node.ends:
         if value := worth(f"{anonymous(end.name or '')} {(end.type or '').rpartition('/')[2]}", "interface"):
             yield Reason(f"{_VERBS[end.role]} {end.name or end.type}", value * 0.5, end.path, end.line)
-    for name, told in node.parameters:
-        if value := worth(f"{name} {told or ''}", "parameter"):
+    for name, description in node.parameters:
+        if value := worth(f"{name} {description or ''}", "parameter"):
             yield Reason(f"has the parameter {name}", value * 0.5)
 
 
@@ -137,8 +137,8 @@ def _best(texts: Iterable[Text], worth: Callable[[str, str], float]) -> Iterator
     valued = [(worth(text.text, text.kind), text) for text in texts]
     value, best = max(valued, key=lambda one: one[0], default=(0.0, None))
     if best is not None and value > 0:
-        said = _excerpt(best.text, lambda text: worth(text, best.kind))
-        yield Reason(f"{_KINDS.get(best.kind, 'it says')} “{said}”", value, best.path, best.line)
+        excerpt = _excerpt(best.text, lambda text: worth(text, best.kind))
+        yield Reason(f"{_KINDS.get(best.kind, 'it says')} “{excerpt}”", value, best.path, best.line)
 
 
 def _excerpt(text: str, worth: Callable[[str], float]) -> str:

@@ -90,8 +90,8 @@ class Search:
             groups.setdefault(int(self.index.group[place]), []).append(place)
         chosen = list(groups.values())[:limit]
         fitting = fits(self.index, need, [members[0] for members in chosen])
-        found = [self._hit(rank, members, worth, need) for rank, members in enumerate(chosen, 1)]
-        return Answer(need, tuple(replace(hit, fits=fitting) for hit in found), len(groups), fitting)
+        hits = [self._hit(rank, members, worth, need) for rank, members in enumerate(chosen, 1)]
+        return Answer(need, tuple(replace(hit, fits=fitting) for hit in hits), len(groups), fitting)
 
     def _hit(self, rank: int, members: Sequence[int], worth: Any, need: Need) -> Hit:
         place, *others = members

@@ -28,14 +28,14 @@ def understood(need: Need) -> tuple[list[str], list[str]]:
 def unknown(need: Need) -> list[str]:
     """Return sentences about the words that describe no node, with and without similar spellings."""
     strange = [one for one in need.wordings if one.unknown]
-    found = []
+    sentences = []
     for start, words in (
         ("no description of a node mentions", [one.text for one in strange if not one.near]),
         ("searched for near spellings of", [one.text for one in strange if one.near]),
     ):
         if words:
-            found.append(f"{start} {', '.join(f'`{word}`' for word in words)}")
-    return found
+            sentences.append(f"{start} {', '.join(f'`{word}`' for word in words)}")
+    return sentences
 
 
 def near(words: str, search: Search) -> str | None:
@@ -50,4 +50,4 @@ def _wish_words(wish: Wish) -> str:
     label = wish.features[0].partition(":")[2]
     if wish.kind == "ros":
         return f"ROS {label}"
-    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.said}"
+    return f"{_VERBS.get(wish.kind, wish.kind)} {label if wish.kind in _LABELLED else wish.wording}"

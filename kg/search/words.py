@@ -56,8 +56,8 @@ def _stemmed(word: str) -> str:
     """
     if len(word) <= _SHORT:
         return word
-    found: str = _STEMMER.stemWord(_OUR.sub("or", _BRITISH.sub(r"\1z", word)))
-    return found
+    stem_of: str = _STEMMER.stemWord(_OUR.sub("or", _BRITISH.sub(r"\1z", word)))
+    return stem_of
 
 
 @lru_cache(maxsize=1)
@@ -77,15 +77,15 @@ def phrase(text: str) -> tuple[str, ...]:
 
 def name_terms(name: str) -> list[str]:
     """Return the terms of an identifier, except those that it negates: `MarkersNoKinect` has no kinect."""
-    found, skip = [], False
+    stems, skip = [], False
     for word in words(name):
         if skip:
             skip = False
         elif word in _WITHOUT:
             skip = True
         elif not is_stop(word):
-            found.append(stem(word))
-    return found
+            stems.append(stem(word))
+    return stems
 
 
 def terms(text: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Addresses of this server: the one module that knows the path at which a reverse proxy publishes it (`root_path`).
+"""Addresses of this server: the one module with the path at which a reverse proxy publishes it (`root_path`).
 
     url("/node", iri=iri)          # "/node?iri=...", or "/kg/node?iri=..." under the root path `/kg`
     address(request, "/update")    # "http://example.org/kg/update"

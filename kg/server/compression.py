@@ -35,7 +35,7 @@ class Compressed:
             await self._app(scope, receive, send)
             return
         if _refused(Headers(scope=scope)):
-            # Through the same middleware: caches must know that other clients get other bytes (`Vary`).
+            # Through the same middleware: caches need `Vary`, since other clients get other bytes.
             scope = {**scope, "headers": [pair for pair in scope["headers"] if pair[0] != b"accept-encoding"]}
 
         async def sending(message: Message) -> None:

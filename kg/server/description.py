@@ -145,7 +145,7 @@ async def _counts(request: Request) -> _Counts | None:
 async def _rows(request: Request, text: str) -> list[dict[str, dict[str, str]]]:
     shared = state(request)
     question = Question(text=text, formats={"rows": "json"}, union=not shared.options.no_union)
-    async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as found:
-        body = b"".join([part async for part in found.parts()])
+    async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as response:
+        body = b"".join([part async for part in response.parts()])
     bindings: list[dict[str, dict[str, str]]] = json.loads(body)["results"]["bindings"]
     return bindings

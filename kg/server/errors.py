@@ -174,11 +174,11 @@ def _page(members: Mapping[str, Any]) -> str:
 def as_error(request: HTTPConnection, error: HTTPException) -> KgError:
     """Return the error of `kg` for an exception that Starlette raised about a request."""
     code = _OF_STATUS.get(error.status_code, "KG520")
-    said = {
+    messages = {
         "KG521": f"no page or endpoint at {request.url.path}",
         "KG522": f"{request.scope['method']} is not allowed at {request.url.path}",
     }
-    return RequestError(code, said.get(code, error.detail), headers=error.headers)
+    return RequestError(code, messages.get(code, error.detail), headers=error.headers)
 
 
 async def _of_kg(request: Request, error: Exception) -> Response:

@@ -22,7 +22,7 @@ from kg.server.negotiation import GRAPH, choose
 from kg.server.parameters import Parameters, in_utf8, media_type, unsupported
 from kg.server.preconditions import on_condition
 from kg.server.protocol_answer import answer
-from kg.server.protocol_question import Asked, digest
+from kg.server.protocol_question import QueryRequest, digest
 from kg.server.protocol_update import counted, patience, writer
 from kg.server.safety.tokens import client
 from kg.server.state import state
@@ -89,16 +89,16 @@ async def _get(request: Request) -> Response:
     stream = parameters.flag("stream") and request.scope["http_version"] != "1.0"
     chosen = {"graph": choices["graph"]}
     message = frame(question)
-    asked = Asked(question, message, chosen, seconds, None, stream, digest(message, chosen), parameters.pairs())
-    return await answer(request, asked)
+    parsed = QueryRequest(question, message, chosen, seconds, None, stream, digest(message, chosen), parameters.pairs())
+    return await answer(request, parsed)
 
 
 async def _exists(request: Request, graph: NamedNode) -> bool:
     """Return whether a graph exists, even without triples."""
     shared = state(request)
     question = Question(text=f"ASK {{ GRAPH {graph} {{ }} }}", formats={"boolean": "csv"}, union=False)
-    async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as found:
-        return b"true" in b"".join([part async for part in found.parts()])
+    async with shared.readers.ask(question, seconds=shared.options.seconds, client=client(request)) as response:
+        return b"true" in b"".join([part async for part in response.parts()])
 
 
 async def _put(request: Request) -> Response:
@@ -156,7 +156,7 @@ async def _parts(request: Request) -> list[tuple[bytes, str]]:
     in_utf8(request)
     kind = media_type(request)
     if kind != _MULTIPART:
-        return [(await request.body(), _known(kind))]
+        return [(await request.body(), _supported(kind))]
     parts = []
     async with request.form() as form:
         for name, file in form.multi_items():
@@ -165,13 +165,13 @@ async def _parts(request: Request) -> list[tuple[bytes, str]]:
             kind = (file.content_type or "").partition(";")[0].strip().lower()
             if not kind and (by_name := RdfFormat.from_extension((file.filename or "").rpartition(".")[2])):
                 kind = by_name.media_type
-            parts.append((await file.read(), _known(kind)))
+            parts.append((await file.read(), _supported(kind)))
     if not parts:
         raise RequestError("KG520", "the form has no file")
     return parts
 
 
-def _known(kind: str) -> str:
+def _supported(kind: str) -> str:
     if not kind or RdfFormat.from_media_type(kind) is None:
         raise unsupported(kind, "text/turtle", "another format of RDF")
     return kind

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from kg.query.readers.pool import Job
 
 
-def _told(job: Job, *, whole: bool) -> dict[str, Any]:
-    """Return the public description of a job, without identity and text for clients that do not know them."""
-    told = {"seconds": round(job.elapsed, 3), "rows": job.rows}
-    return {"id": job.identity, "query": job.text, **told} if whole else told
+def _description(job: Job, *, whole: bool) -> dict[str, Any]:
+    """Return the public description of a job, without identity and text unless `whole`."""
+    progress = {"seconds": round(job.elapsed, 3), "rows": job.rows}
+    return {"id": job.identity, "query": job.text, **progress} if whole else progress
 
 
 def _json(content: object) -> Response:
@@ -34,14 +34,14 @@ def _json(content: object) -> Response:
 
 async def _all(request: Request) -> Response:
     jobs = state(request).readers.jobs
-    return _json({"jobs": [_told(job, whole=is_trusted(request)) for job in jobs.values() if not job.own]})
+    return _json({"jobs": [_description(job, whole=is_trusted(request)) for job in jobs.values() if not job.own]})
 
 
 async def _one(request: Request) -> Response:
     job = state(request).readers.jobs.get(request.path_params["identity"])
     if job is None:
         raise RequestError("KG521", "no job of this identity runs", hint="It has ended, or never began.")
-    return _json(_told(job, whole=True))
+    return _json(_description(job, whole=True))
 
 
 async def _cancel(request: Request) -> Response:

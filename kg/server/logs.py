@@ -34,29 +34,29 @@ class Log:
         self._slow = options.slow
         self._slow_log = options.slow_log
 
-    def request(self, request: HTTPConnection, found: Record) -> None:
+    def request(self, request: HTTPConnection, recorded: Record) -> None:
         """Log a finished request, and its query if it was slow."""
-        seconds = found.seconds
+        seconds = recorded.seconds
         if self._form != "off":
-            _REQUESTS.info(self._line(_members(request, found, seconds)))
-        if self._slow is not None and found.query is not None and seconds >= self._slow:
-            self._write_slow(found, seconds)
+            _REQUESTS.info(self._line(_members(request, recorded, seconds)))
+        if self._slow is not None and recorded.query is not None and seconds >= self._slow:
+            self._write_slow(recorded, seconds)
 
     def _line(self, members: dict[str, Any]) -> str:
         if self._form == "json":
             return json.dumps(members)
         first = f"{members.pop('time')} {members.pop('client')} {members.pop('method')} {members.pop('path')}"
-        said = (f"{name}={value}" for name, value in members.items() if value not in (None, False))
-        return " ".join((first, *said))
+        fields = (f"{name}={value}" for name, value in members.items() if value not in (None, False))
+        return " ".join((first, *fields))
 
-    def _write_slow(self, found: Record, seconds: float) -> None:
+    def _write_slow(self, recorded: Record, seconds: float) -> None:
         members = {
             "time": _now(),
             "seconds": round(seconds, 3),
-            "rows": found.rows,
-            "outcome": found.outcome,
-            "digest": found.digest,
-            "query": found.query,
+            "rows": recorded.rows,
+            "outcome": recorded.outcome,
+            "digest": recorded.digest,
+            "query": recorded.query,
         }
         line = json.dumps(members)
         try:
@@ -74,7 +74,7 @@ class Log:
         _DEFECTS.error("%s KG900 %s\n%s", _now(), error, "".join(traceback.format_exception(error.__cause__)).rstrip())
 
 
-def _members(request: HTTPConnection, found: Record, seconds: float) -> dict[str, Any]:
+def _members(request: HTTPConnection, recorded: Record, seconds: float) -> dict[str, Any]:
     scope = request.scope
     path = scope["path"]
     return {
@@ -82,13 +82,13 @@ def _members(request: HTTPConnection, found: Record, seconds: float) -> dict[str
         "client": (scope.get("client") or ("-",))[0],
         "method": scope["method"],
         "path": path if path.isprintable() and " " not in path else path.encode("unicode_escape").decode(),
-        "status": found.status,
+        "status": recorded.status,
         "ms": round(seconds * 1000, 1),
-        "bytes": found.sent,
-        "outcome": found.outcome,
-        "rows": found.rows,
-        "query": found.digest,
-        "cached": found.cached,
+        "bytes": recorded.sent,
+        "outcome": recorded.outcome,
+        "rows": recorded.rows,
+        "query": recorded.digest,
+        "cached": recorded.cached,
     }
 
 
@@ -96,7 +96,7 @@ def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
-class _Told(logging.Filter):
+class _SkipLogged(logging.Filter):
     """Filter out records that this module has logged itself."""
 
     def filter(self, record: logging.LogRecord) -> bool:
@@ -112,4 +112,4 @@ def configure() -> None:
     logger.handlers = [handler]
     logger.setLevel(logging.INFO)
     logger.propagate = False
-    logging.getLogger("uvicorn.error").addFilter(_Told())
+    logging.getLogger("uvicorn.error").addFilter(_SkipLogged())

@@ -43,25 +43,25 @@ class Metrics:
         self._running = Gauge("kg_jobs", "Queries and views that run or wait.", registry=registry)
         self._readers = Gauge("kg_readers", "Reader processes that run at a time.", registry=registry)
         self._snapshot = Gauge("kg_snapshot", "The generation of the data in force.", registry=registry)
-        self._age = Gauge("kg_snapshot_age_seconds", "Seconds since it came into force.", registry=registry)
+        self._age = Gauge("kg_snapshot_age_seconds", "Seconds since it became current.", registry=registry)
 
         self._children: dict[tuple[str, int], Counter] = {}
         self._outcomes: dict[str, Counter] = {}
 
-    def count(self, method: str, found: Record) -> None:
+    def count(self, method: str, recorded: Record) -> None:
         """Count a finished request."""
-        key = (method if method in _METHODS else "other", found.status)
+        key = (method if method in _METHODS else "other", recorded.status)
         if key not in self._children:
-            self._children[key] = self._requests.labels(key[0], str(found.status))
+            self._children[key] = self._requests.labels(key[0], str(recorded.status))
         self._children[key].inc()
-        self._bytes.inc(found.sent)
-        if found.query is not None:
-            if found.outcome not in self._outcomes:
-                self._outcomes[found.outcome] = self._queries.labels(found.outcome)
-            self._outcomes[found.outcome].inc()
-            self._seconds.observe(found.seconds)
-            self._rows.inc(found.rows or 0)
-            if found.cached:
+        self._bytes.inc(recorded.sent)
+        if recorded.query is not None:
+            if recorded.outcome not in self._outcomes:
+                self._outcomes[recorded.outcome] = self._queries.labels(recorded.outcome)
+            self._outcomes[recorded.outcome].inc()
+            self._seconds.observe(recorded.seconds)
+            self._rows.inc(recorded.rows or 0)
+            if recorded.cached:
                 self._cached.inc()
 
     def text(self, request: Request) -> bytes:

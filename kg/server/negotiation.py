@@ -112,7 +112,7 @@ class Range:
 
 def ranges(accept: str) -> list[Range]:
     """Return the media ranges of a header `Accept`; malformed elements are skipped."""
-    return [found for element in _elements(accept) if (found := _range(element))]
+    return [media_range for element in _elements(accept) if (media_range := _range(element))]
 
 
 def _elements(accept: str) -> Iterator[str]:
@@ -139,7 +139,7 @@ def _range(element: str) -> Range | None:
 
 def _parameters(text: str) -> dict[str, str] | None:
     """Return the parameters of a media range by name; None if they are malformed."""
-    found: dict[str, str] = {}
+    parameters: dict[str, str] = {}
     position = 0
     while position < len(text):
         match = _PARAMETER.match(text, position)
@@ -147,9 +147,9 @@ def _parameters(text: str) -> dict[str, str] | None:
             return None
         if match[1]:
             value = match[2]
-            found.setdefault(match[1].lower(), value[1:-1].replace("\\", "") if value[0] == '"' else value)
+            parameters.setdefault(match[1].lower(), value[1:-1].replace("\\", "") if value[0] == '"' else value)
         position = match.end()
-    return found
+    return parameters
 
 
 def best(accept: Sequence[Range], offered: Iterable[tuple[str, str]]) -> Choice | None:
@@ -158,13 +158,13 @@ def best(accept: Sequence[Range], offered: Iterable[tuple[str, str]]) -> Choice 
     The closest range for each media type counts. Ties are resolved by the client's order, then by ours.
     """
     leading = (0.0, 0, 0)
-    found = None
+    choice = None
     for media_type, name in offered:
         precision, order = max((one.precision(media_type), -index) for index, one in enumerate(accept))
         rank = (accept[-order].quality if precision else 0.0, precision, order * (precision == _NAMED))
         if rank[0] and rank > leading:
-            leading, found = rank, Choice(name, media_type)
-    return found
+            leading, choice = rank, Choice(name, media_type)
+    return choice
 
 
 @lru_cache(maxsize=1024)
@@ -178,24 +178,24 @@ def choose(accept: str | None, named: tuple[str, ...] = ()) -> Mapping[str, Choi
         RequestError: KG523 no format for any kind.
     """
     for name in named:
-        if found := _named(name.strip().lower()):
-            return found
+        if choices := _named(name.strip().lower()):
+            return choices
     wanted = ranges(accept) if accept else []
     if any(named) and all(one.type == "*" for one in wanted):
         names = sorted({name for _, name in (*RESULTS, *GRAPH)})
         raise RequestError("KG523", f"unknown format `{named[0]}`", hint=f"Use one of {', '.join(names)}.")
     if not wanted:
         return {kind: Choice(offered[0][1], offered[0][0]) for kind, offered in _KINDS.items()}
-    found = _accepted(wanted)
-    if not found:
+    choices = _accepted(wanted)
+    if not choices:
         types = ", ".join(dict.fromkeys(media_type for media_type, _ in (*RESULTS, *GRAPH)))
         raise RequestError("KG523", f"no answer can be written as `{accept}`", hint=f"Accept one of {types}.")
-    return found
+    return choices
 
 
 def _accepted(wanted: Sequence[Range]) -> dict[str, Choice]:
-    found = {kind: best(wanted, offered) for kind, offered in _KINDS.items()} if wanted else {}
-    return {kind: choice for kind, choice in found.items() if choice}
+    choices = {kind: best(wanted, offered) for kind, offered in _KINDS.items()} if wanted else {}
+    return {kind: choice for kind, choice in choices.items() if choice}
 
 
 def _named(name: str) -> dict[str, Choice]:

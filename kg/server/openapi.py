@@ -177,7 +177,7 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
     ("POST", "/robot/stop"): Operation("Stop whatever moves.", answers=_DONE),
     ("POST", "/robot/do"): Operation("Do something, for an open page.", bodies=_JSON, answers=_DONE, token=True),
     ("POST", "/robot/read"): Operation("Let an open page follow values.", bodies=_JSON, answers=_DONE),
-    ("POST", "/robot/here"): Operation("Say that somebody is at an open page.", bodies=_JSON, answers=_DONE),
+    ("POST", "/robot/here"): Operation("Confirm that a page is still open.", bodies=_JSON, answers=_DONE),
 }
 """Operations by method and address; pages are described by their routes alone."""
 
@@ -220,8 +220,8 @@ def _operations(routes: list[BaseRoute]) -> Iterator[tuple[str, str, Operation]]
             yield from ((f"/api/{name}", method, view) for name, method, view in _views())
         elif path == "/" or not path.endswith("/"):
             for method in sorted((route.methods or set()) - _LEFT_OUT):
-                said = inspect.getdoc(route.endpoint) or f"The page {route.path}."
-                page = Operation(said.partition("\n")[0], answers={200: ("text/html",)})
+                description = inspect.getdoc(route.endpoint) or f"The page {route.path}."
+                page = Operation(description.partition("\n")[0], answers={200: ("text/html",)})
                 yield path, method, OPERATIONS.get((method, path), page)
 
 

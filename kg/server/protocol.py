@@ -15,7 +15,7 @@ from kg.server.leaving import ClientLeftError
 from kg.server.methods import route
 from kg.server.negotiation import prefers_pages
 from kg.server.protocol_answer import answer
-from kg.server.protocol_question import asked
+from kg.server.protocol_question import parse_request
 from kg.server.scopes import header
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ class Endpoint:
 async def _query(request: Request) -> Response:
     if _is_followed(request):
         return RedirectResponse(request.url.replace(path=url("/query"), scheme="", netloc=""), 303, {"Vary": "Accept"})
-    found = await asked(request)
-    return await description(request) if found is None else await answer(request, found)
+    parsed = await parse_request(request)
+    return await description(request) if parsed is None else await answer(request, parsed)
 
 
 def _is_followed(request: Request) -> bool:

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import Receive, Scope, Send
 
-    from kg.query.readers.cache import Kept
+    from kg.query.readers.cache import CachedResponse
     from kg.query.readers.pool import Answer
-    from kg.server.protocol_question import Asked
+    from kg.server.protocol_question import QueryRequest
 
 _IN_MEMORY: Final = 8 << 20
 _PIECE: Final = 256 << 10
@@ -41,7 +41,7 @@ _KEPT: Final = ("ETag", "Vary", "Cache-Control", "X-Kg-Snapshot")
 """Headers of a response without its content (RFC 9110, section 15.4.5)."""
 
 
-class Held:
+class Buffer:
     """A buffer for bytes: in memory up to 8 MB, beyond that in an unnamed file."""
 
     def __init__(self, most: int) -> None:
@@ -83,20 +83,20 @@ class Held:
             self._file.close()
 
 
-class _HeldResponse(Response):
+class _BufferedResponse(Response):
     """The response from a buffer, with its length."""
 
-    def __init__(self, held: Held, headers: dict[str, str]) -> None:
-        super().__init__(None, 200, {**headers, "Content-Length": str(held.size)})
-        self._held = held
+    def __init__(self, buffer: Buffer, headers: dict[str, str]) -> None:
+        super().__init__(None, 200, {**headers, "Content-Length": str(buffer.size)})
+        self._buffer = buffer
 
     def close(self) -> None:
         """Release the buffer without sending it."""
-        self._held.close()
+        self._buffer.close()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:  # noqa: ARG002 - ASGI's signature
         try:
-            pieces = self._held.pieces()
+            pieces = self._buffer.pieces()
             await send({"type": "http.response.start", "status": self.status_code, "headers": self.raw_headers})
             if isinstance(pieces, list):
                 await send({"type": "http.response.body", "body": b"".join(pieces)})
@@ -105,77 +105,77 @@ class _HeldResponse(Response):
                 await send({"type": "http.response.body", "body": piece, "more_body": True})
             await send({"type": "http.response.body", "body": b""})
         finally:
-            self._held.close()
+            self._buffer.close()
 
 
-async def answer(request: Request, asked: Asked) -> Response:
+async def answer(request: Request, parsed: QueryRequest) -> Response:
     """Return the response to a query; raises KgError for failures before the first byte, and ClientLeftError."""
     anything = (header(request.scope, b"if-none-match") or "").strip() == "*"
-    if request.method not in _SAFE and (anything or _unchanged(request, asked)):
+    if request.method not in _SAFE and (anything or _unchanged(request, parsed)):
         hint = "Send the query with GET, which is answered with 304, or without `If-None-Match`."
         raise RequestError("KG536", "`If-None-Match` fails: the result exists", hint=hint)  # RFC 9110, section 13.1.2
     if not anything:
-        return await _answer(request, asked)
+        return await _answer(request, parsed)
     # The condition fails if there is a response, so an error takes precedence (RFC 9110, section 13.2.1).
-    found = await _answer(request, replace(asked, stream=False))
-    if isinstance(found, _HeldResponse):
-        found.close()
-    headers = {name: found.headers[name] for name in _KEPT if name in found.headers}
+    response = await _answer(request, replace(parsed, stream=False))
+    if isinstance(response, _BufferedResponse):
+        response.close()
+    headers = {name: response.headers[name] for name in _KEPT if name in response.headers}
     return Response(status_code=304, headers=headers)
 
 
-async def _answer(request: Request, asked: Asked) -> Response:
-    record(request).query = asked.question.text
+async def _answer(request: Request, parsed: QueryRequest) -> Response:
+    record(request).query = parsed.question.text
     readers = state(request).readers
-    if _unchanged(request, asked):
+    if _unchanged(request, parsed):
         current = str(readers.layout.current())
-        return Response(status_code=304, headers={"ETag": asked.tag(current), "Vary": "Accept"})
-    if asked.job is not None and asked.job in readers.jobs:
+        return Response(status_code=304, headers={"ETag": parsed.tag(current), "Vary": "Accept"})
+    if parsed.job is not None and parsed.job in readers.jobs:
         raise RequestError("KG520", "the job of this identity still runs", hint="Choose another `job`.")
-    if asked.stream:
-        return await _streamed(request, asked)
-    known = readers.known(asked.message)
-    record(request).cached = known is not None
-    if (known := known or readers.look_up(asked.question, asked.message)) is not None:
-        return Response(known.body, headers={**_headers(asked, known), **_counted(request, asked, known)})
-    return await while_connected(request.receive, _whole(request, asked))
+    if parsed.stream:
+        return await _streamed(request, parsed)
+    cached = readers.cached(parsed.message)
+    record(request).cached = cached is not None
+    if (cached := cached or readers.look_up(parsed.question, parsed.message)) is not None:
+        return Response(cached.body, headers={**_headers(parsed, cached), **_counted(request, parsed, cached)})
+    return await while_connected(request.receive, _whole(request, parsed))
 
 
-def _unchanged(request: Request, asked: Asked) -> bool:
+def _unchanged(request: Request, parsed: QueryRequest) -> bool:
     """Return whether the client's copy is current; only repeatable results have an entity tag."""
     tags = header(request.scope, b"if-none-match")
     if tags is None:
         return False
     current = str(state(request).readers.layout.current())
     given = {tag.strip().removeprefix("W/") for tag in tags.split(",")}
-    return asked.question.snapshot in {None, current} and asked.tag(current) in given
+    return parsed.question.snapshot in {None, current} and parsed.tag(current) in given
 
 
-async def _whole(request: Request, asked: Asked) -> Response:
+async def _whole(request: Request, parsed: QueryRequest) -> Response:
     options = state(request).options
-    held = Held(options.answer_bytes)
+    buffer = Buffer(options.answer_bytes)
     try:
-        async with _asking(request, asked) as found:
-            async for part in found.parts():
-                held.add(part)
+        async with _asking(request, parsed) as result:
+            async for part in result.parts():
+                buffer.add(part)
     except QueryError as error:
-        held.close()
-        raise _changed(request, asked, error) from error
+        buffer.close()
+        raise _changed(request, parsed, error) from error
     except BaseException:
-        held.close()
+        buffer.close()
         raise
-    return _HeldResponse(held, {**_headers(asked, found), **_counted(request, asked, found)})
+    return _BufferedResponse(buffer, {**_headers(parsed, result), **_counted(request, parsed, result)})
 
 
-def _asking(request: Request, asked: Asked) -> AbstractAsyncContextManager[Answer]:
-    return state(request).readers.ask(asked.question, seconds=asked.seconds, job=asked.job, client=client(request))
+def _asking(request: Request, parsed: QueryRequest) -> AbstractAsyncContextManager[Answer]:
+    return state(request).readers.ask(parsed.question, seconds=parsed.seconds, job=parsed.job, client=client(request))
 
 
-def _changed(request: Request, asked: Asked, error: QueryError) -> KgError:
+def _changed(request: Request, parsed: QueryRequest, error: QueryError) -> KgError:
     """Return the error, with a link added if it reports that the requested data no longer exists."""
     if error.code != "KG512":
         return error
-    headers = _link(asked.link(request, snapshot=None), "latest-version")
+    headers = _link(parsed.link(request, snapshot=None), "latest-version")
     return RequestError(error.code, error.message, hint=error.hint, headers=headers)
 
 
@@ -183,51 +183,53 @@ def _link(address: str | None, relation: str) -> dict[str, str]:
     return {"Link": f'<{address}>; rel="{relation}"'} if address else {}
 
 
-def _headers(asked: Asked, found: Answer | Kept) -> dict[str, str]:
+def _headers(parsed: QueryRequest, result: Answer | CachedResponse) -> dict[str, str]:
     """Return the headers known at the start of the response."""
     headers = {
-        "Content-Type": asked.choices[found.head.kind].content_type,
+        "Content-Type": parsed.choices[result.head.kind].content_type,
         "Vary": "Accept",
-        "X-Kg-Snapshot": found.head.snapshot,
+        "X-Kg-Snapshot": result.head.snapshot,
     }
-    if found.head.repeatable:
-        headers |= {"ETag": asked.tag(found.head.snapshot), "Cache-Control": "no-cache"}
+    if result.head.repeatable:
+        headers |= {"ETag": parsed.tag(result.head.snapshot), "Cache-Control": "no-cache"}
     else:
         headers["Cache-Control"] = "no-store"
     return headers
 
 
-def _counted(request: Request, asked: Asked, found: Answer | Kept) -> dict[str, str]:
+def _counted(request: Request, parsed: QueryRequest, result: Answer | CachedResponse) -> dict[str, str]:
     """Return the headers known at the end of the response."""
-    assert found.end is not None  # noqa: S101 - all its parts were read
-    record(request).rows = found.end.rows
-    headers = {"X-Kg-Rows": str(found.end.rows), "Server-Timing": f"query;dur={found.end.seconds * 1000:.1f}"}
-    if found.end.more:
-        behind = asked.question.offset + found.end.rows
-        following = asked.link(request, offset=str(behind), snapshot=found.head.snapshot)
+    assert result.end is not None  # noqa: S101 - all its parts were read
+    record(request).rows = result.end.rows
+    headers = {"X-Kg-Rows": str(result.end.rows), "Server-Timing": f"query;dur={result.end.seconds * 1000:.1f}"}
+    if result.end.more:
+        behind = parsed.question.offset + result.end.rows
+        following = parsed.link(request, offset=str(behind), snapshot=result.head.snapshot)
         headers |= {"X-Kg-Truncated": "true", **_link(following, "next")}
     return headers
 
 
-async def _streamed(request: Request, asked: Asked) -> Response:
+async def _streamed(request: Request, parsed: QueryRequest) -> Response:
     """Return a streamed response with its first part ready; earlier failures are reported like any other error."""
     stack = AsyncExitStack()
     try:
-        found, parts, first = await while_connected(request.receive, _begun(request, asked, stack))
+        result, parts, first = await while_connected(request.receive, _begun(request, parsed, stack))
     except BaseException as error:
         await stack.aclose()
         if isinstance(error, QueryError):
-            raise _changed(request, asked, error) from error
+            raise _changed(request, parsed, error) from error
         raise
-    headers = {**_headers(asked, found), "X-Kg-Job": found.job.identity}
+    headers = {**_headers(parsed, result), "X-Kg-Job": result.job.identity}
     return _StreamedResponse(first, parts, stack, headers)
 
 
-async def _begun(request: Request, asked: Asked, running: AsyncExitStack) -> tuple[Answer, AsyncIterator[bytes], bytes]:
+async def _begun(
+    request: Request, parsed: QueryRequest, running: AsyncExitStack
+) -> tuple[Answer, AsyncIterator[bytes], bytes]:
     """Return an answer that `running` closes, its remaining parts, and the first part."""
-    found = await running.enter_async_context(_asking(request, asked))
-    parts = found.parts()
-    return found, parts, await anext(parts, b"")
+    result = await running.enter_async_context(_asking(request, parsed))
+    parts = result.parts()
+    return result, parts, await anext(parts, b"")
 
 
 class _StreamedResponse(Response):

@@ -38,7 +38,7 @@ _JOB: Final = re.compile(r"[A-Za-z0-9_-]{16,128}")
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class QueryRequest:
     """A parsed query request: `message` is `question` encoded for a reader.
 
     `choices` has the format for each kind of result, `seconds` is the deadline, `job` the identity that the client
@@ -65,8 +65,8 @@ class Asked:
         """
         pairs = [(name, value) for name, value in self.pairs if name not in changed]
         pairs += [(name, value) for name, value in changed.items() if value is not None]
-        found = f"{url(request.url.path)}?{urlencode(pairs)}"
-        return found if len(found) <= ADDRESS_BYTES else None
+        linked = f"{url(request.url.path)}?{urlencode(pairs)}"
+        return linked if len(linked) <= ADDRESS_BYTES else None
 
 
 def digest(message: bytes, choices: Mapping[str, Choice]) -> str:
@@ -75,7 +75,7 @@ def digest(message: bytes, choices: Mapping[str, Choice]) -> str:
     return hashlib.sha256(message + msgspec.msgpack.encode(sent)).hexdigest()[:24]
 
 
-async def asked(request: Request) -> Asked | None:
+async def parse_request(request: Request) -> QueryRequest | None:
     """Return the query of a request; None for a GET without one, which requests the service description.
 
     Raises:
@@ -85,20 +85,20 @@ async def asked(request: Request) -> Asked | None:
     scope = request.scope
     body = b"" if scope["method"] in {"GET", "HEAD"} else await body_of(request.receive)
     if len(body) > _REMEMBERED_BYTES:
-        return _asked(request, body)
+        return _parse_request(request, body)
     # Clients differ only by the token.
-    said = (scope["method"], scope["path"], scope["query_string"], tuple(scope["headers"]), body)
-    key = (*said, scope["http_version"], scope["scheme"], is_trusted(request))
-    known = state(request).asked
-    if key not in known:
-        if len(known) >= _REMEMBERED:
-            known.clear()
-        known[key] = _asked(request, body)
-    return known[key]
+    sent = (scope["method"], scope["path"], scope["query_string"], tuple(scope["headers"]), body)
+    key = (*sent, scope["http_version"], scope["scheme"], is_trusted(request))
+    parsed = state(request).parsed
+    if key not in parsed:
+        if len(parsed) >= _REMEMBERED:
+            parsed.clear()
+        parsed[key] = _parse_request(request, body)
+    return parsed[key]
 
 
-def _asked(request: Request, body: bytes) -> Asked | None:
-    parameters, text = _said(request, body)
+def _parse_request(request: Request, body: bytes) -> QueryRequest | None:
+    parameters, text = _parameters(request, body)
     if "update" in parameters:
         raise RequestError(
             "KG520", "updates go to /update, by POST", hint="Send it as `update=` in the body of a POST."
@@ -113,7 +113,7 @@ def _asked(request: Request, body: bytes) -> Asked | None:
     choices = choose(header(request.scope, b"accept"), parameters.formats)
     question = _question(request, parameters, text, choices)
     message = frame(question)
-    return Asked(
+    return QueryRequest(
         question=question,
         message=message,
         choices=choices,
@@ -125,21 +125,21 @@ def _asked(request: Request, body: bytes) -> Asked | None:
     )
 
 
-def _said(request: Request, body: bytes) -> tuple[Parameters, str | None]:
+def _parameters(request: Request, body: bytes) -> tuple[Parameters, str | None]:
     """Return the parameters of a request and the text of its query."""
-    said = request.scope["query_string"]
+    query_string = request.scope["query_string"]
     if request.method in {"GET", "HEAD"}:
-        parameters = Parameters(said)
+        parameters = Parameters(query_string)
         return parameters, parameters.one("query")
     kind = media_type(request)
     if kind == QUERY:
-        parameters = Parameters(said)
+        parameters = Parameters(query_string)
         if "query" in parameters:
             raise RequestError("KG520", "the address and the body each contain a query")
         return parameters, body_text(request, body)
     if kind == FORM:
         in_utf8(request)
-        parameters = Parameters(said, body)
+        parameters = Parameters(query_string, body)
         return parameters, parameters.one("query")
     raise unsupported(kind, QUERY, FORM)
 

@@ -26,10 +26,10 @@ _UPDATE: Final = "application/sparql-update"
 
 def writer(request: Request) -> Writer:
     """Return the writer of the store; RequestError KG530 if the server is read-only."""
-    found = state(request).writer
-    if found is None:
+    shared = state(request).writer
+    if shared is None:
         raise RequestError("KG530", "this server is read-only")
-    return found
+    return shared
 
 
 def patience(request: Request, parameters: Parameters) -> float:
@@ -50,7 +50,7 @@ def counted(updated: Updated) -> dict[str, str]:
 
 async def _update(request: Request) -> Response:
     changing = writer(request)
-    parameters, text = await _said(request)
+    parameters, text = await _parameters(request)
     if text is None:
         raise RequestError("KG520", "the parameter `update` is missing")
     update = partial(
@@ -65,17 +65,17 @@ async def _update(request: Request) -> Response:
     return Response(msgspec.json.encode(updated), headers=counted(updated), media_type="application/json")
 
 
-async def _said(request: Request) -> tuple[Parameters, str | None]:
+async def _parameters(request: Request) -> tuple[Parameters, str | None]:
     """Return the parameters of a request and the text of its update."""
-    said = request.scope["query_string"]
+    query_string = request.scope["query_string"]
     kind = media_type(request)
-    if "update" in Parameters(said):
+    if "update" in Parameters(query_string):
         raise RequestError("KG520", "an update must be in the request body, not in the address")
     if kind == _UPDATE:
-        return Parameters(said), body_text(request, await request.body())
+        return Parameters(query_string), body_text(request, await request.body())
     if kind == FORM:
         in_utf8(request)
-        parameters = Parameters(said, await request.body())
+        parameters = Parameters(query_string, await request.body())
         return parameters, parameters.one("update")
     raise unsupported(kind, _UPDATE, FORM)
 

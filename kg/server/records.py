@@ -39,7 +39,7 @@ class Record:
 
 def record(request: HTTPConnection) -> Record:
     """Return the record of a request, which is logged after the response."""
-    found: Record | None = request.scope.get(_KEY)
-    if found is None:
-        found = request.scope[_KEY] = Record()
-    return found
+    stored: Record | None = request.scope.get(_KEY)
+    if stored is None:
+        stored = request.scope[_KEY] = Record()
+    return stored

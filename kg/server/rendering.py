@@ -67,17 +67,17 @@ def page(
 @cache
 def environment() -> Environment:
     """Return the template environment with its functions: `url`, and filters of this module and of kg.server.prose."""
-    found = Environment(
+    templates = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    found.globals["url"] = url
-    found.filters |= {"number": _number, "href": _href, "moment": _moment}
-    found.filters |= {"breakable": breakable, "inline": inline, "prose": prose, "source": source}
-    return found
+    templates.globals["url"] = url
+    templates.filters |= {"number": _number, "href": _href, "moment": _moment}
+    templates.filters |= {"breakable": breakable, "inline": inline, "prose": prose, "source": source}
+    return templates
 
 
 def _number(value: float) -> str:

@@ -46,10 +46,10 @@ def notify(message: str) -> bool:
     address = os.environ.get("NOTIFY_SOCKET", "")
     if not address.startswith(("/", "@")):
         return False
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as told:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as endpoint:
         try:
-            told.connect("\0" + address[1:] if address.startswith("@") else address)
-            told.sendall(message.encode())
+            endpoint.connect("\0" + address[1:] if address.startswith("@") else address)
+            endpoint.sendall(message.encode())
         except OSError:
             return False
     return True
@@ -72,8 +72,8 @@ class Server(uvicorn.Server):
     @property
     def _state(self) -> State | None:
         """The shared state, None before the application has started."""
-        found: State | None = getattr(self._app.state, "server", None)
-        return found
+        shared: State | None = getattr(self._app.state, "server", None)
+        return shared
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to listen, and call `ready`."""

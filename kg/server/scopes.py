@@ -14,8 +14,8 @@ def header(scope: Scope, name: bytes) -> str | None:
     """Return the first header of a name, given in lower case; None if it is missing."""
     for key, value in scope["headers"]:
         if key == name:
-            found: str = value.decode("latin-1")
-            return found
+            text: str = value.decode("latin-1")
+            return text
     return None
 
 

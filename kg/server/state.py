@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from kg.pipeline.updating.writer import Writer
     from kg.query.readers.pool import Readers
     from kg.server.options import Options
-    from kg.server.protocol_question import Asked
+    from kg.server.protocol_question import QueryRequest
     from kg.server.robot.session import Session
     from kg.settings import Settings
 
@@ -28,11 +28,11 @@ class State:
     readers: Readers
     writer: Writer | None = None
     robot: Session | None = None
-    asked: dict[tuple[object, ...], Asked | None] = field(default_factory=dict)
+    parsed: dict[tuple[object, ...], QueryRequest | None] = field(default_factory=dict)
     """Parsed query requests by the text that they were parsed from."""
 
 
 def state(request: Request) -> State:
     """Return the shared state of a request's server."""
-    found: State = request.scope["app"].state.server
-    return found
+    shared: State = request.scope["app"].state.server
+    return shared

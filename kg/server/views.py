@@ -45,13 +45,13 @@ async def _posted(request: Request) -> dict[str, Any]:
     if media_type(request) != "application/json":
         raise unsupported(media_type(request), "application/json")
     try:
-        found = json.loads(await request.body())
-        msgspec.msgpack.encode(found)
+        arguments = json.loads(await request.body())
+        msgspec.msgpack.encode(arguments)
     except (ValueError, RecursionError, OverflowError):  # no JSON, too deep, or a number that no reader accepts
-        found = None
-    if not isinstance(found, dict):
+        arguments = None
+    if not isinstance(arguments, dict):
         raise RequestError("KG520", "the body is not a JSON object of arguments")
-    return found
+    return arguments
 
 
 ROUTES = [route("/api/{name}", GET=_view, POST=_view)]

@@ -59,11 +59,11 @@ class Action:
 
 def _of(context: str, *rows: tuple[str, str, str, str] | tuple[str, str, str, str, str]) -> tuple[Action, ...]:
     """Return the actions of a context from rows of name, keys, title, help and marks: `f` footer, `p` priority."""
-    made = []
+    actions = []
     for name, keys, title, words, *marks in rows:
         signs = marks[0] if marks else ""
-        made.append(Action(name, tuple(keys.split()), title, words, context, "f" in signs, "p" in signs))
-    return tuple(made)
+        actions.append(Action(name, tuple(keys.split()), title, words, context, "f" in signs, "p" in signs))
+    return tuple(actions)
 
 
 ACTIONS: Final[tuple[Action, ...]] = (

@@ -63,10 +63,10 @@ def editor_words() -> list[str]:
     for name in ("VISUAL", "EDITOR"):
         if words := shlex.split(os.environ.get(name, "")):
             return words
-    found = next((name for name in _FALLBACKS if shutil.which(name)), None)
-    if found is None:
+    editor = next((name for name in _FALLBACKS if shutil.which(name)), None)
+    if editor is None:
         raise UsageError("KG551", "no editor was found", hint="Name one: export EDITOR=nano")
-    return [found]
+    return [editor]
 
 
 def command_for(path: Path, line: int | None) -> list[str]:

@@ -22,13 +22,13 @@ _TITLE: Final = 18  # maximum characters of a tab's title
 
 
 class Buffer(TabPane):
-    """A query with its result; `job` identifies a running query, `asked` is the text of the result's query."""
+    """A query with its result; `job` identifies a running query, `last_query` is the text of the result's query."""
 
     def __init__(self, number: int, text: str) -> None:
         super().__init__(_title(number, text), id=f"buffer-{number}")
         self.number = number
         self.job: str | None = None
-        self.asked = ""
+        self.last_query = ""
         self._first_text = text
 
     def compose(self) -> ComposeResult:
@@ -89,10 +89,10 @@ class Buffers(TabbedContent):
     def compose(self) -> ComposeResult:
         """Yield the tabs with the saved buffers."""
         for text in self._texts:
-            self._tab_content.append(self._made(text))
+            self._tab_content.append(self._create(text))
         yield from super().compose()
 
-    def _made(self, text: str) -> Buffer:
+    def _create(self, text: str) -> Buffer:
         self._number += 1
         return Buffer(self._number, text)
 
@@ -122,11 +122,11 @@ class Buffers(TabbedContent):
             current.editor.text = text
             current.editor.focus()
             return current
-        made = self._made(text)
-        await self.add_pane(made)
-        self.active = str(made.id)
-        made.editor.focus()
-        return made
+        buffer = self._create(text)
+        await self.add_pane(buffer)
+        self.active = str(buffer.id)
+        buffer.editor.focus()
+        return buffer
 
     async def close_current(self) -> None:
         """Close the visible buffer; the last one is emptied."""
@@ -143,10 +143,10 @@ class Buffers(TabbedContent):
 
     def step(self, by: int) -> None:
         """Show the buffer that many tabs to the right, wrapping around."""
-        found = self.all
+        buffers = self.all
         current = self.current
-        if current in found:
-            aim = found[(found.index(current) + by) % len(found)]
+        if current in buffers:
+            aim = buffers[(buffers.index(current) + by) % len(buffers)]
             self.active = str(aim.id)
             aim.editor.focus()
 

@@ -31,7 +31,7 @@ def _is_closing(widget: Widget) -> bool:
     """Return whether a widget is closing or closed: a screen first leaves the stack, then loses its parts."""
     return (
         not (widget.is_attached and widget.app.is_running and widget.screen in widget.app.screen_stack)
-        or any(node._pruning for node in widget.ancestors_with_self)  # noqa: SLF001 - nothing public tells
+        or any(node._pruning for node in widget.ancestors_with_self)  # noqa: SLF001 - no public attribute has it
     )
 
 

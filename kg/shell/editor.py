@@ -69,27 +69,27 @@ def spans(text: str) -> Iterator[Span]:
 
 
 def _comments(text: str, start: int, end: int) -> Iterator[Span]:
-    for found in _COMMENTS.finditer(text, start, end):
-        yield Span(found.start(), found.end(), "comment")
+    for match in _COMMENTS.finditer(text, start, end):
+        yield Span(match.start(), match.end(), "comment")
 
 
 def line_starts(text: str) -> list[int]:
     """Return the offset of the first character of each line."""
-    return [0, *(found.end() for found in re.finditer("\n", text))]
+    return [0, *(match.end() for match in re.finditer("\n", text))]
 
 
 def line_spans(text: str) -> dict[int, list[Span]]:
     """Return the spans by line, with columns instead of offsets; spans of several lines are split."""
     starts = line_starts(text)
-    found: dict[int, list[Span]] = {}
+    by_line: dict[int, list[Span]] = {}
     for span in spans(text):
         line = bisect_right(starts, span.start) - 1
         while line < len(starts) and starts[line] < span.end:
             end = starts[line + 1] - 1 if line + 1 < len(starts) else len(text)
             part = Span(max(span.start - starts[line], 0), min(span.end, end) - starts[line], span.kind)
-            found.setdefault(line, []).append(part)
+            by_line.setdefault(line, []).append(part)
             line += 1
-    return found
+    return by_line
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,28 +52,28 @@ def place_words(place: Mapping[str, Any] | None) -> str:
 
 
 def _section(title: str, lines: Iterable[Line], *, opened: bool = True) -> list[Line]:
-    found = tuple(lines)
-    return [Line(f"{title} ({len(found)})", children=found, open=opened)] if found else []
+    children = tuple(lines)
+    return [Line(f"{title} ({len(children)})", children=children, open=opened)] if children else []
 
 
-def _fact(found: Mapping[str, str] | None) -> Fact | None:
-    if found is None:
+def _fact(fact: Mapping[str, str] | None) -> Fact | None:
+    if fact is None:
         return None
-    return (f"<{found['subject']}>", f"<{found['predicate']}>", f"<{found['object']}>")
+    return (f"<{fact['subject']}>", f"<{fact['predicate']}>", f"<{fact['object']}>")
 
 
 def _inferred(mark: object) -> str:
     return "inferred" if mark else ""
 
 
-def lines_of_node(found: Mapping[str, Any]) -> tuple[Line, ...]:
+def lines_of_node(node: Mapping[str, Any]) -> tuple[Line, ...]:
     """Return the page of a node from the view `node`."""
     about = [
-        Line(f"{found['kind']} in {found['language']}, ROS {found['ros']}", place=found["evidence"]),
-        Line(f"package {found['package']['name']}", iri=found["package"]["iri"]),
-        Line(f"repository {found['repository']['name']}", iri=found["repository"]["iri"], note=found["commit"] or ""),
-        *([Line(f"start: {found['start']}")] if found["start"] else []),
-        *([] if found["functions"] else [Line("function: unknown")]),
+        Line(f"{node['kind']} in {node['language']}, ROS {node['ros']}", place=node["evidence"]),
+        Line(f"package {node['package']['name']}", iri=node["package"]["iri"]),
+        Line(f"repository {node['repository']['name']}", iri=node["repository"]["iri"], note=node["commit"] or ""),
+        *([Line(f"start: {node['start']}")] if node["start"] else []),
+        *([] if node["functions"] else [Line("function: unknown")]),
     ]
     classes = [
         line
@@ -88,22 +88,22 @@ def lines_of_node(found: Mapping[str, Any]) -> tuple[Line, ...]:
                     mark=_inferred(one["inferred"]),
                     note=one["grade"],
                 )
-                for one in found[kind]
+                for one in node[kind]
             ),
         )
     ]
     return (
         *about,
-        *_section("Interfaces", map(_interface, found["interfaces"])),
-        *_section("Descriptions", (Line(one["text"], place=one["evidence"]) for one in found["descriptions"][:5])),
+        *_section("Interfaces", map(_interface, node["interfaces"])),
+        *_section("Descriptions", (Line(one["text"], place=one["evidence"]) for one in node["descriptions"][:5])),
         *classes,
-        *_section("Parameters", map(_parameter, found["parameters"]), opened=False),
-        *_section("Connected to", map(_neighbours, found["neighbours"])),
+        *_section("Parameters", map(_parameter, node["parameters"]), opened=False),
+        *_section("Connected to", map(_neighbours, node["neighbours"])),
         *_section(
             "Used in",
             (
                 Line(f"{one['name']} in {one['system']}", iri=one["instance"], place=one["evidence"])
-                for one in found["used_in"]["instances"]
+                for one in node["used_in"]["instances"]
             ),
             opened=False,
         ),
@@ -131,19 +131,19 @@ def _neighbours(one: Mapping[str, Any]) -> Line:
     return Line(f"{arrow} {one['channel']}", iri=one["channel_iri"], note=more, children=below)
 
 
-def title_of(view: str, found: Mapping[str, Any]) -> str:
+def title_of(view: str, data: Mapping[str, Any]) -> str:
     """Return the title of a loaded page; empty if it keeps its name."""
     if view == "node":
-        return f"{found['name']}, node of {found['package']['name']}"
-    return str(found["label"]) if view == "resource" else ""
+        return f"{data['name']}, node of {data['package']['name']}"
+    return str(data["label"]) if view == "resource" else ""
 
 
-def lines_of_resource(found: Mapping[str, Any]) -> tuple[Line, ...]:
+def lines_of_resource(resource: Mapping[str, Any]) -> tuple[Line, ...]:
     """Return the page of a thing from the view `resource`."""
-    comment = [Line(found["comment"])] if found["comment"] else []
-    uses = [Line(f"the property of {count(found['uses'], 'fact')}")] if found["uses"] else []
-    groups = [_group(one, outward=side == "out") for side in ("out", "in") for one in found[side]]
-    return (Line(found["short"], place=found["evidence"]), *comment, *uses, *groups)
+    comment = [Line(resource["comment"])] if resource["comment"] else []
+    uses = [Line(f"the property of {count(resource['uses'], 'fact')}")] if resource["uses"] else []
+    groups = [_group(one, outward=side == "out") for side in ("out", "in") for one in resource[side]]
+    return (Line(resource["short"], place=resource["evidence"]), *comment, *uses, *groups)
 
 
 def _group(one: Mapping[str, Any], *, outward: bool) -> Line:
@@ -166,12 +166,12 @@ def lines_of_system(
 ) -> tuple[Line, ...]:
     """Return the findings and nodes of a launch configuration, from the views `systems`, `tree`, `lint`."""
     nodes = (Line(one["label"], iri=one.get("node") or one["iri"] or "", note=one["detail"]) for one in started)
-    found = [_finding(one) for one in findings["findings"]]
+    finding_lines = [_finding(one) for one in findings["findings"]]
     allowed = [Line(f"{findings['allowed']} more are allowed")] if findings["allowed"] else []
     return (
         Line(f"{system['name']}, ROS {system['ros']}", iri=system["iri"], note=system["repository"]),
-        *_section("Findings", found),
-        *([] if found else [Line("kg lint found no problems.")]),
+        *_section("Findings", finding_lines),
+        *([] if finding_lines else [Line("kg lint found no problems.")]),
         *allowed,
         *_section("Starts", nodes),
     )
@@ -187,18 +187,18 @@ def _finding(one: Mapping[str, Any]) -> Line:
     return Line(text, place=one["place"], fact=_fact(one["fact"]), children=(*places, *hints), open=False)
 
 
-def lines_of_proof(found: Mapping[str, Any]) -> tuple[Line, ...]:
+def lines_of_proof(answer: Mapping[str, Any]) -> tuple[Line, ...]:
     """Return the proofs of the view `why`, each down to the lines of code."""
-    more = "more than " if found["more_ways"] else ""
-    ways = [Line(f"one of {more}{found['ways']} ways")] if found["ways"] > 1 else []
-    return (*(_proof(one) for one in found["proofs"]), *ways)
+    more = "more than " if answer["more_ways"] else ""
+    ways = [Line(f"one of {more}{answer['ways']} ways")] if answer["ways"] > 1 else []
+    return (*(_proof(one) for one in answer["proofs"]), *ways)
 
 
-def lines_of_row(found: Mapping[str, Any]) -> tuple[Line, ...]:
+def lines_of_row(answer: Mapping[str, Any]) -> tuple[Line, ...]:
     """Return the proof of a row."""
-    conditions = (Line(f"where {text}") for text in found["conditions"])
-    remarks = [Line(found["remark"])] if found["remark"] else []
-    return tuple(_section("Rests on", [*map(_proof, found["proofs"]), *conditions, *remarks]))
+    conditions = (Line(f"where {text}") for text in answer["conditions"])
+    remarks = [Line(answer["remark"])] if answer["remark"] else []
+    return tuple(_section("Rests on", [*map(_proof, answer["proofs"]), *conditions, *remarks]))
 
 
 def _proof(one: Mapping[str, Any]) -> Line:
@@ -210,11 +210,11 @@ def _proof(one: Mapping[str, Any]) -> Line:
     because = Line(f"by rule {rule['name']}: {rule['title']}", place=rule["evidence"])
     conditions = (
         Line(
-            f"where {told['text']}",
-            children=tuple(Line(fact["text"], place=fact["evidence"]) for fact in told["facts"]),
+            f"where {condition['text']}",
+            children=tuple(Line(fact["text"], place=fact["evidence"]) for fact in condition["facts"]),
             open=False,
         )
-        for told in one["conditions"]
+        for condition in one["conditions"]
     )
     below = (because, *map(_proof, one["premises"]), *conditions)
     return Line(one["text"], fact=fact, mark="inferred", note=note, children=below)

@@ -159,8 +159,8 @@ class ResultView(Vertical):
             titles = columns_of(self.result)
             self._room = table.size.width
             # Leave room for the scroll bar, or the row numbers would scroll out of view.
-            beside = table.styles.scrollbar_size_vertical + len(str(begin + len(rows))) + _PADDING
-            widths = _fitted(titles, cells, self._room - beside)
+            margin = table.styles.scrollbar_size_vertical + len(str(begin + len(rows))) + _PADDING
+            widths = _fitted(titles, cells, self._room - margin)
             for title, wide in zip(titles, widths, strict=True):
                 table.add_column(title, width=wide)
             for number, (row, texts) in enumerate(zip(rows, cells, strict=True), begin + 1):

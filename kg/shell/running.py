@@ -64,27 +64,29 @@ def chosen_actions(path: Path) -> tuple[Action, ...]:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise _wrong(path, f"the file of keys cannot be read: {error}") from None
     keys = dict(_pairs(given, path))
-    found = tuple(replace(one, keys=keys.get(one.identity, one.keys)) for one in ACTIONS)
+    actions = tuple(replace(one, keys=keys.get(one.identity, one.keys)) for one in ACTIONS)
     for contexts in TOGETHER:
-        held = Counter(key for one in found if one.context in contexts for key in one.keys)
-        for key in (key for key, number in held.items() if number > 1):
-            names = " and ".join(one.identity for one in found if one.context in contexts and key in one.keys)
+        uses = Counter(key for one in actions if one.context in contexts for key in one.keys)
+        for key in (key for key, number in uses.items() if number > 1):
+            names = " and ".join(one.identity for one in actions if one.context in contexts and key in one.keys)
             raise _wrong(path, f"the key {key_words(key)} would mean {names}", "Give one of them another key.")
-    return found
+    return actions
 
 
 def _pairs(given: Mapping[str, Any], path: Path) -> Iterator[tuple[str, tuple[str, ...]]]:
     """Yield the identity and the keys of each action in the file."""
-    known = [action.identity for action in ACTIONS]
+    identities = [action.identity for action in ACTIONS]
     for context, table in given.items():
         if context not in CONTEXTS or not isinstance(table, dict):
             hint = did_you_mean(context, CONTEXTS) or f"The tables are {', '.join(CONTEXTS)}."
             raise _wrong(path, f"`{context}` is not a table of keys", hint)
         for name, words in table.items():
             identity = f"{context}.{name}"
-            if identity not in known:
+            if identity not in identities:
                 ours = ", ".join(one.name for one in ACTIONS if one.context == context)
-                raise _wrong(path, f"`{identity}` is not an action", did_you_mean(identity, known) or f"It has {ours}.")
+                raise _wrong(
+                    path, f"`{identity}` is not an action", did_you_mean(identity, identities) or f"It has {ours}."
+                )
             if not isinstance(words, str) or not words.split():
                 raise _wrong(
                     path, f"the keys of `{identity}` are not text", 'Write them with blanks between: "F5 Ctrl+J".'

@@ -37,11 +37,11 @@ class Runs:
         if editor.selected_text.strip():
             self.start(buffer, editor.selected_text, editor.offset_at(min(editor.selection)))
             return
-        found = statement_at(buffer.text, editor.offset_of_cursor)
-        if found is None:
+        statement = statement_at(buffer.text, editor.offset_of_cursor)
+        if statement is None:
             self._screen.notify("This buffer has no query.", severity="warning", timeout=3)
         else:
-            self.start(buffer, found.text, found.start)
+            self.start(buffer, statement.text, statement.start)
 
     def start(self, buffer: Buffer, text: str, offset: int, *, whole: bool = False) -> None:
         """Run a query at `offset` of a buffer; `whole` removes the limit of rows."""
@@ -57,7 +57,7 @@ class Runs:
         """Stop the query of a buffer; return False if there is none."""
         return buffer is not None and buffer.job is not None and self._link.stop(buffer.job)
 
-    def tell(self) -> None:
+    def show_status(self) -> None:
         """Show running queries and their times in the status line."""
         buffer = self._screen.buffers.current
         job = self._link.job(buffer.job) if buffer and buffer.job else None
@@ -69,7 +69,7 @@ class Runs:
         began, outcome, rows = time.time(), "ok", 0
         clock = time.perf_counter()
         job = buffer.job or ""
-        buffer.asked = text
+        buffer.last_query = text
         try:
             result = await self._link.ask(text, job=job, rows=limit)
         except KgError as error:
@@ -89,7 +89,7 @@ class Runs:
         seconds = time.perf_counter() - clock
         self._state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
         self._screen.keep()
-        self.tell()
+        self.show_status()
 
     def _is_at_hand(self, buffer: Buffer, before: tuple[str, object]) -> bool:
         """Return whether the user waits for a result: after further typing, the focus stays in the editor."""
@@ -99,11 +99,11 @@ class Runs:
         """Return the prefixes that shorten a result: those of its query override others."""
         declared = {name: iri for name, iri in re.findall(r"(?i)\bPREFIX\s+([\w-]*):\s*<([^>]*)>", text) if iri}
         try:
-            known = await self._link.prefixes(result.snapshot)
+            stored = await self._link.prefixes(result.snapshot)
         except KgError:
-            known = PREFIXES
+            stored = PREFIXES
         # Twice: they come first, so that a namespace with several prefixes gets theirs, and override those known.
-        return {**declared, **known, **declared}
+        return {**declared, **stored, **declared}
 
 
 def _place(buffer: Buffer) -> tuple[str, object]:

@@ -46,8 +46,8 @@ class State:
 
     def buffers(self) -> list[str]:
         """Return the saved buffers of this store."""
-        found = self._read(self._buffers_name(), [])
-        return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []
+        saved = self._read(self._buffers_name(), [])
+        return [one for one in saved if isinstance(one, str)] if isinstance(saved, list) else []
 
     def keep_buffers(self, texts: Sequence[str]) -> None:
         """Save the texts of the buffers for this store."""
@@ -55,36 +55,36 @@ class State:
 
     def choice(self, name: str, default: str) -> str:
         """Return a saved choice, such as the theme."""
-        found = self._read("choices.json", {})
-        value = found.get(name, default) if isinstance(found, dict) else default
+        saved = self._read("choices.json", {})
+        value = saved.get(name, default) if isinstance(saved, dict) else default
         return value if isinstance(value, str) else default
 
     def keep_choice(self, name: str, value: str) -> None:
         """Save a choice for all stores."""
-        found = self._read("choices.json", {})
-        self._write("choices.json", {**(found if isinstance(found, dict) else {}), name: value})
+        saved = self._read("choices.json", {})
+        self._write("choices.json", {**(saved if isinstance(saved, dict) else {}), name: value})
 
     def history(self) -> list[Entry]:
         """Return the history of all stores, the newest first, without duplicates."""
-        found: dict[str, Entry] = {}
+        entries: dict[str, Entry] = {}
         for line in reversed(self._lines()):
             try:
                 entry = Entry(**json.loads(line))
             except (ValueError, TypeError):
                 continue
-            found.setdefault(entry.text, entry)
-        return list(found.values())
+            entries.setdefault(entry.text, entry)
+        return list(entries.values())
 
     def remember(self, entry: Entry) -> None:
         """Add an entry to the history; other shells may do the same concurrently."""
         lines = self._lines()
         if len(lines) >= _KEPT * 2:
             self._guarded(lambda: _write(self._folder / "history.jsonl", "\n".join(lines[-_KEPT:]) + "\n"))
-        self._guarded(lambda: _append(self._made() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
+        self._guarded(lambda: _append(self._ensure_folder() / "history.jsonl", json.dumps(asdict(entry)) + "\n"))
 
     def keep_failure(self, words: str) -> Path:
         """Save the traceback of the last unexpected error; return its file."""
-        self._guarded(lambda: _write(self._made() / "failure.txt", words))
+        self._guarded(lambda: _write(self._ensure_folder() / "failure.txt", words))
         return self._folder / "failure.txt"
 
     def _buffers_name(self) -> str:
@@ -103,9 +103,9 @@ class State:
             return default
 
     def _write(self, name: str, content: Any) -> None:
-        self._guarded(lambda: _write(self._made() / name, json.dumps(content, ensure_ascii=False)))
+        self._guarded(lambda: _write(self._ensure_folder() / name, json.dumps(content, ensure_ascii=False)))
 
-    def _made(self) -> Path:
+    def _ensure_folder(self) -> Path:
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         return self._folder
 

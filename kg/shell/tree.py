@@ -67,17 +67,17 @@ class KnowledgeTree(Tree[dict[str, Any]]):
         finally:
             self.begun.set()
 
-    def _fill(self, waiting: TreeNode[dict[str, Any]], found: dict[str, Any]) -> None:
+    def _fill(self, waiting: TreeNode[dict[str, Any]], answer: dict[str, Any]) -> None:
         """Replace the placeholder with the loaded entries."""
         parent = waiting.parent
         assert parent is not None  # noqa: S101 - it was added to one
         waiting.remove()
-        for item in found["children"]:
+        for item in answer["children"]:
             if item["open"]:
                 parent.add(_label(item), item)
             else:
                 parent.add_leaf(_label(item), item)
-        missing = found["total"] - len(found["children"])
+        missing = answer["total"] - len(answer["children"])
         if missing > 0:
             parent.add_leaf(f"… and {missing:,} more: F2 finds them", {})
 

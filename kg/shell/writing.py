@@ -30,11 +30,11 @@ _ENDINGS = {
 
 def formats_of(result: Result) -> list[str]:
     """Return the formats for this kind of result, the most used first."""
-    known = list(GRAPH_FORMATS if isinstance(result, Graph) else SOLUTION_FORMATS)
+    names = list(GRAPH_FORMATS if isinstance(result, Graph) else SOLUTION_FORMATS)
     if isinstance(result, Boolean):
-        known = list(BOOLEAN_FORMATS)
-    first = [name for name in ("tsv", "csv", "json", "markdown", "turtle") if name in known]
-    return [*first, *(name for name in known if name not in first)]
+        names = list(BOOLEAN_FORMATS)
+    first = [name for name in ("tsv", "csv", "json", "markdown", "turtle") if name in names]
+    return [*first, *(name for name in names if name not in first)]
 
 
 def file_formats_of(result: Result) -> list[str]:

@@ -66,25 +66,25 @@ def back_up(layout: Layout, target: Path) -> Backup:
     try:
         with translated(str(target)), EmbeddedSnapshot(layout) as snapshot:
             target.absolute().parent.mkdir(parents=True, exist_ok=True)
-            found = Backup(snapshot.generation, snapshot.count(), datetime.now(UTC).isoformat(timespec="seconds"))
+            backup = Backup(snapshot.generation, snapshot.count(), datetime.now(UTC).isoformat(timespec="seconds"))
             if is_file(target):
                 _write_file(snapshot, temporary, packed=target.suffix == ".gz")
             else:
-                _write_folder(snapshot, Layout(temporary), found)
+                _write_folder(snapshot, Layout(temporary), backup)
             temporary.rename(target)
     finally:
         if temporary.is_dir():
             shutil.rmtree(temporary, ignore_errors=True)
         else:
             temporary.unlink(missing_ok=True)
-    return found
+    return backup
 
 
-def _write_folder(snapshot: EmbeddedSnapshot, layout: Layout, found: Backup) -> None:
+def _write_folder(snapshot: EmbeddedSnapshot, layout: Layout, backup: Backup) -> None:
     layout.generations.mkdir(parents=True)
-    snapshot.backup(str(layout.generation(found.snapshot)))
-    (layout.root / _MANIFEST).write_text(json.dumps(asdict(found)) + "\n", encoding="utf-8")
-    layout.switch(found.snapshot)
+    snapshot.backup(str(layout.generation(backup.snapshot)))
+    (layout.root / _MANIFEST).write_text(json.dumps(asdict(backup)) + "\n", encoding="utf-8")
+    layout.switch(backup.snapshot)
 
 
 def _write_file(snapshot: EmbeddedSnapshot, path: Path, *, packed: bool) -> None:
@@ -149,11 +149,11 @@ def restore(transaction: EmbeddedTransaction, source: Path) -> Backup | None:
     layout = Layout(source if (source / "current").exists() else source / ".kg")
     with EmbeddedSnapshot(layout) as snapshot:
         quads = snapshot.count()
-        found = _manifest(layout, Backup(snapshot.generation, quads, ""))
-        if found.quads != quads:
-            raise _unusable(source, f"it holds {quads} quads, but its manifest lists {found.quads}")
+        manifest = _manifest(layout, Backup(snapshot.generation, quads, ""))
+        if manifest.quads != quads:
+            raise _unusable(source, f"it holds {quads} quads, but its manifest lists {manifest.quads}")
         transaction.start_from(snapshot)
-    return found
+    return manifest
 
 
 def _manifest(layout: Layout, default: Backup) -> Backup:

@@ -36,9 +36,9 @@ class Changes:
     @classmethod
     def unknown(cls) -> Changes:
         """Return unknown changes of any graph."""
-        found = cls()
-        found.graphs = None
-        return found
+        changes = cls()
+        changes.graphs = None
+        return changes
 
     def forget(self) -> None:
         """Record that any graph may have changed."""
@@ -79,7 +79,7 @@ class Changes:
         """Write the changes of `generation` relative to `base`; OSError if they cannot be written."""
         folder = _folder(layout)
         folder.mkdir(parents=True, exist_ok=True)
-        graphs = None if self.graphs is None else {name: _written(found) for name, found in self.graphs.items()}
+        graphs = None if self.graphs is None else {name: _written(lines) for name, lines in self.graphs.items()}
         content = json.dumps({"base": base, "graphs": graphs})
         write_atomically(folder / str(generation), content.encode(), durable=False)
         for path in folder.iterdir():
@@ -95,8 +95,8 @@ def since(layout: Layout, earlier: int, later: int) -> Changes:
         if number is None or number < earlier:
             return Changes.unknown()
         try:
-            found = json.loads((_folder(layout) / str(number)).read_bytes())
-            number, graphs = found["base"], found["graphs"]
+            recorded = json.loads((_folder(layout) / str(number)).read_bytes())
+            number, graphs = recorded["base"], recorded["graphs"]
             steps.append(Changes({name: _read(patches) for name, patches in graphs.items()}))
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return Changes.unknown()

@@ -38,13 +38,13 @@ def format_of(path: Path) -> RdfFormat | None:
     return RdfFormat.from_extension("rdf" if ending == "owl" else ending)
 
 
-def known_format_of(path: Path) -> RdfFormat:
+def required_format_of(path: Path) -> RdfFormat:
     """Return the format that the ending of a file names; GraphError KG601 if it names none."""
-    found = format_of(path)
-    if found is None:
+    form = format_of(path)
+    if form is None:
         hint = "Name the format with `--format`."
         raise GraphError("KG601", f"the format of `{path.name}` is not known", place=Place(str(path)), hint=hint)
-    return found
+    return form
 
 
 @contextmanager
@@ -66,7 +66,7 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
 
 
 class _Continued:
-    """A file whose first bytes were read before; a method in Python lets Ctrl-C end a load at the next read."""
+    """A file whose first bytes were read before; through a method in Python, Ctrl-C ends a load at the next read."""
 
     def __init__(self, start: bytes, file: IO[bytes]) -> None:
         self._start = start
@@ -143,10 +143,10 @@ class _Lines:
         self._buffer = self._buffer or self._file.read(_CHUNK)
         end = self._buffer.find(b"\n") + 1 or len(self._buffer)
         end = end if size < 0 else min(end, size)
-        found, self._buffer = self._buffer[:end], self._buffer[end:]
+        part, self._buffer = self._buffer[:end], self._buffer[end:]
         self.number += self._at_end
-        self._at_end = found.endswith(b"\n")
-        return found
+        self._at_end = part.endswith(b"\n")
+        return part
 
 
 def _line(rdf_format: RdfFormat, reopened: Reopened) -> int | None:

@@ -84,10 +84,10 @@ class _Login:
 
     def accepts(self, headers: Message) -> bool:
         """Store the challenge for Digest authentication in the headers of a response; return whether there is one."""
-        scheme, _, rest = headers.get("WWW-Authenticate", "").partition(" ")
+        scheme, _, parameters = headers.get("WWW-Authenticate", "").partition(" ")
         if scheme.lower() != "digest":
             return False
-        challenge = parse_keqv_list(parse_http_list(rest))
+        challenge = parse_keqv_list(parse_http_list(parameters))
         if challenge.get("algorithm", "MD5") != "MD5":  # the others differ between versions of Python
             return False
         self._challenge = challenge

@@ -84,10 +84,10 @@ def busy(layout: Layout) -> StoreError | None:
 def _holder(layout: Layout) -> dict[str, Any] | None:
     """Return the writer's record in the lock file, or None."""
     try:
-        found = json.loads(layout.lock.read_text())
+        record = json.loads(layout.lock.read_text())
     except (OSError, ValueError):
         return None
-    return found if isinstance(found, dict) and {"pid", "command", "since"} <= found.keys() else None
+    return record if isinstance(record, dict) and {"pid", "command", "since"} <= record.keys() else None
 
 
 def _is_alive(holder: dict[str, Any] | None) -> bool:

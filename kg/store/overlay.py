@@ -52,11 +52,11 @@ def overlaid(
     folder = _temporary(cache)
     try:
         with translated(str(folder)):
-            found = _Overlay(snapshot, folder / "copy")
-        with found:
+            overlay = _Overlay(snapshot, folder / "copy")
+        with overlay:
             with translated(str(folder)):
-                found.add(graph, chunks)
-            yield found
+                overlay.add(graph, chunks)
+            yield overlay
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

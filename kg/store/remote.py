@@ -34,7 +34,7 @@ from pyoxigraph import (
 )
 
 from kg.errors import Place, StoreError
-from kg.store.files import known_format_of, quads_of
+from kg.store.files import quads_of, required_format_of
 from kg.store.http import Answer, Endpoint, RefusedError
 from kg.store.serialization import serialized
 
@@ -84,7 +84,7 @@ class RemoteTransaction:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        quads = quads_of(path, rdf_format or known_format_of(path), rename=True)
+        quads = quads_of(path, rdf_format or required_format_of(path), rename=True)
         self._operations.append("INSERT DATA {\n" + "".join(_stated(quad, graph) for quad in quads) + "}")
 
     def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
@@ -219,11 +219,11 @@ class RemoteSnapshot:
         fields += [("named-graph-uri", graph.value) for graph in named_graphs]
         accept = _TRIPLES if _MAKES_TRIPLES.match(text) else _ROWS
         answer = self._endpoint.post(fields, accept=accept, timeout=timeout)
-        found = self._parsed(answer)
-        if isinstance(found, QuerySolutions) and found.variables == [_VIRTUOSO_ASK]:
-            answered = any(row[_VIRTUOSO_ASK].value == "1" for row in found)
+        result = self._parsed(answer)
+        if isinstance(result, QuerySolutions) and result.variables == [_VIRTUOSO_ASK]:
+            answered = any(row[_VIRTUOSO_ASK].value == "1" for row in result)
             return Store().query(f"ASK {{ FILTER({str(answered).lower()}) }}")
-        return found
+        return result
 
     def rows(self, text: str) -> QuerySolutions:
         """Run a SELECT that names all its graphs."""
@@ -232,8 +232,8 @@ class RemoteSnapshot:
     def graphs(self) -> list[NamedNode]:
         """Return the names of all named graphs that are not empty, sorted, without system graphs of the server."""
         # Virtuoso 7 needs seconds for SELECT DISTINCT ?g over a small store, and milliseconds to group.
-        found = (row["g"] for row in self.rows("SELECT ?g WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"))
-        named = (graph for graph in found if isinstance(graph, NamedNode) and graph not in SYSTEM_GRAPHS)
+        terms = (row["g"] for row in self.rows("SELECT ?g WHERE { GRAPH ?g { ?s ?p ?o } } GROUP BY ?g"))
+        named = (graph for graph in terms if isinstance(graph, NamedNode) and graph not in SYSTEM_GRAPHS)
         return sorted(named, key=lambda graph: graph.value)
 
     def count(self, graph: NamedNode | None = None) -> int:
@@ -251,10 +251,10 @@ class RemoteSnapshot:
         Blank nodes have the labels of this response. Raises QueryError KG504 for a triple that the format cannot
         represent.
         """
-        found: Iterable[Triple | Quad] = self.quads(graph)
+        statements: Iterable[Triple | Quad] = self.quads(graph)
         if not rdf_format.supports_datasets:
-            found = {cast("Quad", quad).triple: None for quad in found}
-        return serialized(found, rdf_format, prefixes)
+            statements = {cast("Quad", quad).triple: None for quad in statements}
+        return serialized(statements, rdf_format, prefixes)
 
     def close(self) -> None:
         """Do nothing, as nothing is open."""

@@ -89,19 +89,19 @@ class RemoteReading(EmbeddedSnapshot):
             SyntaxError: the query is not SPARQL.
         """
         whole = self._substituted(text, substitutions or {})
-        known = dict(prefixes or {})
+        namespaces = dict(prefixes or {})
         given = default_graphs is not None or named_graphs is not None
         if not union and not given and not _NAMES_GRAPHS.search(whole):
-            return Store().query(whole, prefixes=known, base_iri=base)
+            return Store().query(whole, prefixes=namespaces, base_iri=base)
         # Raises SyntaxError with the place of a syntax error, as the embedded store does.
-        Store().query(whole, prefixes=known, base_iri=base)
+        Store().query(whole, prefixes=namespaces, base_iri=base)
         if not given:
             whole = _EVERY_GRAPH.sub(self._named, whole)
         declared = f"BASE <{base}>\n" if base else ""
         return self._remote.query(
             declared + whole,
             # Declarations of the query itself follow and take precedence.
-            prefixes={name: iri for name, iri in known.items() if f"{name}:" in whole},
+            prefixes={name: iri for name, iri in namespaces.items() if f"{name}:" in whole},
             union=union and not given,
             default_graphs=default_graphs or (),
             named_graphs=named_graphs or (),

@@ -133,8 +133,8 @@ def _sizes(remote: RemoteStore) -> tuple[dict[str, int], bool]:
 def _recorded(record: Path) -> tuple[int, dict[str, int]]:
     """Return the generation last written to the server, and the sizes of its graphs there; 0 and none if unknown."""
     with suppress(OSError, ValueError, KeyError, AttributeError):
-        found = json.loads(record.read_bytes())
-        return int(found["generation"]), {name: int(size) for name, size in found["graphs"].items()}
+        content = json.loads(record.read_bytes())
+        return int(content["generation"]), {name: int(size) for name, size in content["graphs"].items()}
     return 0, {}
 
 

@@ -56,9 +56,9 @@ _SHOWN: Final = 200
 
 def forbidden_in_xml(text: str) -> str | None:
     """Return why XML cannot represent a text, None if it can."""
-    if text.isprintable() or (found := _UNWRITABLE.search(text)) is None:
+    if text.isprintable() or (match := _UNWRITABLE.search(text)) is None:
         return None
-    return f"U+{ord(found.group()):04X} is not allowed in XML"
+    return f"U+{ord(match.group()):04X} is not allowed in XML"
 
 
 def serialized(statements: Iterable[Triple | Quad], rdf_format: RdfFormat, prefixes: Mapping[str, str]) -> bytes:

@@ -114,14 +114,14 @@ class EmbeddedSnapshot:
         that the format cannot represent.
         """
         quads = self._db.quads_for_pattern(None, None, None, graph)
-        found: Iterable[Triple | Quad] = quads
+        statements: Iterable[Triple | Quad] = quads
         if graph is None and not rdf_format.supports_datasets:
             # CONSTRUCT removes duplicates of triples in several graphs.
             union = self._db.query("CONSTRUCT { ?s ?p ?o } WHERE { ?s ?p ?o }", use_default_graph_as_union=True)
-            found = cast("QueryTriples", union)
+            statements = cast("QueryTriples", union)
         elif not rdf_format.supports_datasets:
-            found = (quad.triple for quad in quads)
-        return serialized(found, rdf_format, prefixes)
+            statements = (quad.triple for quad in quads)
+        return serialized(statements, rdf_format, prefixes)
 
     def every_graph(self) -> list[NamedNode | BlankNode | DefaultGraph]:
         """Return the default graph and all others, also those named by blank nodes."""

@@ -77,10 +77,10 @@ def _stored(written: Literal) -> Literal:
 def of_spelling(text: str | bytes) -> Term:
     """Return the term with the N-Triples syntax `text`; SyntaxError unless it is exactly one term."""
     written = text.encode() if isinstance(text, str) else text
-    found = list(parse(b"<urn:s> <urn:p> " + written + b" .", RdfFormat.N_TRIPLES))
-    if len(found) != 1:
+    parsed = list(parse(b"<urn:s> <urn:p> " + written + b" .", RdfFormat.N_TRIPLES))
+    if len(parsed) != 1:
         raise SyntaxError("not one term")
-    return cast("Term", found[0].object)
+    return cast("Term", parsed[0].object)
 
 
 def literal(text: str) -> str:
@@ -115,11 +115,11 @@ def parts_of_lines(text: bytes) -> list[bytes] | None:
     if text.count(b" .\n") != number or text[-1:] not in {b"\n", b""} or b"\t" in text:
         return None
     parted = text.replace(b" .\n", b"\t").replace(b"> <", b">\t<").replace(b'> "', b'>\t"')
-    found = parted.split(b"\t")
-    found.pop()
-    if len(found) != 3 * number:
+    parts = parted.split(b"\t")
+    parts.pop()
+    if len(parts) != 3 * number:
         return None
-    different = set(found)
+    different = set(parts)
     once = b"\t".join(different)
     if any(one in once for one in _STRANGE) or len(once.translate(None, _CONTROLS)) != len(once):
         return None
@@ -130,7 +130,7 @@ def parts_of_lines(text: bytes) -> list[bytes] | None:
         return None
     if len(spelt) != len(others):
         return None
-    return [spelt.get(part, part) for part in found] if spelt else found
+    return [spelt.get(part, part) for part in parts] if spelt else parts
 
 
 def _spelt(written: list[bytes]) -> dict[bytes, bytes]:
@@ -148,12 +148,12 @@ def cells(text: bytes, width: int) -> list[bytes]:
     numbers and booleans without quotes and datatype, and does not escape control characters in strings, unlike
     N-Triples.
     """
-    found = text.replace(b"\n", b"\t").split(b"\t")
-    found.pop()
+    spellings = text.replace(b"\n", b"\t").split(b"\t")
+    spellings.pop()
     for repair in _repairs(text):
         for column in range(width):
-            found[column::width] = map(repair, found[column::width])
-    return found
+            spellings[column::width] = map(repair, spellings[column::width])
+    return spellings
 
 
 def _repairs(text: bytes) -> list[Callable[[bytes], bytes]]:

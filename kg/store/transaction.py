@@ -30,7 +30,7 @@ from kg.store import bulk
 from kg.store.allocator import give_back
 from kg.store.changes import Changes
 from kg.store.failure import translated
-from kg.store.files import known_format_of, reading
+from kg.store.files import reading, required_format_of
 from kg.store.layout import Layout, folder_bytes
 from kg.store.snapshot import EmbeddedSnapshot
 
@@ -217,13 +217,13 @@ class EmbeddedTransaction:
         GRAPH sees the graphs `named`, None for all of them.
         """
         self._begin()
-        found = self._engine.query(
+        result = self._engine.query(
             select,
             prefixes=dict(prefixes),
             default_graph=list(default),
             named_graphs=None if named is None else list(named),
         )
-        return cast("QuerySolutions", found)
+        return cast("QuerySolutions", result)
 
     def table(self, select: str, graph: NamedNode | None) -> bytes:
         """Return the rows of a SELECT over one graph at this point; see `kg.store.bulk.table`."""
@@ -276,7 +276,7 @@ class EmbeddedTransaction:
             GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
             SourceError: KG101 if the file cannot be opened.
         """
-        rdf_format = rdf_format or known_format_of(path)
+        rdf_format = rdf_format or required_format_of(path)
         target = graph or DefaultGraph()
         with translated(str(self._layout.root)), reading(path, rdf_format) as file:
             self._begin()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode
 
 from kg.errors import Fix, RuleError
-from kg.similar import asked, misspelt, similar
+from kg.similar import misspelt, similar, suggest
 from kg.syntax.lexer import END, Kind, Token, as_written, is_name, normalise, token_at, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, WELL_KNOWN, is_absolute, resolve
 from kg.syntax.position import place_at
@@ -37,7 +37,7 @@ class Cursor:
         self.consumed: list[Token] = []
         self.token = self._token(0)
         self._depth = 0
-        self._made = 0
+        self._fresh = 0
         self._stem = "g"
         while f"_:{self._stem}" in self.text:
             self._stem += "g"
@@ -70,15 +70,15 @@ class Cursor:
 
     def accept(self, *signs: str) -> bool:
         """Consume one of these signs if it comes next."""
-        if found := self.at(*signs):
+        if is_next := self.at(*signs):
             self.advance()
-        return found
+        return is_next
 
     def accept_word(self, *words: str) -> bool:
         """Consume one of these keywords if it comes next."""
-        if found := self.at_word(*words):
+        if is_next := self.at_word(*words):
             self.advance()
-        return found
+        return is_next
 
     def expect(self, sign: str, what: str = "") -> Token:
         """Consume a sign; raise KG201 for anything else."""
@@ -92,11 +92,11 @@ class Cursor:
             raise self.expected(f"`{word}`", [word])
         return self.advance()
 
-    def expected(self, what: str, known: Iterable[str] = ()) -> RuleError:
-        """Return the error for an unexpected token; `known` are names for suggestions."""
-        meant = misspelt(self.token.text, known) if self.token.kind is Kind.WORD else ()
-        message = f"expected {what}, found {self._found()}"
-        return self.error(message, self.token.start, hint=asked(meant), fixes=map(Fix, meant))
+    def expected(self, what: str, names: Iterable[str] = ()) -> RuleError:
+        """Return the error for an unexpected token; `names` are names for suggestions."""
+        suggestions = misspelt(self.token.text, names) if self.token.kind is Kind.WORD else ()
+        message = f"expected {what}, found {self._token_words()}"
+        return self.error(message, self.token.start, hint=suggest(suggestions), fixes=map(Fix, suggestions))
 
     def error(
         self,
@@ -110,7 +110,7 @@ class Cursor:
         """Return an error about the token at an offset."""
         return RuleError(code, message, place=place_at(self.text, offset, self.path), hint=hint, fixes=fixes)
 
-    def _found(self) -> str:
+    def _token_words(self) -> str:
         text = self.token.text
         if text == END:
             return "the end of the text"
@@ -135,8 +135,8 @@ class Cursor:
 
     def fresh(self) -> str:
         """Return an unused label of a blank node."""
-        self._made += 1
-        return f"{self._stem}{self._made}"
+        self._fresh += 1
+        return f"{self._stem}{self._fresh}"
 
     def at_iri(self) -> bool:
         """Return whether the next token is an IRI or a prefixed name."""
@@ -166,26 +166,26 @@ class Cursor:
             raise self.error(
                 f"unknown prefix{'es' * (len(unknown) > 1)} {', '.join(f'`{each}:`' for each in unknown)}",
                 token.start,
-                hint=asked(near) or hint,
+                hint=suggest(near) or hint,
                 fixes=[*(Fix(f"{each}{local}") for each in near), *declaring(self.text, unknown, self.path)],
             )
         return namespace + unescape_local(local)
 
     def _unknown_prefixes(self, first: Token) -> list[str]:
         """Return the undeclared prefixes from a token on, so one fix can declare them all."""
-        known = set(self.prefixes)
-        found = {first.text.partition(":")[0]: None}
+        declared = set(self.prefixes)
+        undeclared = {first.text.partition(":")[0]: None}
         declares = False
         for token in tokens(self.text[first.start :]):
             # `:=` of SPARQL 1.2 RL begins like a name with the empty prefix.
             if token.kind is Kind.NAME and token.text != ":" and not token.text.startswith("_:"):
                 prefix = token.text.partition(":")[0]
                 if declares:
-                    known.add(prefix)
-                elif prefix not in known:
-                    found[prefix] = None
+                    declared.add(prefix)
+                elif prefix not in declared:
+                    undeclared[prefix] = None
             declares = token.kind is Kind.WORD and token.text.upper() == "PREFIX"
-        return list(found)
+        return list(undeclared)
 
     def _written(self, token: Token) -> str:
         try:
@@ -208,7 +208,7 @@ class Cursor:
             if is_name(token):
                 pieces.append(str(self.named(token)))
             else:
-                # The engine knows these two keywords in lower case only.
+                # The engine accepts these two keywords in lower case only.
                 pieces.append(token.text.lower() if token.text.upper() in {"TRUE", "FALSE"} else token.text)
             previous = token
         return "".join(pieces)

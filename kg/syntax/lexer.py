@@ -104,27 +104,27 @@ def token_at(text: str, position: int) -> Token:
 @lru_cache(maxsize=_KEPT)
 def tokens_of(text: str) -> tuple[Token, ...]:
     """Return all tokens of a text, without regard to context."""
-    found = []
+    result = []
     token = token_at(text, 0)
     while token.text != END:
-        found.append(token)
+        result.append(token)
         token = token_at(text, token.end)
-    return tuple(found)
+    return tuple(result)
 
 
 @lru_cache(maxsize=_KEPT)
 def bare(text: str) -> str:
     """Return an expression without brackets around all of it; strings and IRIs are not searched for brackets."""
-    found = tokens_of(text)
-    while len(found) > 2 and found[0].text == "(" and partner(found) == len(found) - 1:  # noqa: PLR2004 - both brackets and more
-        found = found[1:-1]
-    return text[found[0].start : found[-1].end] if found else text
+    inner = tokens_of(text)
+    while len(inner) > 2 and inner[0].text == "(" and partner(inner) == len(inner) - 1:  # noqa: PLR2004 - both brackets and more
+        inner = inner[1:-1]
+    return text[inner[0].start : inner[-1].end] if inner else text
 
 
-def partner(found: Sequence[Token]) -> int:
+def partner(sequence: Sequence[Token]) -> int:
     """Return the index of the bracket that closes the first of some tokens, -1 if none does."""
     depth = 0
-    for index, token in enumerate(found):
+    for index, token in enumerate(sequence):
         depth += (token.text in {"(", "[", "{"}) - (token.text in {")", "]", "}"})
         if depth == 0:
             return index
@@ -223,9 +223,9 @@ def tokens(text: str) -> Iterator[Token]:
     levels = [_Level("", expression=True)]
     previous: tuple[Token, ...] = ()
     match = _terminal(ascii_only=text.isascii()).match
-    found = match(text, 0)
-    while found is not None and (kind := found.lastgroup) is not None:
-        start, end = found.span(kind)
+    matched = match(text, 0)
+    while matched is not None and (kind := matched.lastgroup) is not None:
+        start, end = matched.span(kind)
         token = Token(_KINDS[kind], text[start:end], start, end)
         if token.text[0] in "<>)|":
             token = _in_context(token, levels[-1], previous)
@@ -233,7 +233,7 @@ def tokens(text: str) -> Iterator[Token]:
         if token.kind is Kind.SIGN or token.kind is Kind.WORD:
             _track(token, levels, previous)
         previous = (*previous[-1:], token)
-        found = match(text, token.end)
+        matched = match(text, token.end)
 
 
 def _in_context(token: Token, level: _Level, previous: tuple[Token, ...]) -> Token:

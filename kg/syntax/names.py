@@ -55,8 +55,8 @@ _LOCAL: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 
 def shorten(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return `iri` as a prefixed name if one of the prefixes fits (see `prefixed`), else in brackets."""
-    found = prefixed(iri, prefixes)
-    return ":".join(found) if found else f"<{iri}>"
+    parts = prefixed(iri, prefixes)
+    return ":".join(parts) if parts else f"<{iri}>"
 
 
 def prefixed(iri: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, str] | None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import Fix
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax import tree
 from kg.syntax.cursor import MAX_NESTING
 from kg.syntax.functions import AGGREGATES, FUNCTIONS, Arguments
@@ -29,7 +29,7 @@ _KEYWORDS: Final = ("FILTER", "OPTIONAL", "UNION", "MINUS", "BIND", "VALUES", "G
 
 
 @dataclass(slots=True)
-class _Found:
+class _Content:
     """The content of an expression read so far."""
 
     exists: list[tree.Exists] = field(default_factory=list)
@@ -50,20 +50,20 @@ class Patterns(Triples):
 
     def __init__(self, text: str, path: str, *, prefixes: Mapping[str, str], base: str | None = None) -> None:
         super().__init__(text, path, prefixes=prefixes, base=base)
-        self._open: list[_Found] = []
+        self._open: list[_Content] = []
         self.calls: list[tree.Call] = []
 
     def expression(self) -> tree.Expression:
         """Parse an expression."""
         start, first = self.token.start, len(self.consumed)
-        self._open.append(_Found())
+        self._open.append(_Content())
         self._operations()
         return self._closed(start, first)
 
     def constraint(self) -> tree.Expression:
         """Parse the argument of FILTER or HAVING: an expression in brackets or a function call."""
         start, first = self.token.start, len(self.consumed)
-        self._open.append(_Found())
+        self._open.append(_Content())
         if self.at("("):
             self._bracketed_expression()
         elif self.token.kind is Kind.WORD:
@@ -74,9 +74,9 @@ class Patterns(Triples):
         return self._closed(start, first)
 
     def _closed(self, start: int, first: int) -> tree.Expression:
-        found = self._open.pop()
+        content = self._open.pop()
         tokens = self.consumed[first:]
-        grouped = [call.span for call in found.aggregates]
+        grouped = [call.span for call in content.aggregates]
         names = dict.fromkeys(
             token.text[1:]
             for token in tokens
@@ -86,8 +86,8 @@ class Patterns(Triples):
             self.spelling(tokens),
             tuple(names),
             self.span(start),
-            tuple(found.exists),
-            tuple(found.aggregates),
+            tuple(content.exists),
+            tuple(content.aggregates),
         )
 
     def _operations(self) -> None:
@@ -169,7 +169,7 @@ class Patterns(Triples):
             return self.error(f"SPARQL RL has no {name.upper()}", self.token.start)
         if self.text[self.token.end :].lstrip().startswith("("):
             near = similar(name.upper(), self.functions)
-            return self.error(f"unknown function `{name}`", self.token.start, hint=asked(near), fixes=map(Fix, near))
+            return self.error(f"unknown function `{name}`", self.token.start, hint=suggest(near), fixes=map(Fix, near))
         return self.expected(what, self.functions)
 
     def _built_in(self, name: str) -> None:
@@ -280,7 +280,7 @@ class Patterns(Triples):
         start: int,
     ) -> None:
         """Refuse columns that assign to a bound variable, or are neither grouped nor aggregated."""
-        known = {key.variable.name for key in keys}
+        key_names = {key.variable.name for key in keys}
         seen: set[str] = set()
         if grouped and not columns:
             raise self.error("`SELECT *` conflicts with GROUP BY", start, hint="Name the columns.")
@@ -289,7 +289,7 @@ class Patterns(Triples):
             if expression and name in inner:
                 raise self.error(f"SELECT assigns to `?{name}`, which is bound before it", offset)
             for used in (expression.variables if expression else (name,)) if grouped else ():
-                if used not in known and not (expression and expression.exists):
+                if used not in key_names and not (expression and expression.exists):
                     hint = "Group by it, or aggregate it, as in SAMPLE."
                     raise self.error(f"`?{used}` is not a GROUP BY key and not aggregated", offset, hint=hint)
             if name in seen:

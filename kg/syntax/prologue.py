@@ -33,12 +33,12 @@ def declaration(text: str, prefixes: Mapping[str, str], *, turtle: bool = False)
 
 def _declared_until(text: str) -> int:
     """Return the offset for another declaration."""
-    end, rest = 0, list(tokens(text))
-    while rest and (length := _LENGTHS.get(rest[0].text.lower())):
-        if len(rest) < length:
+    end, remaining = 0, list(tokens(text))
+    while remaining and (length := _LENGTHS.get(remaining[0].text.lower())):
+        if len(remaining) < length:
             break
-        end, rest = rest[length - 1].end, rest[length:]
+        end, remaining = remaining[length - 1].end, remaining[length:]
     if end == 0:
-        return rest[0].start if rest else 0
+        return remaining[0].start if remaining else 0
     following = text.find("\n", end)
     return end if following < 0 or text[end:following].strip() else following + 1

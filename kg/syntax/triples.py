@@ -334,11 +334,11 @@ class Triples(Cursor):
                 member = self._node(block, "a member of the collection or `)`")
                 block.triples.insert(index, TriplePattern(cell, _FIRST, member, self.span(start)))
                 last = self.at(")")
-                rest = _NIL if last else self.blank(block.mode)
-                block.triples.append(TriplePattern(cell, _REST, rest, self.span(start)))
-                if last or isinstance(rest, NamedNode):
+                tail = _NIL if last else self.blank(block.mode)
+                block.triples.append(TriplePattern(cell, _REST, tail, self.span(start)))
+                if last or isinstance(tail, NamedNode):
                     break
-                cell = rest
+                cell = tail
             self.expect(")")
         return first
 

@@ -24,11 +24,11 @@ from kg.graph.overview import Channel, NodeSummary
 from kg.graph.reading import node_records
 from kg.graph.records import node_object
 from kg.lazily import lazily
-from kg.pipeline.kept import settled, states
+from kg.pipeline.filecache import are_stable, states
 from kg.query.counting import Counted, counted
 from kg.query.stats import Statistics, statistics
 from kg.render.text import json_text
-from kg.store.kept import keep, kept
+from kg.store.cachefile import load, save
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -102,9 +102,9 @@ def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
     return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(columns_of(snapshot)))
 
 
-def partly_known(snapshot: EmbeddedSnapshot) -> list[str]:
-    """Return the names of ends that are not known whole, as `kg.graph.impact_parts.partly_known` does."""
-    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partly_known(columns_of(snapshot)))
+def partial_names(snapshot: EmbeddedSnapshot) -> list[str]:
+    """Return the names of ends with unknown parts, as `kg.graph.impact_parts.partial_names` does."""
+    return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partial_names(columns_of(snapshot)))
 
 
 def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
@@ -120,33 +120,33 @@ def rows(snapshot: EmbeddedSnapshot, name: str, make: Callable[[], list[dict[str
 def totals(snapshot: EmbeddedSnapshot, make: Callable[[], dict[str, int]] | None = None) -> dict[str, int]:
     """Return how long lists over the whole store are; without `make` nothing where that is not kept."""
     kind = dict[str, int]
-    return _answer(snapshot, "totals", kind, make) if make else _kept(snapshot, "totals", kind) or {}
+    return _answer(snapshot, "totals", kind, make) if make else _cached(snapshot, "totals", kind) or {}
 
 
 def _answer(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer], make: Callable[[], _Answer]) -> _Answer:
     """Return a kept answer of a type, or compute it and keep it; where nothing can be written it is computed."""
-    found = _kept(snapshot, name, kind)
-    if found is None:
+    value = _cached(snapshot, name, kind)
+    if value is None:
         # An answer has no garbage in cycles, which would be searched for again and again as it grows.
         enabled = gc.isenabled()
         gc.disable()
         try:
-            found = make()
+            value = make()
         finally:
             if enabled:
                 gc.enable()
         version = _version()
         if version is not None and snapshot.layout is not None:
             with suppress(OSError):
-                keep(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(found)])
-    return found
+                save(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version, [msgspec.json.encode(value)])
+    return value
 
 
-def _kept(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:
+def _cached(snapshot: EmbeddedSnapshot, name: str, kind: type[_Answer]) -> _Answer | None:
     version = _version()
     if version is None or snapshot.layout is None:
         return None
-    body = kept(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version)
+    body = load(snapshot.layout.cache / _FOLDER / name, snapshot.identity, version)
     return None if body is None else msgspec.json.decode(body, type=kind)
 
 
@@ -156,4 +156,4 @@ def _version() -> int | None:
     code = Path(__file__).resolve().parent.parent
     folders = (*(code / name for name in _CODE), resources.folder("queries"))
     seen = tuple(state for folder in folders for state in states(folder))
-    return zlib.crc32(repr(seen).encode()) if settled(seen) else None
+    return zlib.crc32(repr(seen).encode()) if are_stable(seen) else None

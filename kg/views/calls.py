@@ -37,8 +37,8 @@ class View:
     @property
     def function(self) -> Callable[..., Any]:
         """The function itself, whose module is loaded now."""
-        found: Callable[..., Any] = getattr(import_module(self.module), self._name)
-        return found
+        function: Callable[..., Any] = getattr(import_module(self.module), self._name)
+        return function
 
     def __call__(self, snapshot: EmbeddedSnapshot, settings: Settings, /, **arguments: Any) -> Any:
         """Return the result of the view."""

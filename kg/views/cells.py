@@ -40,7 +40,7 @@ def cells(  # noqa: PLR0913 - each list is of another kind
 ) -> dict[str, Any]:
     """Return details of some cells, each list as long as the one given.
 
-    `inferred` tells for each of the `triples` (subject, predicate, object, as N-Triples writes terms) whether rules
+    `inferred` has for each of the `triples` (subject, predicate, object, as N-Triples writes terms) whether rules
     derived it. `places` has for each pair of a path and a line the evidence (see `kg.views.evidence`), or null where no
     source, or more than one, has such a file. `nodes` tells for each of the `iris` whether it is a node with a page of
     its own. `things` has for each of those IRIs its `label`, null where nothing that has one is known of it, and its
@@ -51,14 +51,14 @@ def cells(  # noqa: PLR0913 - each list is of another kind
     """
     graph = _HELD % Iris(settings.base).graph("inferred")
     where = known_places(snapshot)
-    found = []
+    evidence = []
     for path, line in _lists(places, 2):
         source = where.find(path)
         at = Location(path, whole(line, 0))
-        found.append(None if source is None else where.evidence(source, at))
+        evidence.append(None if source is None else where.evidence(source, at))
     return {
         "inferred": [_holds(snapshot, graph, "spo", triple) for triple in _lists(triples, _TRIPLE)],
-        "places": found,
+        "places": evidence,
         "nodes": [_holds(snapshot, _NODE, "s", [f"<{iri}>"]) for (iri,) in _lists([[iri] for iri in _list(iris)], 1)],
         "things": _things(snapshot, [named_node(iri).value for (iri,) in _lists([[iri] for iri in _list(things)], 1)]),
     }
@@ -80,17 +80,17 @@ def _holds(snapshot: EmbeddedSnapshot, ask: str, names: str, terms: Sequence[str
 
 
 def _lists(given: str | Sequence[Sequence[str]], length: int) -> list[list[str]]:
-    found = _list(given)
-    if not all(isinstance(one, list | tuple) and len(one) == length for one in found):
+    items = _list(given)
+    if not all(isinstance(one, list | tuple) and len(one) == length for one in items):
         raise UsageError("KG003", f"each entry needs {length} texts")
-    return [[str(part) for part in one] for one in found]
+    return [[str(part) for part in one] for one in items]
 
 
 def _list(given: Any) -> list[Any]:
     try:
-        found = json.loads(given or "[]") if isinstance(given, str) else list(given)
+        items = json.loads(given or "[]") if isinstance(given, str) else list(given)
     except json.JSONDecodeError as error:
         raise UsageError("KG003", f"the list is not valid JSON: {error}") from error
-    if not isinstance(found, list):
+    if not isinstance(items, list):
         raise UsageError("KG003", "expected a list")
-    return found
+    return items

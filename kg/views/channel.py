@@ -46,7 +46,7 @@ def channel(
 
     * `kind`, `name` (the absolute name that is shown, None if several are meant), `iri`, `types`, `systems` (names of
       the launch files that have it);
-    * `meant`: what else the given name stands for; objects of name, `types`, `givers` and `takers` (`package/node`) and
+    * `meant`: what else the given name may mean; objects of name, `types`, `givers` and `takers` (`package/node`) and
       `systems` (how many launch files);
     * `endpoints`: one for each line of code of each start of a node, however many launch files include it. It has the
       fields of an interface in `kg instances --json` (docs/formats.md), and `role`, `title`, `types`, `quality`,
@@ -65,11 +65,11 @@ def channel(
     thing = iris.parse(name) if name.startswith(settings.base) else None
     if thing is not None and thing.kind in _KINDS:
         kind, name = thing.kind, thing.parts[0]
-    chosen, others = channels_meant(snapshot, kind, name, systems)
+    chosen, others = resolve_channel(snapshot, kind, name, systems)
     summaries = (
         {one.name: asdict(one) for one in channels(snapshot, kind, implicit=True, named=others)} if others else {}
     )
-    found: dict[str, Any] = {
+    answer: dict[str, Any] = {
         "kind": kind,
         "name": chosen,
         "iri": iris.channel(kind, chosen) if chosen else None,
@@ -80,7 +80,7 @@ def channel(
         "findings": [],
     }
     if chosen is None:
-        return found
+        return answer
     rows = _Endpoints(snapshot, settings)
     launched = []
     for each in systems_at(snapshot, kind, chosen, settings.base):
@@ -98,7 +98,7 @@ def channel(
             if one["instance"] in finding["subjects"] and not set(one["systems"]).isdisjoint(finding["systems"])
         ]
     return {
-        **found,
+        **answer,
         "types": sorted({kind for one in endpoints for kind in one["types"]}),
         "systems": sorted(one.configuration.name for one in launched),
         "endpoints": endpoints,
@@ -106,7 +106,7 @@ def channel(
     }
 
 
-def channels_meant(
+def resolve_channel(
     snapshot: EmbeddedSnapshot, kind: str, name: str, systems: frozenset[str] | None = None
 ) -> tuple[str | None, list[str]]:
     """Return the absolute name that `name` means, None if several; and the other names, sorted.
@@ -121,26 +121,28 @@ def channels_meant(
     if kind not in _KINDS:
         raise UsageError("KG003", f"`{kind}` is not a kind of name", hint=f"Use {', '.join(_KINDS)}.")
     written = normalise(name.strip())
-    found = names_written(snapshot, kind, written)
+    matches = names_written(snapshot, kind, written)
     absolute = written if written.startswith("/") else f"/{written}"
     if systems is None:
         there = (kind, absolute) in channels_called(snapshot, [absolute])
     else:
-        known = names_in(snapshot, kind, systems)
-        found, there = [one for one in found if one in known], absolute in known
+        candidates = names_in(snapshot, kind, systems)
+        matches, there = [one for one in matches if one in candidates], absolute in candidates
     if there:
-        return absolute, [one for one in found if one != absolute]
-    if not found:
+        return absolute, [one for one in matches if one != absolute]
+    if not matches:
         # Only a part of a name, or one that is not there, needs all names.
-        known = names(snapshot, kind, implicit=True) if systems is None else known
+        candidates = names(snapshot, kind, implicit=True) if systems is None else candidates
         if written.strip("/~"):
             part = name.strip().lower()
-            found = [one for one in known if one.lower().startswith(part) or (part[0] != "/" and part in one.lower())]
+            matches = [
+                one for one in candidates if one.lower().startswith(part) or (part[0] != "/" and part in one.lower())
+            ]
             explicit = set(names(snapshot, kind))
-            found = [one for one in found if one in explicit] or found
-        if not found:
-            raise unknown(kind, name, known, otherwise=f"`kg {kind}s` lists the {kind}s.")
-    return (found[0], []) if len(found) == 1 else (None, found)
+            matches = [one for one in matches if one in explicit] or matches
+        if not matches:
+            raise unknown(kind, name, candidates, otherwise=f"`kg {kind}s` lists the {kind}s.")
+    return (matches[0], []) if len(matches) == 1 else (None, matches)
 
 
 def _findings(
@@ -150,14 +152,14 @@ def _findings(
     about = findings_about(snapshot, name)
     those = {iri for _, where in about.values() for iri in where if systems is None or iri in systems}
     named = {iris.configuration(one.repository, one.path): one.name for one in system_names(snapshot, those)}
-    found = []
+    rows = []
     for (code, severity, message), (subjects, where) in about.items():
         inside = sorted({named[one] for one in where if one in named})
         if code in MISMATCHES and inside:
-            found.append(
+            rows.append(
                 {"code": code, "severity": severity, "message": message, "systems": inside, "subjects": subjects}
             )
-    return found
+    return rows
 
 
 class _Endpoints:
@@ -246,8 +248,8 @@ class _Endpoints:
     def _fold(
         rows: dict[tuple[object, ...], dict[str, Any]], key: Any, row: dict[str, Any], system: str | None
     ) -> None:
-        kept = rows.setdefault(key, row)
+        folded = rows.setdefault(key, row)
         for name in ("types", "plugins"):
-            kept[name] = sorted({*kept[name], *row[name]})
+            folded[name] = sorted({*folded[name], *row[name]})
         if system is not None:
-            kept["systems"] = sorted({*kept["systems"], system})
+            folded["systems"] = sorted({*folded["systems"], system})

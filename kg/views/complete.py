@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.query.completion import service
-from kg.query.completion.keeping import Kept
+from kg.query.completion.keeping import SnapshotCache
 from kg.query.completion.statistics import declared
 from kg.query.diagnosis import problems
 from kg.query.stored import discover
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _declared: Final = once(declared)
-_LAST: Final[dict[str, Kept]] = {}  # what is kept of the snapshot that was asked last, by its store and its identity
+_LAST: Final[
+    dict[str, SnapshotCache]
+] = {}  # what is kept of the snapshot that was asked last, by its store and its identity
 
 
 def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]:  # noqa: ARG001 - every view is given settings
@@ -30,10 +32,10 @@ def prefixes(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, str]: 
 
 def diagnose(snapshot: Snapshot, settings: Settings, text: str = "") -> dict[str, Any]:
     """Return the `problems` of the query `text` (see `kg.query.diagnosis.problems.diagnose`), and the `snapshot`."""
-    kept = kept_of(snapshot, settings)
-    known = kept.known()
-    used = (*known.classes, *known.properties)
-    return {"snapshot": snapshot.identity, "problems": problems.diagnose(text, snapshot, kept.prefixes(), used)}
+    cache = cache_of(snapshot, settings)
+    statistics = cache.cached_statistics()
+    used = (*statistics.classes, *statistics.properties)
+    return {"snapshot": snapshot.identity, "problems": problems.diagnose(text, snapshot, cache.prefixes(), used)}
 
 
 def complete(
@@ -52,21 +54,21 @@ def complete(
         at = int(position)
     except ValueError:
         raise UsageError("KG003", f"the position `{position}` is not a number") from None
-    found = service.complete(
+    completions = service.complete(
         text,
         len(text) if at < 0 else at,
-        kept_of(snapshot, settings),
+        cache_of(snapshot, settings),
         lambda: list(discover(settings.queries).values()),
         fresh=bool(fresh),
     )
-    return {"snapshot": snapshot.identity, **found}
+    return {"snapshot": snapshot.identity, **completions}
 
 
-def kept_of(snapshot: Snapshot, settings: Settings) -> Kept:
+def cache_of(snapshot: Snapshot, settings: Settings) -> SnapshotCache:
     """Return the caches of a snapshot: that of this process for the last snapshot, and that of its store."""
     cache = layout_of(settings).cache
     key = f"{cache} {snapshot.identity}"
     if key not in _LAST:
         _LAST.clear()
-        _LAST[key] = Kept(cache, snapshot)
+        _LAST[key] = SnapshotCache(cache, snapshot)
     return _LAST[key].over(snapshot)

@@ -42,8 +42,10 @@ class Places:
     @classmethod
     def of(cls, states: Iterable[SourceState], quoted: Quoted | None = None) -> Places:
         """Return the places of some sources; `quoted` gives the stored lines of a file of a source, by number."""
-        known = {one.name: one for one in states}
-        return cls(known, Lines({name: one.root for name, one in known.items() if one.root}), quoted or (lambda *_: {}))
+        by_name = {one.name: one for one in states}
+        return cls(
+            by_name, Lines({name: one.root for name, one in by_name.items() if one.root}), quoted or (lambda *_: {})
+        )
 
     def evidence(self, repository: str, location: Location) -> dict[str, Any]:
         """Return a place for interfaces; `location` may name another repository than that of the fact.
@@ -82,8 +84,8 @@ class Places:
 
     def find(self, path: str) -> str | None:
         """Return the only source that has a file of this path on this machine."""
-        found = [name for name in self.sources if self.file(name, Location(path, 0))]
-        return found[0] if len(found) == 1 else None
+        matches = [name for name in self.sources if self.file(name, Location(path, 0))]
+        return matches[0] if len(matches) == 1 else None
 
     def code(self, repository: str, location: Location, *, whole: bool = False) -> dict[str, Any]:
         """Return the line of a place: `line_text`, None if it is not available, and `line_stored`.
@@ -91,18 +93,18 @@ class Places:
         `line_stored` is true if the line is from the store, because its file is not here or has another line there now.
         `whole` adds the lines after it on which its parentheses end, joined by spaces: few at most.
         """
-        found: list[str] = []
+        texts: list[str] = []
         stored = False
         for number in range(location.line, location.line + (_STATEMENT if whole else 1)):
             text, from_store = self._line(repository, replace(location, line=number))
-            if text is None or (found and from_store is not stored):
+            if text is None or (texts and from_store is not stored):
                 break
             stored = from_store
-            found.append(text.strip() if whole else text)
-            joined = "".join(found)
+            texts.append(text.strip() if whole else text)
+            joined = "".join(texts)
             if joined.count("(") <= joined.count(")"):
                 break
-        return {"line_text": " ".join(found) or None, "line_stored": stored}
+        return {"line_text": " ".join(texts) or None, "line_stored": stored}
 
     def _line(self, repository: str, location: Location) -> tuple[str | None, bool]:
         """Return a line, and whether it is from the store."""
@@ -119,7 +121,7 @@ class Places:
     def own(path: Path | str, line: int | None) -> dict[str, Any]:
         """Return a place in a file of `kg` itself or of the user (a rule, an ontology), with the keys of `evidence`.
 
-        The `path` of what `kg` ships is relative to where that stands.
+        The `path` of a file that `kg` ships is relative to the folder of these files.
         """
         file = Path(path).absolute()
         shipped, there = folder("rules").absolute().parent, file.is_file()
@@ -137,11 +139,11 @@ class Places:
 @once
 def places(snapshot: EmbeddedSnapshot) -> Places:
     """Return the places of the sources of a snapshot."""
-    held = ref(snapshot)  # what is remembered for a snapshot must not keep it
+    reference = ref(snapshot)  # what is remembered for a snapshot must not keep it
 
     @lru_cache(maxsize=256)
     def quoted(repository: str, path: str) -> Mapping[int, str]:
-        graph = held()
+        graph = reference()
         return quoted_lines(graph, repository, path) if graph is not None else {}
 
     return Places.of(sources(snapshot), quoted)

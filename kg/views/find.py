@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
 from kg.facts import Location
-from kg.search.filters import known
+from kg.search.filters import filter_values
 from kg.search.options import FILTERS
 from kg.search.searching import Hit, Search, hit_object, search_of
 from kg.search.wording import near, understood, unknown
@@ -29,7 +29,7 @@ def find(
 ) -> dict[str, Any]:
     """Return the nodes that match `text` and all `filters` (`kg.search.options.FILTERS`).
 
-    Several values of one filter stand apart by commas. `limit` is at most 100. The answer has `text`, `filters`,
+    Several values of one filter are separated by commas. `limit` is at most 100. The answer has `text`, `filters`,
     `total`, `only` and `rather` (what the words were taken for, as strict and as loose wishes), `near` (a question
     whether another name was meant, where nothing was found), `fits` (false where the hits are only the nearest),
     `unknown` (sentences about the words that describe no node) and `hits`: objects as of `kg search --json` with `iri`,
@@ -72,7 +72,7 @@ def find(
 def choices(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, list[str]]:
     """Return for each filter the values that nodes of the store have, sorted."""
     names = search_over(snapshot, settings).names
-    return {kind: known(kind, names) for kind in FILTERS}
+    return {kind: filter_values(kind, names) for kind in FILTERS}
 
 
 def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:
@@ -81,11 +81,11 @@ def search_over(snapshot: EmbeddedSnapshot, settings: Settings) -> Search:
 
 
 def _hit(hit: Hit, where: Places) -> dict[str, Any]:
-    found = hit_object(hit)
+    data = hit_object(hit)
     repository = hit.package.repository
-    for reason in found["reasons"]:
+    for reason in data["reasons"]:
         path, line = reason.pop("file"), reason.pop("line")
         reason["evidence"] = None if path is None else where.evidence(repository, Location(path, line))
-    also = [{**told, "iri": one.iri} for told, (_, one) in zip(found["also"], hit.others, strict=True)]
+    also = [{**named, "iri": one.iri} for named, (_, one) in zip(data["also"], hit.others, strict=True)]
     declared = where.evidence(repository, Location(hit.node.path, hit.node.line))
-    return {**found, "iri": hit.node.iri, "evidence": declared, "also": also}
+    return {**data, "iri": hit.node.iri, "evidence": declared, "also": also}

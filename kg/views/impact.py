@@ -18,7 +18,7 @@ from kg.pipeline.launch_names import matching
 from kg.similar import did_you_mean, unknown
 from kg.views.evidence import places
 from kg.views.impact_world import StoredWorld
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -48,21 +48,21 @@ def impact_of(snapshot: EmbeddedSnapshot, settings: Settings, name: str, kind: s
             hint=did_you_mean(kind, map(str, Kind)) or f"The kinds are {', '.join(Kind)}.",
         )
     world = StoredWorld(snapshot, settings)
-    found = [one for one in subjects(snapshot, world, name) if kind in {"", str(one.kind)}]
-    if not found:
+    matches = [one for one in subjects(snapshot, world, name) if kind in {"", str(one.kind)}]
+    if not matches:
         raise unknown(
-            kind or "name", name, _known(snapshot, world, kind), otherwise="`kg search` finds nodes by words."
+            kind or "name", name, _candidates(snapshot, world, kind), otherwise="`kg search` finds nodes by words."
         )
-    if len(found) > 1:
-        ways = choices([f"`kg impact {one.text} --kind {one.kind}`" for one in found])
-        raise UsageError("KG003", f"`{name}` means {len(found)} things; choose one", hint=ways)
-    return assess(found[0], world)
+    if len(matches) > 1:
+        ways = choices([f"`kg impact {one.text} --kind {one.kind}`" for one in matches])
+        raise UsageError("KG003", f"`{name}` means {len(matches)} things; choose one", hint=ways)
+    return assess(matches[0], world)
 
 
 def subjects(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> list[Subject]:
     """Return the meanings of a name: all with this name, else all whose name ends with it by whole segments."""
     exact = [
-        *(Subject(Kind(kind), found) for kind, found in channels_called(snapshot, {name, f"/{name.lstrip('/')}"})),
+        *(Subject(Kind(kind), channel) for kind, channel in channels_called(snapshot, {name, f"/{name.lstrip('/')}"})),
         *_types(snapshot, world, name),
         *_nodes(snapshot, world, name),
         *_parameters(snapshot, world, name),
@@ -84,18 +84,18 @@ def _types(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterato
     bare, _, field = last.partition(".")
     package = "/".join(part for part in front.split("/") if part not in _SECTIONS)
     if front:
-        known = types_called(snapshot, f"{package}/{bare}")
+        candidates = types_called(snapshot, f"{package}/{bare}")
     else:
-        known = type_names(snapshot, bare) if bare[:1].isupper() else []
-    for found in known:
-        subject = Subject(Kind.TYPE, found)
+        candidates = type_names(snapshot, bare) if bare[:1].isupper() else []
+    for type_name in candidates:
+        subject = Subject(Kind.TYPE, type_name)
         if not field:
             yield subject
             continue
-        held = [one.definition for one in world.definitions(subject) if one.name == found]
-        fields = {each.name for one in held for each in one.fields}
+        definitions = [one.definition for one in world.definitions(subject) if one.name == type_name]
+        fields = {each.name for one in definitions for each in one.fields}
         if not fields or field.partition(".")[0] in fields:
-            yield Subject(Kind.FIELD, field, found)
+            yield Subject(Kind.FIELD, field, type_name)
 
 
 def _nodes(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> Iterator[Subject]:
@@ -123,12 +123,12 @@ def _parameters(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str) -> It
 
 def _arguments(snapshot: EmbeddedSnapshot, name: str) -> Iterator[Subject]:
     launch, _, argument = name.rpartition(":")
-    found = arguments(snapshot, argument)
-    if found and not launch:
+    declared = arguments(snapshot, argument)
+    if declared and not launch:
         yield Subject(Kind.ARGUMENT, argument)
         return
-    meant = {one.name for one in matching(known_names(snapshot), launch)} if launch else set()
-    yield from (Subject(Kind.ARGUMENT, argument, owner) for _, owner in found if owner in meant)
+    launches = {one.name for one in matching(configuration_names(snapshot), launch)} if launch else set()
+    yield from (Subject(Kind.ARGUMENT, argument, owner) for _, owner in declared if owner in launches)
 
 
 def _files(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str, *, whole: bool) -> Iterator[Subject]:
@@ -139,24 +139,26 @@ def _files(snapshot: EmbeddedSnapshot, world: StoredWorld, name: str, *, whole: 
     roots = {source.name: Path(source.root).resolve() for source in places(snapshot).sources.values() if source.root}
     own = [one for one in world.own if f"/{one.path}".endswith(f"/{path}")]
     named = world.files_at(path) if whole else [*file_records(snapshot, ending=path), *own]
-    found = {(one.repository, one.path) for one in named if repository in {"", one.repository}}
+    matches = {(one.repository, one.path) for one in named if repository in {"", one.repository}}
     for source, root in roots.items():
         if real is not None and real.is_relative_to(root):
             inner = real.relative_to(root).as_posix()
-            found |= {(source, one.path) for one in world.files_at(inner) if one.repository == source}
-    yield from (Subject(Kind.FILE, inner, source) for source, inner in sorted(found, key=lambda one: (not one[0], one)))
+            matches |= {(source, one.path) for one in world.files_at(inner) if one.repository == source}
+    yield from (
+        Subject(Kind.FILE, inner, source) for source, inner in sorted(matches, key=lambda one: (not one[0], one))
+    )
 
 
-def _known(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
+def _candidates(snapshot: EmbeddedSnapshot, world: StoredWorld, kind: str) -> set[str]:
     """Return the names that a misspelt one may mean."""
     if kind in CHANNELS:
         return set(world.channels[kind])
-    known: dict[str, Callable[[], Iterable[str]]] = {
+    names_by_kind: dict[str, Callable[[], Iterable[str]]] = {
         Kind.TYPE: lambda: type_names(snapshot),
         Kind.NODE: lambda: [*qualified_names(snapshot), *started_names(snapshot)],
         Kind.PARAMETER: lambda: settable_names(snapshot),
         Kind.ARGUMENT: lambda: [name for name, _ in arguments(snapshot)],
         Kind.FILE: lambda: [one.path.rpartition("/")[2] for one in (*file_records(snapshot), *world.own)],
     }
-    found = {name for one, names in known.items() if kind in {"", one} for name in names()}
-    return found if kind else found.union(*world.channels.values())
+    candidates = {name for one, names in names_by_kind.items() if kind in {"", one} for name in names()}
+    return candidates if kind else candidates.union(*world.channels.values())

@@ -14,7 +14,7 @@ from kg.launch.comparison import Finding, Sources, compare
 from kg.lint.reading import read_findings
 from kg.pipeline.state import State, load
 from kg.views.impact_world import StoredWorld
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from kg.lint.finding import Finding as Found
@@ -36,11 +36,11 @@ def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settin
             if (key := (one.configuration.repository, one.configuration.path)) in pairs
         ]
         worlds = StoredWorld(old, settings), StoredWorld(new, settings)
-        kept = {(one.repository, one.path) for one in file_records(new)}
+        remaining = {(one.repository, one.path) for one in file_records(new)}
         files = [
             Subject(Kind.FILE, one.path, one.repository)
             for one in file_records(old)
-            if (one.repository, one.path) not in kept
+            if (one.repository, one.path) not in remaining
         ]
         gone = [*definition_changes(definition_records(old), definition_records(new)), *files]
         return broken(compare(*sides), worlds, both, gone)
@@ -49,19 +49,19 @@ def broken_between(before: EmbeddedStore, after: EmbeddedStore, settings: Settin
 def _side(
     snapshot: EmbeddedSnapshot, settings: Settings, packages: set[str], launches: set[tuple[str, str]]
 ) -> Sources:
-    names = [one for one in known_names(snapshot) if (one.repository, one.path) in launches]
+    names = [one for one in configuration_names(snapshot) if (one.repository, one.path) in launches]
     chosen = {one.name for one in names}
     findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
     nodes = node_records(snapshot, packages=packages) if packages else []
     return Sources(nodes, systems(snapshot, names, settings.base), findings)
 
 
-def compared_finding(found: Found) -> Finding:
+def compared_finding(finding: Found) -> Finding:
     """Return a finding of `kg lint` as `kg.launch.comparison` takes it."""
-    place = found.place
+    place = finding.place
     location = Location(place.path, place.line) if place and place.line is not None else None
-    subject = found.subjects[0] if found.subjects else ""
-    return Finding(found.system, found.code, subject, found.message, location, place.repository if place else "")
+    subject = finding.subjects[0] if finding.subjects else ""
+    return Finding(finding.system, finding.code, subject, finding.message, location, place.repository if place else "")
 
 
 def _packages(before: State, after: State) -> set[str]:

@@ -33,7 +33,7 @@ from kg.impact.model import CHANNELS, DefinitionRecord, FileRecord, Kind, Packag
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.types import affected_types, uses_type
 from kg.settings import Settings, user_paths
-from kg.views.answers import channel_names, partly_known, set_names
+from kg.views.answers import channel_names, partial_names, set_names
 from kg.views.evidence import places
 
 if TYPE_CHECKING:
@@ -96,8 +96,8 @@ class StoredWorld:
     def own(self) -> Sequence[FileRecord]:
         """The rules, queries and programs of the user."""
         folders = {one for name in ("rules", "queries", "ontology") for one in user_paths(self._settings, name)}
-        found = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
-        return [FileRecord("", "", str(path), FileKind.CONFIG) for path in found]
+        paths = sorted({path for folder in folders for path in folder.rglob("*") if path.suffix in _OWN})
+        return [FileRecord("", "", str(path), FileKind.CONFIG) for path in paths]
 
     @cached_property
     def files(self) -> Sequence[FileRecord]:
@@ -115,12 +115,12 @@ class StoredWorld:
         if subject not in self._systems:
             snapshot, base, (parts, usual) = self._snapshot, self._settings.base, self._parts(subject)
             if subject.kind is Kind.PARAMETER and not subject.owner:
-                found = partial_systems(snapshot, None, parts, base, usual)
+                partial = partial_systems(snapshot, None, parts, base, usual)
             else:
                 having = {end.system for end in usual} | configurations_in(snapshot, self._graphs(subject))
                 names = system_names(snapshot, having) if having else []
-                found = partial_systems(snapshot, names, parts, base, usual, launches=True)
-            self._systems[subject] = found
+                partial = partial_systems(snapshot, names, parts, base, usual, launches=True)
+            self._systems[subject] = partial
         return self._systems[subject]
 
     def lines(self, repository: str, path: str) -> Sequence[str]:
@@ -166,7 +166,7 @@ class StoredWorld:
     def _parts(self, subject: Subject) -> tuple[list[tuple[str, str]], list[UsualEnd]]:
         """Return the parts of systems that may have to do with a subject: those that are stated, and usual ends."""
         if subject.kind in CHANNELS:
-            return at_channel(self._snapshot, subject.kind, subject.name, partly_known(self._snapshot))
+            return at_channel(self._snapshot, subject.kind, subject.name, partial_names(self._snapshot))
         if subject.kind in {Kind.TYPE, Kind.FIELD}:
             return of_types(self._snapshot, (name for _, name in self._affected(subject)))
         if subject.kind is Kind.NODE:

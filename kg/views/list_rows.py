@@ -18,7 +18,7 @@ from kg.lint.question import Question
 from kg.lint.running import check
 from kg.settings import Settings
 from kg.views import answers
-from kg.views.systems import known_systems
+from kg.views.systems import all_systems
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -69,26 +69,26 @@ def nodes(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
     """Return the node types; `at` is the place of a node among those of `kg nodes --json`."""
 
     def make() -> list[dict[str, Any]]:
-        held = _labels(snapshot)
-        return [_node(at, one, held[one.iri]) for at, one in enumerate(answers.node_lines(snapshot))]
+        labels = _labels(snapshot)
+        return [_node(at, one, labels[one.iri]) for at, one in enumerate(answers.node_lines(snapshot))]
 
     return answers.rows(snapshot, "list-nodes", make)
 
 
-def _node(at: int, line: answers.NodeLine, held: dict[str, list[str]]) -> dict[str, Any]:
-    told = msgspec.json.decode(line.text)
-    own = {role: [one for one in told[role] if not one["implicit"]] for role in _ROLES}
-    kept = ("repository", "package", "kind", "ros", "language", "description", "executable", "plugin", "file", "line")
+def _node(at: int, line: answers.NodeLine, labels: dict[str, list[str]]) -> dict[str, Any]:
+    node = msgspec.json.decode(line.text)
+    own = {role: [one for one in node[role] if not one["implicit"]] for role in _ROLES}
+    copied = ("repository", "package", "kind", "ros", "language", "description", "executable", "plugin", "file", "line")
     return {
         "at": at,
         "iri": line.iri,
-        "node": told["node"],
-        **{name: told[name] for name in kept},
+        "node": node["node"],
+        **{name: node[name] for name in copied},
         **{role: len(own[role]) for role in _ROLES[:4]},
         "actions": len(own["action_servers"]) + len(own["action_clients"]),
-        "parameters": len({one["name"] for one in told["parameters"] if not one["implicit"]}),
+        "parameters": len({one["name"] for one in node["parameters"] if not one["implicit"]}),
         "types": sorted({one["type"] for role in _ROLES for one in own[role] if one["type"]}),
-        **{name: held.get(name, []) for name in dict.fromkeys(_CLASSES.values())},
+        **{name: labels.get(name, []) for name in dict.fromkeys(_CLASSES.values())},
     }
 
 
@@ -165,13 +165,15 @@ def classes(snapshot: EmbeddedSnapshot, _base: str, of: str) -> Rows:
         grades: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for row in select(snapshot, _GRADED):
             grades[row["class"].value][_GRADES[row["grade"].value]] += 1
-        found: dict[tuple[str, str], dict[str, Any]] = {}
+        by_class: dict[tuple[str, str], dict[str, Any]] = {}
         for row in select(snapshot, _HELD):
             iri, prop = row["class"].value, row["property"].value
             kind = "device" if prop.endswith("usesDevice") else "kind"
-            known = {"iri": iri, "name": row["text"].value, "of": _CLASSES[prop], "kind": kind, "nodes": 0}
-            found.setdefault((iri, prop), known)["nodes"] += 1
-        return [{**one, **{grade: grades[one["iri"]][grade] for grade in _GRADES.values()}} for one in found.values()]
+            empty = {"iri": iri, "name": row["text"].value, "of": _CLASSES[prop], "kind": kind, "nodes": 0}
+            by_class.setdefault((iri, prop), empty)["nodes"] += 1
+        return [
+            {**one, **{grade: grades[one["iri"]][grade] for grade in _GRADES.values()}} for one in by_class.values()
+        ]
 
     return [row for row in answers.rows(snapshot, "list-classes", make) if row["of"] == of]
 
@@ -185,7 +187,7 @@ def systems(snapshot: EmbeddedSnapshot, base: str) -> Rows:
             "problems": sum(one["findings"].values()),
             "use": "included by others" if one["included"] else "started by itself",
         }
-        for one in known_systems(snapshot, base)
+        for one in all_systems(snapshot, base)
     ]
 
 
@@ -199,26 +201,26 @@ def parameters(snapshot: EmbeddedSnapshot, _base: str) -> Rows:
 
 
 def _parameters(line: answers.NodeLine) -> Iterable[dict[str, Any]]:
-    told = msgspec.json.decode(line.text)
+    node = msgspec.json.decode(line.text)
     groups: defaultdict[str | None, list[dict[str, Any]]] = defaultdict(list)
-    for one in told["parameters"]:
+    for one in node["parameters"]:
         if not one["implicit"]:
             groups[one["name"]].append(one)
     for name in sorted(groups, key=lambda one: one or ""):
         group = groups[name]
         first = next((one for one in group if one["access"] == "declare"), group[0])
-        known = {
+        shared = {
             key: next((one[key] for one in (first, *group) if one[key] is not None), None)
             for key in ("type", "default", "description")
         }
         yield {
             "iri": line.iri,
             "name": name,
-            **known,
+            **shared,
             "access": sorted({one["access"] for one in group}),
-            "node": told["node"],
-            "package": told["package"],
-            "repository": told["repository"],
+            "node": node["node"],
+            "package": node["package"],
+            "repository": node["repository"],
             "file": first["file"],
             "line": first["line"],
         }
@@ -226,15 +228,15 @@ def _parameters(line: answers.NodeLine) -> Iterable[dict[str, Any]]:
 
 def findings(snapshot: EmbeddedSnapshot, base: str) -> Rows:
     """Return what `kg lint` reports, as `kg lint --json` has it; UsageError KG002 and KG421 for kg.toml."""
-    found = check(snapshot, Question(), Settings(base=base), Path.cwd()).report.findings
-    return [{**as_object(one), "iri": one.iri, "package": one.system.partition("/")[0]} for one in found]
+    reported = check(snapshot, Question(), Settings(base=base), Path.cwd()).report.findings
+    return [{**as_object(one), "iri": one.iri, "package": one.system.partition("/")[0]} for one in reported]
 
 
 def _labels(snapshot: EmbeddedSnapshot) -> defaultdict[str, dict[str, list[str]]]:
     """Return the labels of functions, hardware and capabilities: by IRI of the node, then by list."""
-    found: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
+    by_node: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
     for row in select(snapshot, _HELD):
-        labels = found[row["node"].value].setdefault(_CLASSES[row["property"].value], [])
+        labels = by_node[row["node"].value].setdefault(_CLASSES[row["property"].value], [])
         if row["text"].value not in labels:
             labels.append(row["text"].value)
-    return found
+    return by_node

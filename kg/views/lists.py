@@ -139,19 +139,19 @@ def listing(  # noqa: PLR0913 - what a list can be asked
             hint = did_you_mean(name, kind.facets) or f"Valid filters: {', '.join(kind.facets) or 'none'}."
             raise UsageError("KG003", f"unknown filter `{name}` of {of}", hint=hint)
     allowed = repr(table("lint", Path.cwd())) if of == "findings" else ""
-    known = _rows(snapshot, of, settings.base, allowed)
-    found, counts = _chosen(kind, known, text.lower().split(), given)
-    found = _sorted(found, sort, known)
+    rows = _rows(snapshot, of, settings.base, allowed)
+    selected, counts = _chosen(kind, rows, text.lower().split(), given)
+    selected = _sorted(selected, sort, rows)
     start, most = number(offset, 0), number(limit, 0)
-    shown = found[start : start + most] if most else found[start:]
+    shown = selected[start : start + most] if most else selected[start:]
     if whole and kind.objects:
         shown = list(kind.objects(snapshot, shown))
     elif most and not whole:
         shown = list(_placed(snapshot, shown))
     return {
         "of": of,
-        "all": len(known),
-        "total": len(found),
+        "all": len(rows),
+        "total": len(selected),
         "offset": start,
         "sort": sort,
         "facets": {name: _offered(counts[name], given.get(name)) for name in kind.facets},
@@ -169,7 +169,7 @@ def _chosen(
 ) -> tuple[list[Row], dict[str, Counter[str]]]:
     """Return the rows that fit, and for each facet how many rows of each value fit all others."""
     counts: dict[str, Counter[str]] = {name: Counter() for name in kind.facets}
-    found = []
+    chosen = []
     for row in rows:
         text = " ".join(str(row[key] or "") for key in kind.words).lower() if words else ""
         if not all(word in text for word in words):
@@ -177,12 +177,12 @@ def _chosen(
         values = {name: _texts(row[key]) for name, key in kind.facets.items()}
         failed = [name for name, value in given.items() if value not in values[name]]
         if not failed:
-            found.append(row)
+            chosen.append(row)
             for name, texts in values.items():
                 counts[name].update(texts)
         elif len(failed) == 1:
             counts[failed[0]].update(values[failed[0]])
-    return found, counts
+    return chosen, counts
 
 
 def _texts(value: Any) -> tuple[str, ...]:
@@ -202,14 +202,14 @@ def _offered(counts: Counter[str], given: str | None) -> list[dict[str, Any]]:
     return [{"value": value, "count": number} for value, number in ordered]
 
 
-def _sorted(found: list[Row], sort: str, known: Rows) -> list[Row]:
+def _sorted(rows: list[Row], sort: str, every: Rows) -> list[Row]:
     key = sort.removeprefix("-")
-    if not key or not known:
-        return found
-    if key not in known[0]:
-        raise UsageError("KG003", f"rows have no `{key}` to sort by", hint=f"Sort by {', '.join(known[0])}.")
-    filled = [row for row in found if row[key] not in (None, "")]
-    empty = [row for row in found if row[key] in (None, "")]
+    if not key or not every:
+        return rows
+    if key not in every[0]:
+        raise UsageError("KG003", f"rows have no `{key}` to sort by", hint=f"Sort by {', '.join(every[0])}.")
+    filled = [row for row in rows if row[key] not in (None, "")]
+    empty = [row for row in rows if row[key] in (None, "")]
     return sorted(filled, key=lambda row: _order(row[key]), reverse=sort.startswith("-")) + empty
 
 

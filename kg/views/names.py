@@ -20,14 +20,14 @@ with lazily():
     from kg.pipeline.launch_names import matching, unknown_launch
 
 
-def known_package(graph: Queryable, name: str) -> None:
+def require_package(graph: Queryable, name: str) -> None:
     """Raise KG001 unless the store has a package of this name (`name` or `repository:name`)."""
     repository, _, own = name.rpartition(":")
     owner = f"?r rnkg:contains ?p ; rnkg:name {literal(repository)} ." if repository else ""
     if graph.query(f"ASK {{ ?p a rnkg:Package ; rnkg:name {literal(own)} . {owner} }}", prefixes=dict(PREFIXES)):
         return
-    known = packages(graph)
-    names = [one.name for one in known] + [f"{one.repository}:{one.name}" for one in known]
+    existing = packages(graph)
+    names = [one.name for one in existing] + [f"{one.repository}:{one.name}" for one in existing]
     raise unknown("package", name, names, otherwise="`kg packages` lists the packages.")
 
 
@@ -39,15 +39,17 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
     KG001 with suggestions if there is none, KG003 with the full names if there are several.
     """
     front, _, last = name.rpartition("/")
-    found = [*node_records(graph, node=name)]
-    if front and not found:
-        found = node_records(graph, node=last, package=front)
-    if not found:
+    records = [*node_records(graph, node=name)]
+    if front and not records:
+        records = node_records(graph, node=last, package=front)
+    if not records:
         package = front or None
-        found = [one for known in loaded_as(graph, last) for one in node_records(graph, node=known, package=package)]
-    if len({one.full_name for one in found}) == 1:
-        return found
-    if not found:
+        records = [
+            one for loaded in loaded_as(graph, last) for one in node_records(graph, node=loaded, package=package)
+        ]
+    if len({one.full_name for one in records}) == 1:
+        return records
+    if not records:
         names = node_names(graph)
         if front:
             names = [f"{one.package}/{one.node.name}" for one in node_records(graph)]
@@ -55,12 +57,12 @@ def one_node(graph: Queryable, name: str) -> list[NodeRecord]:
         if inside:
             raise UnknownNameError("KG001", f"`{name}` is a package, not a node", hint=choices(inside))
         raise unknown("node", name, names, otherwise="`kg nodes` lists the nodes.")
-    packages = [one.package for one in found]
-    ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in found]
+    packages = [one.package for one in records]
+    ways = [f"{one.package}/{one.node.name}" if packages.count(one.package) == 1 else one.full_name for one in records]
     lines = choices(
-        [f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, found, strict=True)]
+        [f"`kg node {way}`  ({one.node.kind}, {one.node.location})" for way, one in zip(ways, records, strict=True)]
     )
-    raise UsageError("KG003", f"{len(found)} nodes are called `{name}`; choose one", hint=lines)
+    raise UsageError("KG003", f"{len(records)} nodes are called `{name}`; choose one", hint=lines)
 
 
 def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
@@ -68,20 +70,20 @@ def starting_system(graph: Queryable, name: str, launch: str | None) -> str:
 
     KG001 with suggestions when none does, KG003 with the launch files when there are several.
     """
-    found = started_names(graph, name).get(name, [])
+    matches = started_names(graph, name).get(name, [])
     if launch is not None:
-        starting = matching(system_names(graph, named=found), launch)
-        found = [one for one in found if one in {each.name for each in starting}]
-    if not found:
+        starting = matching(system_names(graph, named=matches), launch)
+        matches = [one for one in matches if one in {each.name for each in starting}]
+    if not matches:
         started = started_names(graph)
         if launch is not None:
-            known = system_names(graph)
-            meant = {one.name for one in matching(known, launch)}
-            if not meant:
-                raise unknown_launch(known, launch)
-            started = {key: systems for key, systems in started.items() if not meant.isdisjoint(systems)}
+            names = system_names(graph)
+            launches = {one.name for one in matching(names, launch)}
+            if not launches:
+                raise unknown_launch(names, launch)
+            started = {key: systems for key, systems in started.items() if not launches.isdisjoint(systems)}
         raise unknown("instance", name, started, otherwise="`kg instances` lists the instances.")
-    if len(found) > 1:
-        ways = choices([f"`kg node {name} --launch {one}`" for one in found])
-        raise UsageError("KG003", f"{len(found)} launch files start `{name}`; choose one", hint=ways)
-    return found[0]
+    if len(matches) > 1:
+        ways = choices([f"`kg node {name} --launch {one}`" for one in matches])
+        raise UsageError("KG003", f"{len(matches)} launch files start `{name}`; choose one", hint=ways)
+    return matches[0]

@@ -67,29 +67,29 @@ def neighbours(snapshot: EmbeddedSnapshot, record: NodeRecord, iris: Iris) -> li
     own = {iri: one for one, iri in record.ends.items() if not one.implicit and is_known(one.resolved)}
     wanted = {end: iris.channel(one.role.channel, one.resolved or "") for end, one in own.items()}
     others = _others(snapshot, wanted.values())
-    found = []
+    channels = []
     for end, one in sorted(own.items()):
         ends = (end for end in others[wanted[end]] if end.role is one.role.opposite and end.node != record.iri)
         nodes = {other.node for other in ends if None in {other.type, one.type} or other.type == one.type}
         if nodes:
-            found.append(_neighbours(one, wanted[end], nodes, record))
-    return list({(one["channel_iri"], one["outward"]): one for one in found}.values())
+            channels.append(_neighbours(one, wanted[end], nodes, record))
+    return list({(one["channel_iri"], one["outward"]): one for one in channels}.values())
 
 
 def _neighbours(one: Interface, channel: str, nodes: Iterable[str], record: NodeRecord) -> dict[str, Any]:
-    known = []
+    others = []
     for node in nodes:
         repository, package, name = node_parts(node)
-        known.append({"iri": node, "name": name, "package": package, "repository": repository})
-    known.sort(key=lambda other: (other["repository"] != record.repository, other["package"] != record.package,
+        others.append({"iri": node, "name": name, "package": package, "repository": repository})
+    others.sort(key=lambda other: (other["repository"] != record.repository, other["package"] != record.package,
                                   other["package"], other["name"], other["iri"]))  # fmt: skip
     return {
         "channel": one.resolved,
         "channel_iri": channel,
         "kind": one.role.channel,
         "outward": one.role.outward,
-        "count": len(known),
-        "nodes": known[:_MOST],
+        "count": len(others),
+        "nodes": others[:_MOST],
     }
 
 
@@ -97,12 +97,12 @@ def _others(snapshot: EmbeddedSnapshot, channels: Iterable[str]) -> dict[str, li
     """Return for each channel the ends at it."""
     ends = list(rows(snapshot, _ENDS % listing(channels)))
     types = dict(rows(snapshot, _TYPES % listing(end for _, end, _ in ends)))
-    found: defaultdict[str, list[_End]] = defaultdict(list)
+    by_channel: defaultdict[str, list[_End]] = defaultdict(list)
     for channel, end, node in ends:
         kind = types.get(end)
         name = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
-        found[channel].append(_End(node, name, role_of(end)))
-    return found
+        by_channel[channel].append(_End(node, name, role_of(end)))
+    return by_channel
 
 
 def users(snapshot: EmbeddedSnapshot, iri: str, where: Places, iris: Iris) -> dict[str, Any]:
@@ -111,16 +111,16 @@ def users(snapshot: EmbeddedSnapshot, iri: str, where: Places, iris: Iris) -> di
     Each has `instance` (its IRI), `name`, `system` (the name of the launch configuration), `system_iri` and `evidence`,
     the line that starts it.
     """
-    found = []
+    starts = []
     for instance, name, configuration, system, path, line, repository in rows(snapshot, _USERS % f"<{iri}>"):
         thing = iris.parse(configuration)
         place = Location(path, int(line), repository)
         evidence = where.evidence(thing.parts[0] if thing else "", place)
-        found.append(
+        starts.append(
             {"instance": instance, "name": name, "system": system, "system_iri": configuration, "evidence": evidence}
         )
-    found.sort(key=lambda one: (one["system"], one["name"], one["instance"]))
-    return {"count": len(found), "instances": found[:_MOST_USERS]}
+    starts.sort(key=lambda one: (one["system"], one["name"], one["instance"]))
+    return {"count": len(starts), "instances": starts[:_MOST_USERS]}
 
 
 _REACHED: Final = "SELECT DISTINCT ?c { GRAPH ?g { <%s> ros:hasComponent ?end } GRAPH ?h { ?end rnkg:reaches ?c } }"
@@ -178,34 +178,34 @@ def node(
 def _records(snapshot: EmbeddedSnapshot, iri: str, name: str) -> list[NodeRecord]:
     if not iri:
         return one_node(snapshot, name)
-    found = node_records(snapshot, iris=[named_node(iri).value])
-    if not found:
+    records = node_records(snapshot, iris=[named_node(iri).value])
+    if not records:
         hint = f"`{iri.rstrip('/').rpartition('/')[2]}` may be the name of another node."
         raise UnknownNameError("KG001", f"the store has no node {iri}", hint=hint)
-    return found
+    return records
 
 
 def _header(record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any]:
-    known, repository = record.node, record.repository
+    declared, repository = record.node, record.repository
     return {
         "iri": record.iri,
-        "name": known.name,
+        "name": declared.name,
         "full_name": record.full_name,
-        "kind": str(known.kind),
-        "language": LANGUAGES.get(known.language, known.language),
-        "ros": known.ros,
+        "kind": str(declared.kind),
+        "language": LANGUAGES.get(declared.language, declared.language),
+        "ros": declared.ros,
         "package": {"name": record.package, "iri": iris.package(repository, record.package)},
         "repository": {"name": repository, "iri": iris.repository(repository)},
         "commit": record.commit,
-        "executable": known.executable,
-        "plugin": known.plugin,
-        "node_name": known.node_name,
-        "aliases": list(known.aliases),
-        "base_class": known.base_class,
-        "exported": where.evidence(repository, known.exported) if known.exported is not None else None,
+        "executable": declared.executable,
+        "plugin": declared.plugin,
+        "node_name": declared.node_name,
+        "aliases": list(declared.aliases),
+        "base_class": declared.base_class,
+        "exported": where.evidence(repository, declared.exported) if declared.exported is not None else None,
         "start": how_to_start(record),
-        "evidence": where.evidence(repository, known.location),
-        "sources": [where.evidence(repository, Location(path, 0)) for path in known.sources],
+        "evidence": where.evidence(repository, declared.location),
+        "sources": [where.evidence(repository, Location(path, 0)) for path in declared.sources],
     }
 
 
@@ -221,18 +221,18 @@ def _description(one: Description, record: NodeRecord, where: Places) -> dict[st
 def _of_package(snapshot: EmbeddedSnapshot, record: NodeRecord, where: Places, iris: Iris) -> dict[str, Any] | None:
     """Return the description of the package of a node; manifests come first, readers of a README see other parts."""
     iri = iris.package(record.repository, record.package)
-    said = descriptions_of(snapshot, f"VALUES ?node {{ <{iri}> }}").get(iri, ())
-    best = min(said, key=lambda one: one.kind is not DescriptionKind.MANIFEST, default=None)
+    texts = descriptions_of(snapshot, f"VALUES ?node {{ <{iri}> }}").get(iri, ())
+    best = min(texts, key=lambda one: one.kind is not DescriptionKind.MANIFEST, default=None)
     return _description(best, record, where) if best else None
 
 
 def _inferred(snapshot: EmbeddedSnapshot, iris: Iris, iri: str) -> Mapping[str, frozenset[str]]:
     """Return the inferences about a thing: objects by property."""
-    found: defaultdict[str, set[str]] = defaultdict(set)
+    objects: defaultdict[str, set[str]] = defaultdict(set)
     query = f"SELECT ?p ?o {{ GRAPH <{iris.graph('inferred')}> {{ <{iri}> ?p ?o }} }}"
     for predicate, value in rows(snapshot, query):
-        found[predicate].add(value)
-    return {predicate: frozenset(values) for predicate, values in found.items()}
+        objects[predicate].add(value)
+    return {predicate: frozenset(values) for predicate, values in objects.items()}
 
 
 def _classes(
@@ -245,15 +245,15 @@ def _classes(
     predicates = " ".join(f"rnkg:{name}" for name in _CLASSES.values())
     query = f"SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }} }}"
     pairs = list(rows(snapshot, query))
-    known, graded = labels(snapshot, {value for _, value in pairs}), grades(snapshot, iri)
-    found: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _CLASSES}
+    names, graded = labels(snapshot, {value for _, value in pairs}), grades(snapshot, iri)
+    classes: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _CLASSES}
     for kind, name in _CLASSES.items():
         for predicate, value in pairs:
             if predicate == v.RNKG + name:
-                label = known.get(value) or value.rpartition("#")[2]
+                label = names.get(value) or value.rpartition("#")[2]
                 derived = value in inferred.get(predicate, ())
                 grade = graded.get(value, Grade())
-                found[kind].append(
+                classes[kind].append(
                     {
                         "iri": value,
                         "label": label,
@@ -263,8 +263,8 @@ def _classes(
                         "evidence": list(grade.evidence),
                     }
                 )
-        found[kind].sort(key=lambda one: (graded.get(one["iri"], Grade()).rank, one["label"], one["iri"]))
+        classes[kind].sort(key=lambda one: (graded.get(one["iri"], Grade()).rank, one["label"], one["iri"]))
     reached = {capability for (capability,) in rows(snapshot, _REACHED % iri)}
-    for one in found["capabilities"]:
+    for one in classes["capabilities"]:
         one["general"] = one["iri"] not in reached
-    return found
+    return classes

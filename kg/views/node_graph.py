@@ -26,28 +26,28 @@ _ROLES: Final = {
 _TYPES: Final = {"topic": "has message", "service": "has service type", "action": "has action type"}
 
 
-def node_relations(found: Mapping[str, Any], *, every: bool = False) -> tuple[Relation, ...]:
+def node_relations(node: Mapping[str, Any], *, every: bool = False) -> tuple[Relation, ...]:
     """Return the relations of a node, from the view `node`; those of one name follow each other.
 
     An interface that the code declares is read, not inferred; functions, hardware and capabilities are what rules say.
     `every` adds what frameworks create, and capabilities that follow from others.
     """
-    return tuple(dict.fromkeys(_relations(found, every=every)))
+    return tuple(dict.fromkeys(_relations(node, every=every)))
 
 
-def _relations(found: Mapping[str, Any], *, every: bool) -> Iterator[Relation]:
-    node = found["name"]
-    package, repository = f"package {found['package']['name']}", f"repository {found['repository']['name']}"
+def _relations(data: Mapping[str, Any], *, every: bool) -> Iterator[Relation]:
+    node = data["name"]
+    package, repository = f"package {data['package']['name']}", f"repository {data['repository']['name']}"
     yield Relation(node, "in package", package)
     yield Relation(package, "in repository", repository)
-    if found["executable"]:
-        yield Relation(node, "has executable", f"executable {found['executable']}")
+    if data["executable"]:
+        yield Relation(node, "has executable", f"executable {data['executable']}")
     for kind, name in _CLASSES.items():
-        for one in found[kind]:
+        for one in data[kind]:
             if every or not one.get("general"):
                 yield Relation(node, name, f"{_KINDS[kind]} {one['label']}", one["inferred"])
     for role, name in _ROLES.items():
-        for one in found["interfaces"]:
+        for one in data["interfaces"]:
             if one["role"] != role or (one["implicit"] and not every):
                 continue
             channel = f"{one['kind']} {one['resolved'] or one['written'] or 'of unknown name'}"

@@ -53,8 +53,8 @@ def interface_rows(
 def _interface(
     one: Interface, record: NodeRecord, where: Places, iris: Iris, inferred: Mapping[str, frozenset[str]]
 ) -> dict[str, Any]:
-    role, known = one.role, is_known(one.resolved)
-    channel = iris.channel(role.channel, one.resolved) if one.resolved and known else None
+    role, is_complete = one.role, is_known(one.resolved)
+    channel = iris.channel(role.channel, one.resolved) if one.resolved and is_complete else None
     predicate = v.RNKG + DIRECT[role]
     return {
         **interface_object(one),
@@ -90,12 +90,12 @@ def slot_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
     The keys are those of a slot in `kg nodes --json`, and `how` (words), `evidence` and `calls` as for an interface.
     Each of `defaults` also has `iri`, that of its node type, None where the store has none.
     """
-    found = []
+    slots = []
     for one in record.node.slots:
         plain = slot_object(one, record)
         for default in plain["defaults"]:
             default["iri"] = record.plugins[default["class"]][1] if default["class"] in record.plugins else None
-        found.append(
+        slots.append(
             {
                 **plain,
                 "how": how_loaded(one),
@@ -103,18 +103,18 @@ def slot_rows(record: NodeRecord, where: Places) -> list[dict[str, Any]]:
                 "calls": [where.evidence(record.repository, call) for call in one.via],
             }
         )
-    return found
+    return slots
 
 
 def _parameter(group: Sequence[Parameter], record: NodeRecord, where: Places) -> dict[str, Any]:
     first, places = group[0], [where.evidence(record.repository, one.location) for one in group]
-    told = {
+    shared = {
         key: next((value for one in group if (value := getattr(one, key)) is not None), None)
         for key in ("type", "default", "description")
     }
     return {
         **parameter_object(first),
-        **told,
+        **shared,
         "iri": record.settable.get(first),
         "does": accesses(group),
         "evidence": places[0],

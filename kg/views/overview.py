@@ -12,7 +12,7 @@ from kg.query.stored import find
 from kg.views.lists import totals
 from kg.views.remembered import once
 from kg.views.stored import query_object
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -38,9 +38,9 @@ _STARTED: Final = """SELECT ?node { ?instance rnkg:instanceOf ?node
 """The node that launch files start most often, of those about which every question has an answer."""
 _BUSIEST: Final = """SELECT ?node { ?node a rnkg:NodeType ; ros:hasComponent ?end }
     GROUP BY ?node ORDER BY DESC(COUNT(?end)) ?node LIMIT 1"""
-"""Counted with what frameworks make, since to tell that apart takes seconds in a large store."""
+"""Counted with the parts that frameworks create, since excluding these takes seconds in a large store."""
 _TOPICS: Final = '"/scan" "/cmd_vel" "/odom" "/image_raw" "/joint_states"'
-_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'  # what everybody knows
+_TYPES: Final = '"sensor_msgs/LaserScan" "geometry_msgs/Twist" "sensor_msgs/Image"'  # well-known types
 _KNOWN: Final = """SELECT ?label {{ VALUES ?label {{ {names} }}
     FILTER EXISTS {{ ?known rdfs:label ?label . ?node {property} ?known }} }} LIMIT 1"""
 _OF_NODE: Final = """SELECT ?label {{ {node} {property} ?known . ?known rdfs:label ?label
@@ -69,7 +69,7 @@ def overview(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
         "snapshot": snapshot.identity,
         "sources": [_source(one) for one in states],
         "counts": totals(snapshot, settings, wait=sum(one.counts.interfaces for one in states) <= _SOON),
-        "systems": len(known_names(snapshot)),
+        "systems": len(configuration_names(snapshot)),
         "interfaces": sum(one.counts.interfaces for one in states),
         "unresolved": sum(one.counts.unresolved for one in states),
         "questions": _questions(snapshot, settings),
@@ -98,32 +98,32 @@ def _source(state: SourceState) -> dict[str, Any]:
 
 def _questions(snapshot: EmbeddedSnapshot, settings: Settings) -> list[dict[str, Any]]:
     """Return the questions; one without its query is left out."""
-    found = []
+    questions = []
     for name, question in QUESTIONS.items():
         try:
-            told = query_object(find(name, settings.queries))
+            query = query_object(find(name, settings.queries))
         except KgError:
             continue
-        parameters = [] if name in _WHOLE else told["parameters"]
+        parameters = [] if name in _WHOLE else query["parameters"]
         for parameter in parameters:
             parameter["example"] = _example(snapshot, name, parameter["name"]) or parameter["example"]
-        del told["text"]
-        found.append({**told, "question": question, "parameters": parameters})
-    return found
+        del query["text"]
+        questions.append({**query, "question": question, "parameters": parameters})
+    return questions
 
 
 @once
 def _example(snapshot: EmbeddedSnapshot, query: str, parameter: str) -> str | None:
     """Return an example from the store for the first parameter of a question; None if there is none."""
     names, leads = _EXAMPLES.get(query, ("", ""))
-    known = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
-    busiest = None if known else _first(snapshot, _STARTED) or _first(snapshot, _BUSIEST)
+    example = _first(snapshot, _KNOWN.format(names=names, property=leads)) if names else None
+    busiest = None if example else _first(snapshot, _STARTED) or _first(snapshot, _BUSIEST)
     if busiest and parameter in {"node", "from"}:
-        known = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
+        example = _first(snapshot, f"SELECT ?name {{ {busiest} rnkg:name ?name }} LIMIT 1")
     elif busiest and names:
         path = f"ros:hasComponent/{leads}" if names == _TYPES else leads
-        known = _first(snapshot, _OF_NODE.format(node=busiest, property=path))
-    return None if known is None else str(getattr(known, "value", known))
+        example = _first(snapshot, _OF_NODE.format(node=busiest, property=path))
+    return None if example is None else str(getattr(example, "value", example))
 
 
 def _first(snapshot: EmbeddedSnapshot, query: str) -> Any:

@@ -50,36 +50,36 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
     """
     written = name.strip().removeprefix("~/")
     last, absolute = written.rpartition("/")[2], written.startswith("/")
-    found = set_parameters(snapshot, written) if last else []
+    set_values = set_parameters(snapshot, written) if last else []
     declared = declared_among(snapshot, _spellings(written)) if last else set()
     # All names are read only for a name that nothing has.
-    known = [] if declared or found else declared_names(snapshot)
+    names = [] if declared or set_values else declared_names(snapshot)
     # A name with unknown parts may be the one that is given, unless nothing of it is known.
     declared = declared or {
-        one for one in known if is_partial(one) and known_letters(one) > 0 and fits(one, written, "[^/]+")
+        one for one in names if is_partial(one) and known_letters(one) > 0 and fits(one, written, "[^/]+")
     }
     owners = {written[:at] for at, sign in enumerate(written) if at and sign == "/"} if absolute else None
     types = None if owners is None else types_started(snapshot, owners)
-    code = declarations(snapshot, declared, {one.declared for one in found if one.declared}, types)
+    code = declarations(snapshot, declared, {one.declared for one in set_values if one.declared}, types)
     view = _View(snapshot, settings, chosen_systems(snapshot, system, settings.base))
-    found += [one for one in view.defaults(code, found, owners) if not absolute or one.absolute == written]
+    set_values += [one for one in view.defaults(code, set_values, owners) if not absolute or one.absolute == written]
     if absolute:
-        started, set_here = {one.start.type for one in found if one.start}, {one.declared for one in found}
+        started, set_here = {one.start.type for one in set_values if one.start}, {one.declared for one in set_values}
         code = {
             iri: (owner, fact)
             for iri, (owner, fact) in code.items()
             if iri in set_here or view.node(owner) in started or fact.name == written
         }
-    if not found and not code:
-        known = known or declared_names(snapshot)
-        every = {one.removeprefix("~/") for one in known if not is_partial(one)} | set(set_names(snapshot))
-        meant = sorted(one for one in every if last and one != written and written.lower() in one.lower())
-        if not meant:
+    if not set_values and not code:
+        names = names or declared_names(snapshot)
+        every = {one.removeprefix("~/") for one in names if not is_partial(one)} | set(set_names(snapshot))
+        candidates = sorted(one for one in every if last and one != written and written.lower() in one.lower())
+        if not candidates:
             raise unknown("parameter", name, every, otherwise="`kg node NAME` lists the parameters of a node.")
-        if len(meant) > 1:
-            return {"name": None, "meant": meant, "declared": [], "values": []}
-        return parameter(snapshot, settings, name=meant[0], system=system)
-    return {"name": written, "meant": [], "declared": view.declared(code.values()), "values": view.values(found)}
+        if len(candidates) > 1:
+            return {"name": None, "meant": candidates, "declared": [], "values": []}
+        return parameter(snapshot, settings, name=candidates[0], system=system)
+    return {"name": written, "meant": [], "declared": view.declared(code.values()), "values": view.values(set_values)}
 
 
 def _spellings(written: str) -> set[str]:
@@ -97,10 +97,10 @@ class _View:
         self._iris = Iris(settings.base)
         self._chosen = chosen
 
-    def declared(self, found: Iterable[tuple[NodeReference, Parameter]]) -> list[dict[str, Any]]:
+    def declared(self, uses: Iterable[tuple[NodeReference, Parameter]]) -> list[dict[str, Any]]:
         """Return the uses of the parameter in code, a row for each node type."""
         by_node: dict[NodeReference, list[Parameter]] = {}
-        for owner, fact in found:
+        for owner, fact in uses:
             by_node.setdefault(owner, []).append(fact)
         return [
             {
@@ -121,7 +121,7 @@ class _View:
     def defaults(
         self,
         code: Mapping[str, tuple[NodeReference, Parameter]],
-        found: Sequence[SetParameter],
+        set_values: Sequence[SetParameter],
         instances: Collection[str] | None,
     ) -> list[SetParameter]:
         """Return the defaults in force: at starts of nodes that declare the parameter with one and do not set it.
@@ -133,21 +133,23 @@ class _View:
             for owner, fact in code.values()
             if fact.default is not None and fact.name and not is_partial(fact.name)
         }
-        has = {one.start.iri for one in found if one.start}
-        kept = []
+        has = {one.start.iri for one in set_values if one.start}
+        defaults = []
         for one in starts(self._snapshot, set(by_type), instances):
             fact = by_type[one.type or ""]
             if one.iri not in has:
                 name = (fact.name or "").removeprefix("~/")
-                kept.append(SetParameter(name, f"{one.name}/{name}", fact.default, None, None, one.system, one, None))
-        return kept
+                defaults.append(
+                    SetParameter(name, f"{one.name}/{name}", fact.default, None, None, one.system, one, None)
+                )
+        return defaults
 
-    def values(self, found: Sequence[SetParameter]) -> list[dict[str, Any]]:
+    def values(self, set_values: Sequence[SetParameter]) -> list[dict[str, Any]]:
         """Return one row for each thing, with all the launch files that have it; without rows of no launch file."""
-        kept: dict[str, dict[str, Any]] = {}
-        names = system_names(self._snapshot, {one.system for one in found})
+        folded_rows: dict[str, dict[str, Any]] = {}
+        names = system_names(self._snapshot, {one.system for one in set_values})
         systems = {self._iris.configuration(one.repository, one.path): one for one in names}
-        for one in found:
+        for one in set_values:
             system = systems.get(one.system)
             if system is None or (self._chosen is not None and one.system not in self._chosen):
                 continue
@@ -160,9 +162,11 @@ class _View:
                 "set_at": self._where.evidence(source, one.location) if one.location else None,
                 "launched": self._where.evidence(source, one.start.location) if one.start else None,
             }
-            folded = kept.setdefault(repr(row), {**row, "systems": []})
+            folded = folded_rows.setdefault(repr(row), {**row, "systems": []})
             folded["systems"] = sorted({*folded["systems"], system.name})
-        return sorted(kept.values(), key=lambda one: (one["parameter"], one["set_at"] is None, -len(one["systems"])))
+        return sorted(
+            folded_rows.values(), key=lambda one: (one["parameter"], one["set_at"] is None, -len(one["systems"]))
+        )
 
     def node(self, owner: NodeReference) -> str:
         """Return the IRI of a node type."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kg.views.complete import kept_of
+from kg.views.complete import cache_of
 from kg.views.find import search_over
 from kg.views.lists import totals
 
@@ -19,6 +19,6 @@ def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
     Returns how many nodes (`nodes`) the index has.
     """
     search = search_over(snapshot, settings)
-    kept_of(snapshot, settings).statistics(fresh=True)
+    cache_of(snapshot, settings).statistics(fresh=True)
     totals(snapshot, settings)
     return {"nodes": search.index.size}

@@ -23,30 +23,30 @@ def once(
 
     The result is shared and must not be changed; it is released with the snapshot.
     """
-    return _kept(function, several=True)
+    return _cached(function, several=True)
 
 
 def while_last(
     function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found],
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
     """Cache the last result of `function`: it runs again only for other arguments, as `once`; for large results."""
-    return _kept(function, several=False)
+    return _cached(function, several=False)
 
 
-def _kept(
+def _cached(
     function: Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found], *, several: bool
 ) -> Callable[Concatenate[EmbeddedSnapshot, _Rest], _Found]:
     """Return `function` with its answers to several arguments kept, or with the last alone."""
 
     @wraps(function)
-    def known(snapshot: EmbeddedSnapshot, /, *arguments: _Rest.args, **named: _Rest.kwargs) -> _Found:
+    def cached(snapshot: EmbeddedSnapshot, /, *arguments: _Rest.args, **named: _Rest.kwargs) -> _Found:
         answers: dict[Any, _Found] = _KNOWN.setdefault(snapshot, {}).setdefault(function, {})
         key = (arguments, tuple(sorted(named.items())))
         if key not in answers:
-            found = function(snapshot, *arguments, **named)
+            value = function(snapshot, *arguments, **named)
             if not several:
                 answers.clear()
-            answers[key] = found
+            answers[key] = value
         return answers[key]
 
-    return known
+    return cached

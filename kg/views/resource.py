@@ -74,15 +74,15 @@ def resource(  # noqa: PLR0913 - the part of the facts
     start, most = whole(offset, 0), max(1, min(whole(limit, 25), _MOST))
     sides = [direction] if direction in _SIDES else list(_SIDES)
     only = named_node(predicate).value if predicate else ""
-    found = {side: about.groups(side, only, start if only else 0, most) for side in sides}
+    groups = {side: about.groups(side, only, start if only else 0, most) for side in sides}
     uses = about.uses()
-    if not uses and not any(found.values()) and not any(about.counts(side) for side in _SIDES):
+    if not uses and not any(groups.values()) and not any(about.counts(side) for side in _SIDES):
         thing = about.iris.parse(about.node.value.partition("#")[0])
-        known = alike(snapshot, about.iris, thing.kind) if thing else ()
-        hint = did_you_mean(thing.parts[-1], known) if thing and known else None
+        similar_names = alike(snapshot, about.iris, thing.kind) if thing else ()
+        hint = did_you_mean(thing.parts[-1], similar_names) if thing and similar_names else None
         message = f"the store does not mention {about.node.value}"
         raise UnknownNameError("KG001", message, hint=hint or "`/search` finds what it has.")
-    return {**about.header(), "out": found.get("out", []), "in": found.get("in", []), "uses": uses}
+    return {**about.header(), "out": groups.get("out", []), "in": groups.get("in", []), "uses": uses}
 
 
 _SIDES: Final = {"out": "{thing} {predicate} ?other", "in": "?other {predicate} {thing}"}
@@ -103,19 +103,19 @@ class _About:
 
     def uses(self) -> int:
         """Return how many facts have it as their property."""
-        (found,) = rows(self.snapshot, f"SELECT (COUNT(*) AS ?n) {{ GRAPH ?g {{ ?s {self.node} ?o }} }}")
-        return int(found[0])
+        (row,) = rows(self.snapshot, f"SELECT (COUNT(*) AS ?n) {{ GRAPH ?g {{ ?s {self.node} ?o }} }}")
+        return int(row[0])
 
     def groups(self, side: str, only: str, offset: int, most: int) -> list[dict[str, Any]]:
         """Return the groups of a side, sorted by property, each with a page of its facts."""
         counted = {key: number for key, number in self.counts(side).items() if only in {"", key}}
-        found = [self._group(side, key, number, offset, most) for key, number in counted.items()]
-        self._complete([fact for group in found for fact in group["facts"]])
-        for group in found:
+        groups = [self._group(side, key, number, offset, most) for key, number in counted.items()]
+        self._complete([fact for group in groups for fact in group["facts"]])
+        for group in groups:
             if group["count"] <= _SORTED:
                 group["facts"].sort(key=_order)
         return sorted(
-            found, key=lambda group: (group["predicate"]["iri"] != v.bare(v.TYPE), group["predicate"]["label"])
+            groups, key=lambda group: (group["predicate"]["iri"] != v.bare(v.TYPE), group["predicate"]["label"])
         )
 
     def _group(self, side: str, predicate: str, number: int, offset: int, most: int) -> dict[str, Any]:
@@ -145,9 +145,9 @@ class _About:
             # VALUES cannot name blank nodes, so they are left out of such a page.
             listed = " ".join(str(term) for term in terms if not isinstance(term, BlankNode))
             return self._terms(f"SELECT ?other ?g {{ VALUES ?other {{ {listed} }} GRAPH ?g {{ {pattern} }} }}")
-        found = self._terms(f"SELECT ?other ?g {{ {where} }}")
-        chosen = set(sorted({str(term) for term, _ in found})[offset : offset + most])
-        return [(term, graph) for term, graph in found if str(term) in chosen]
+        others = self._terms(f"SELECT ?other ?g {{ {where} }}")
+        chosen = set(sorted({str(term) for term, _ in others})[offset : offset + most])
+        return [(term, graph) for term, graph in others if str(term) in chosen]
 
     def _terms(self, query: str) -> list[tuple[Any, str | None]]:
         answer: Any = self.snapshot.query(query, union=False)
@@ -160,15 +160,15 @@ class _About:
             value = {"iri": term.value}
         if isinstance(term, Literal):
             value = {"text": term.value, "datatype": shorten(term.datatype.value), "language": term.language}
-        told = {"subject": ends[0], "predicate": f"<{predicate}>", "object": ends[1]}
-        return {"value": value, "inferred": False, "graphs": [], "evidence": None, "fact": told}
+        fact = {"subject": ends[0], "predicate": f"<{predicate}>", "object": ends[1]}
+        return {"value": value, "inferred": False, "graphs": [], "evidence": None, "fact": fact}
 
     def _complete(self, facts: Iterable[dict[str, Any]]) -> None:
         """Give things at the other end of facts their labels, kinds and lines."""
-        known = [fact for fact in facts if "iri" in fact["value"]]
-        iris = {fact["value"]["iri"] for fact in known}
+        things = [fact for fact in facts if "iri" in fact["value"]]
+        iris = {fact["value"]["iri"] for fact in things}
         names, lines = called(self.snapshot, iris), self._lines(iris)
-        for fact in known:
+        for fact in things:
             iri = fact["value"]["iri"]
             fact["value"] |= {"label": names[iri], "kind": self._kind(iri)}
             fact["evidence"] = lines.get(iri)
@@ -180,15 +180,15 @@ class _About:
     def _lines(self, iris: Iterable[str]) -> dict[str, dict[str, Any]]:
         """Return the evidence of those things that are on a line of their own."""
         query = _PLACES % " ".join(str(NamedNode(iri)) for iri in sorted(iris))
-        where, found = places(self.snapshot), {}
+        where, evidence = places(self.snapshot), {}
         answer: Any = self.snapshot.query(query, prefixes=PREFIXES, union=False)
         for thing, own in grouped(values(answer)).items():
             path, line, file, repository = (one(own, term) for term in _PLACE)
             if path and line:
                 holder = self.iris.parse(file) if file else None
                 place = Location(path, int(line), repository)
-                found[thing] = where.evidence(holder.parts[0] if holder else "", place)
-        return found
+                evidence[thing] = where.evidence(holder.parts[0] if holder else "", place)
+        return evidence
 
     def header(self) -> dict[str, Any]:
         """Return the head of the page."""

@@ -22,8 +22,8 @@ def capabilities(
 ) -> dict[str, Any]:
     """Return the capabilities of a launch configuration, a running system, or a package.
 
-    `system` is named as in the view `system`, `package` is `name` or `repository:name`; of a package beside a system
-    only what it would add is there. Without `every` (any text) general capabilities, which others imply, are left out.
+    `system` is named as in the view `system`, `package` is `name` or `repository:name`. With both, only what the
+    package would add is there. Without `every` (any text) general capabilities, which others imply, are left out.
     The answer is `{"of", "general", "capabilities"}`: `general` is how many were left out, the objects are those of
     `kg robot capabilities --json` without the keys that are empty.
 
@@ -34,19 +34,19 @@ def capabilities(
     if not system and not package:
         raise UsageError("KG003", "name a system or a package", hint="Give `system` or `package`.")
     if not package:
-        found = _of_system(snapshot, settings, system)
+        selected = _of_system(snapshot, settings, system)
     else:
-        found = capabilities_of(snapshot, package_iri(snapshot, package), package)
-        found = added(found, _of_system(snapshot, settings, system)) if system else found
-    chosen = [one for one in found.capabilities if every or one.ways]
+        selected = capabilities_of(snapshot, package_iri(snapshot, package), package)
+        selected = added(selected, _of_system(snapshot, settings, system)) if system else selected
+    chosen = [one for one in selected.capabilities if every or one.ways]
     return {
-        "of": found.of,
-        "general": len(found.capabilities) - len(chosen),
+        "of": selected.of,
+        "general": len(selected.capabilities) - len(chosen),
         "capabilities": msgspec.to_builtins(chosen),
     }
 
 
 def _of_system(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> Capabilities:
-    meant = system_named(snapshot, name, base=settings.base)
-    iri = Iris(settings.base).configuration(meant.repository, meant.path)
-    return capabilities_of(snapshot, iri, meant.name)
+    configuration = system_named(snapshot, name, base=settings.base)
+    iri = Iris(settings.base).configuration(configuration.repository, configuration.path)
+    return capabilities_of(snapshot, iri, configuration.name)

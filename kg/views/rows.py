@@ -35,13 +35,13 @@ def why_row(
     """
     rules, view = explaining(snapshot, settings)
     terms = {name: given_term(text) for name, text in texts(row, "row").items()}
-    found = traced(view, rules.rules, query, terms)
+    derivation = traced(view, rules.rules, query, terms)
     telling = Telling(view, rules, places(snapshot), settings.base)
     return {
         "row": telling.bindings(terms),
-        "proofs": [telling.proof(one) for one in found.proofs],
-        "conditions": [one.text for one in found.conditions],
-        "remark": found.remark,
+        "proofs": [telling.proof(one) for one in derivation.proofs],
+        "conditions": [one.text for one in derivation.conditions],
+        "remark": derivation.remark,
     }
 
 

@@ -24,7 +24,7 @@ from kg.rules.files import RuleFile, RuleSet
 from kg.rules.reading import read_text
 from kg.rules.stratify import failures
 from kg.views.arguments import whole
-from kg.views.complete import kept_of
+from kg.views.complete import cache_of
 from kg.views.evidence import places
 from kg.views.rule_trial import examples, trial
 from kg.views.why_tree import Telling
@@ -41,7 +41,7 @@ _LAST: Final[dict[tuple[str, str], Context]] = {}
 """What rules were checked against last, by the digest of the rules and the snapshot."""
 
 
-def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and how much is told
+def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and the extent of the answer
     snapshot: EmbeddedSnapshot,
     settings: Settings,
     *,
@@ -64,11 +64,11 @@ def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and how much is
     shown, written, problem = _given(rule, text, name)
     called = shown.name if shown else name or f"{FAMILY}/rule"
     source = written.text if written else text
-    found = [problem] if problem else [] if brief else list(_findings(snapshot, settings, source, called))
+    problems = [problem] if problem else [] if brief else list(_findings(snapshot, settings, source, called))
     return {
         "rule": shown,
         "text": source,
-        "findings": [_finding_object(one, written) for one in found],
+        "findings": [_finding_object(one, written) for one in problems],
     }
 
 
@@ -85,11 +85,11 @@ def blocks_open(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str) ->
     if file.notation != ".rq":
         hint = f"`kg rules compile {entry.name} --to rq` writes it as one."
         raise RuleError("KG209", f"{entry.name} is not a SPARQL CONSTRUCT rule", hint=hint)
-    found = read(file.text, entry.name, str(file.path))
-    return {"rule": found, "text": file.text}
+    blocks = read(file.text, entry.name, str(file.path))
+    return {"rule": blocks, "text": file.text}
 
 
-def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is told
+def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and the extent of the answer
     snapshot: EmbeddedSnapshot,
     settings: Settings,
     *,
@@ -116,15 +116,15 @@ def blocks_try(  # noqa: PLR0913 - a rule in one of two forms, and how much is t
     file = _read(written.text if written else text, shown.name if shown else name or f"{FAMILY}/rule")
     view = View(snapshot, explained_vocabulary(settings), file.rules, prefixes=file.prefixes)
     most = min(max(whole(str(limit), 50), 1), _MOST)
-    found = trial(view, file, most)
+    tried = trial(view, file, most)
     telling = Telling(view, RuleSet((file,)), places(snapshot), settings.base)
     return {
-        "facts": [{**telling.application(one.fact, one.derivation), "known": one.known} for one in found.facts],
-        "looked": found.looked,
-        "whole": found.whole,
-        "fresh": found.fresh,
-        "recursive": found.recursive,
-        "examples": examples(file, found.facts),
+        "facts": [{**telling.application(one.fact, one.derivation), "known": one.known} for one in tried.facts],
+        "looked": tried.looked,
+        "whole": tried.whole,
+        "fresh": tried.fresh,
+        "recursive": tried.recursive,
+        "examples": examples(file, tried.facts),
         "seconds": round(time.perf_counter() - begin, 3),
     }
 
@@ -177,10 +177,10 @@ def _context(snapshot: EmbeddedSnapshot, settings: Settings) -> Context:
     """
     key = (digest(settings), snapshot.identity)
     if key not in _LAST:
-        made = check_context(settings, None)
+        fresh = check_context(settings, None)
         _LAST.clear()
-        _LAST[key] = replace(made, seconds=_SECONDS, rules=rules_in_force(settings, []), schema=schema_of(snapshot))
-    used = kept_of(snapshot, settings).known()
+        _LAST[key] = replace(fresh, seconds=_SECONDS, rules=rules_in_force(settings, []), schema=schema_of(snapshot))
+    used = cache_of(snapshot, settings).cached_statistics()
     store = StoreOf(View(snapshot, explained_vocabulary(settings)))
     context = _LAST[key]
     return replace(context, terms=context.terms.union(used.classes, used.properties), store=store)

@@ -54,7 +54,7 @@ def rule_index(snapshot: EmbeddedSnapshot, settings: Settings, family: str = "",
     broken = list(library.problems)
     rules_in_force(settings, broken, cache=layout_of(settings).cache)
     return {
-        "families": [_family(name, found, texts, costs) for name, found in sorted(families.items())],
+        "families": [_family(name, members, texts, costs) for name, members in sorted(families.items())],
         "rules": [
             {key: value for key, value in rule_object(library, entry, costs).items() if key != "sections"}
             for entry in shown
@@ -73,23 +73,23 @@ def _documentation(entry: Entry) -> Documentation:
         return Documentation()
 
 
-def _contains(entry: Entry, told: Documentation, words: Iterable[str]) -> bool:
+def _contains(entry: Entry, documented: Documentation, words: Iterable[str]) -> bool:
     """Return whether the name, title and documentation of a rule contain all words, in lower case."""
-    text = " ".join((entry.name, told.title, *told.sections.values())).lower()
+    text = " ".join((entry.name, documented.title, *documented.sections.values())).lower()
     return all(word in text for word in words)
 
 
 def _family(
     name: str, entries: list[Entry], texts: Mapping[str, Documentation], costs: Mapping[str, Any]
 ) -> dict[str, Any]:
-    known = [costs[entry.name] for entry in entries if entry.name in costs]
+    measured = [costs[entry.name] for entry in entries if entry.name in costs]
     return {
         "family": name,
         "in_force": any(entry.in_force for entry in entries),
         "rules": len(entries),
         "run": sum(entry.in_force for entry in entries),
         "report": sum(bool(texts[entry.name].severity) for entry in entries),
-        "fired": sum(1 for _, derived, _ in known if derived) if known else None,
-        "derived": sum(derived for _, derived, _ in known) if known else None,
-        "seconds": sum(seconds for seconds, _, _ in known) if known else None,
+        "fired": sum(1 for _, derived, _ in measured if derived) if measured else None,
+        "derived": sum(derived for _, derived, _ in measured) if measured else None,
+        "seconds": sum(seconds for seconds, _, _ in measured) if measured else None,
     }

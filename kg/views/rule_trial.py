@@ -46,7 +46,7 @@ _PAGE: Final = """# {title}
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Inferred:
     """A fact that a rule infers, and how; `known` is whether the store has it already."""
 
     fact: Triple
@@ -62,7 +62,7 @@ class Tried:
     more.
     """
 
-    facts: tuple[Found, ...]
+    facts: tuple[Inferred, ...]
     looked: int
     fresh: int
     whole: bool
@@ -77,8 +77,8 @@ class _Match(NamedTuple):
     known: bool
 
 
-def trial(view: View, file: RuleFile, told: int) -> Tried:
-    """Apply the rules of a file once to all that the store has, inferences among it; at most `told` facts are returned.
+def trial(view: View, file: RuleFile, most: int) -> Tried:
+    """Apply the rules of a file once to all that the store has, inferences among it; at most `most` facts are returned.
 
     The store's engine looks for the matches for some seconds: reading what a rule needs takes longer on large stores.
     """
@@ -90,17 +90,17 @@ def trial(view: View, file: RuleFile, told: int) -> Tried:
         now = time.monotonic()
         until = now + (end - now) / (len(rules) - number)
         whole = _search(view, rule, facts, until) and whole
-    found: list[Found] = []
+    inferred: list[Inferred] = []
     for fact, match in sorted(facts.items(), key=lambda item: item[1].known):
-        if len(found) == told:
+        if len(inferred) == most:
             break
         derivation = derivation_of(view, match.rule, match.solution)
         if derivation is not None:
-            found.append(Found(fact, derivation, match.known))
+            inferred.append(Inferred(fact, derivation, match.known))
     fresh = sum(not match.known for match in facts.values())
     heads = [head for rule in file.rules for head in rule.head]
     recursive = any(depends(one.atom, head) for rule in file.rules for one in reads(rule) for head in heads)
-    return Tried(tuple(found), len(facts), fresh, whole, recursive)
+    return Tried(tuple(inferred), len(facts), fresh, whole, recursive)
 
 
 def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -> bool:
@@ -110,12 +110,12 @@ def _search(view: View, rule: Rule, facts: dict[Triple, _Match], until: float) -
     looks through all that it may match.
     """
     inner = [(index, element) for index, element in enumerate(rule.body) if isinstance(element, Exists)]
-    asked = [(one, [each.name for each in bound_in(rule.body[:index]) & mentions(one)]) for index, one in inner]
+    conditions = [(one, [each.name for each in bound_in(rule.body[:index]) & mentions(one)]) for index, one in inner]
     outer = [element for element in rule.body if not isinstance(element, Exists)]
     for solution in view.stream(outer, bound_by(outer), {}):
         if time.monotonic() > until:
             return False
-        seen = ((one, {name: solution[name] for name in names if name in solution}) for one, names in asked)
+        seen = ((one, {name: solution[name] for name in names if name in solution}) for one, names in conditions)
         if all(bool(view.solutions(one.body, list(bound), bound, 1)) != one.negated for one, bound in seen):
             for fact in _facts(rule, solution):
                 if fact not in facts:
@@ -127,19 +127,19 @@ def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
     """Yield the facts of a solution, with the blank nodes that the engine of rules would make."""
     labels = {node for head in rule.head for node in head.positions if isinstance(node, BlankNode)}
     names = bound_by(rule.body) if labels else []
-    made = {str(node): made_node(rule, node.value, names, solution) for node in labels}
+    blanks = {str(node): made_node(rule, node.value, names, solution) for node in labels}
     for head in rule.head:
-        fact = instance(head, {**solution, **made})
+        fact = instance(head, {**solution, **blanks})
         if fact is not None:
             yield fact
 
 
-def examples(file: RuleFile, found: Sequence[Found]) -> str:
+def examples(file: RuleFile, facts: Sequence[Inferred]) -> str:
     """Return a page of examples for `kg rules test`, made of the first fact found whose premises alone give it.
 
     Empty where there is none: where the rule counts, for instance, what it counts is not a premise.
     """
-    for one in found[:_PAGES]:
+    for one in facts[:_PAGES]:
         page = _page(file, one.derivation)
         try:
             results = [run_example(file, example, Library(())) for example in parse_examples(page, "examples")]

@@ -17,7 +17,7 @@ from kg.rules.authoring.library import Library
 from kg.rules.authoring.manual import documentation
 from kg.rules.blocks.read import read
 from kg.syntax.names import PREFIXES, shorten
-from kg.views.complete import kept_of
+from kg.views.complete import cache_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -62,8 +62,8 @@ def blocks(snapshot: EmbeddedSnapshot, settings: Settings, *, fresh: str = "") -
     still being counted; with `fresh` it is counted now. `rules` are those that can be opened: `name`, `title`,
     `family`. `examples` are rules to begin from: `name`, `title`, `comment`, `rule` (`kg.rules.blocks.tree`).
     """
-    kept = kept_of(snapshot, settings)
-    counted = kept.statistics(fresh=True) if fresh else kept.known()
+    cached = cache_of(snapshot, settings)
+    counted = cached.statistics(fresh=True) if fresh else cached.cached_statistics()
     ontology = _ontology(ontologies_in_force(settings))
     return {
         "snapshot": snapshot.identity,
@@ -85,10 +85,10 @@ def _ontology(files: tuple[Path, ...]) -> _Ontology:
         return ((row[0].value, row[1].value) for row in rows)
 
     def lists(query: str) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = defaultdict(list)
+        values: dict[str, list[str]] = defaultdict(list)
         for term, other in pairs(query):
-            found[term].append(other)
-        return {term: sorted(others) for term, others in found.items()}
+            values[term].append(other)
+        return {term: sorted(others) for term, others in values.items()}
 
     return _Ontology(
         dict(sorted(pairs(_KINDS), reverse=True)),
@@ -163,8 +163,8 @@ def _rules(settings: Settings) -> Iterator[dict[str, str]]:
 @cache
 def _examples() -> list[dict[str, Any]]:
     """Return the rules to begin from that come with kg, by name."""
-    found = []
+    examples = []
     for path in sorted((folder("examples") / "rules").glob("*/*.rq")):
         rule = read(path.read_text("utf-8"), f"{path.parent.name}/{path.stem}", str(path))
-        found.append({"name": rule.name, "title": rule.title, "comment": rule.why, "rule": rule})
-    return found
+        examples.append({"name": rule.name, "title": rule.title, "comment": rule.why, "rule": rule})
+    return examples

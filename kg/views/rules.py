@@ -42,7 +42,7 @@ _PREFIXES: Final = {**PREFIXES, "prov": "http://www.w3.org/ns/prov#"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
+class _Available:
     """The available rules, their dependencies, and their problems."""
 
     library: Library
@@ -51,10 +51,10 @@ class _Known:
 
 
 _LIBRARIES: Final[dict[str, Library]] = {}  # what was listed last, by the digest of the rules
-_LAST: Final[dict[str, _Known]] = {}  # what was read last, by the digest of the rules
+_LAST: Final[dict[str, _Available]] = {}  # what was read last, by the digest of the rules
 
 
-def _load(settings: Settings, mark: str) -> _Known:
+def _load(settings: Settings, mark: str) -> _Available:
     """Return the rules of the settings; they are read again when the digest of their files is another."""
     if mark not in _LAST:
         library = listed(settings, mark)
@@ -64,16 +64,16 @@ def _load(settings: Settings, mark: str) -> _Known:
         except RuleError as error:
             graph, errors = RuleGraph((), (), {}, {}), [*errors, error]
         _LAST.clear()
-        _LAST[mark] = _Known(library, graph, tuple(errors))
+        _LAST[mark] = _Available(library, graph, tuple(errors))
     return _LAST[mark]
 
 
 def listed(settings: Settings, mark: str) -> Library:
     """Return the rules of the settings, of which few need to be parsed; `mark` is the digest of their files."""
     if mark not in _LIBRARIES:
-        found = Library.of(settings)
+        library = Library.of(settings)
         _LIBRARIES.clear()
-        _LIBRARIES[mark] = found
+        _LIBRARIES[mark] = library
     return _LIBRARIES[mark]
 
 
@@ -88,27 +88,27 @@ def rules(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     (of all rules), `fired` and `ran` (how many rules derived something, and how many there were). `problems` are
     errors as texts.
     """
-    known = _load(settings, digest(settings))
-    library, costs = known.library, costs_of(settings)
+    available = _load(settings, digest(settings))
+    library, costs = available.library, costs_of(settings)
     families: dict[str, list[dict[str, Any]]] = defaultdict(list)
     for entry in library.entries.values():
         families[entry.family].append(rule_object(library, entry, costs))
     return {
         "families": [
-            {"family": name, "in_force": any(one["in_force"] for one in found), "rules": found}
-            for name, found in sorted(families.items())
+            {"family": name, "in_force": any(one["in_force"] for one in entries), "rules": entries}
+            for name, entries in sorted(families.items())
         ],
-        "graph": _graph_object(known.graph),
+        "graph": _graph_object(available.graph),
         "run": run_object(snapshot, settings, costs, len(library.in_force)),
-        "problems": problem_texts(known.errors),
+        "problems": problem_texts(available.errors),
     }
 
 
 def rule_feeds(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, Any]:
     """Return which rules feed which: the `graph` and the `problems` of `rules`."""
     del snapshot
-    known = _load(settings, digest(settings))
-    return {"graph": _graph_object(known.graph), "problems": problem_texts(known.errors)}
+    available = _load(settings, digest(settings))
+    return {"graph": _graph_object(available.graph), "problems": problem_texts(available.errors)}
 
 
 def problem_texts(errors: Iterable[RuleError]) -> list[str]:
@@ -131,26 +131,26 @@ def rule(snapshot: EmbeddedSnapshot, settings: Settings, name: str) -> dict[str,
     """
     every = _load(settings, digest(settings))
     entry = find_rule(every.library, name)
-    known = manual(every.library, entry, ontology_schema(settings), every.graph)
-    problem = next(iter((known.problem, *every.errors)), None)
-    heads, found = _heads(known.file), []
+    described = manual(every.library, entry, ontology_schema(settings), every.graph)
+    problem = next(iter((described.problem, *every.errors)), None)
+    heads, kinds = _heads(described.file), []
     for kind, pattern in heads.items():
         query = f"SELECT (COUNT(*) AS ?n) {{ GRAPH {_inferred(settings)} {{ {pattern} }} }}"
-        found.append({"kind": kind, "triples": int(next(_rows(snapshot, query))["n"].value)})
+        kinds.append({"kind": kind, "triples": int(next(_rows(snapshot, query))["n"].value)})
     return {
-        **manual_object(entry, known),
+        **manual_object(entry, described),
         **_cost(entry.name, costs_of(settings)),
         "place": _place(entry, entry.path),
         "examples_place": _place(entry, entry.examples) if entry.examples.is_file() else None,
         "around": _graph_object(every.graph.around({entry.name})),
-        "found": found,
+        "found": kinds,
         "inferred": list(_sample(snapshot, settings, heads)),
         "problem": f"{problem.code}: {problem.message}" if problem else None,
     }
 
 
 def _place(entry: Entry, path: Path) -> dict[str, Any]:
-    """Return the place of a file of a rule, by the name that people know it by."""
+    """Return the place of a file of a rule, by the name that is shown."""
     return {**Places.own(path, 1), "path": f"{entry.name}{path.suffix}"}
 
 
@@ -158,18 +158,18 @@ def rule_object(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dic
     """Return a rule in a list, with its `sections`, its cost, and the error that it cannot be read."""
     error = None
     try:
-        told = library.read(entry.name).documentation
+        described = library.read(entry.name).documentation
     except RuleError as problem:
-        error, told = problem, Documentation()
+        error, described = problem, Documentation()
         with suppress(RuleError):
-            told = documentation(entry)
-    return {**entry_object(entry, told, error), "sections": dict(told.sections), **_cost(entry.name, costs)}
+            described = documentation(entry)
+    return {**entry_object(entry, described, error), "sections": dict(described.sections), **_cost(entry.name, costs)}
 
 
 def costs_of(settings: Settings) -> Mapping[str, Any]:
     """Return seconds, derived triples and rounds of each rule in the last run of all; empty if not known."""
-    found = last_run(layout_of(settings).cache)
-    return found.costs if found else {}
+    run = last_run(layout_of(settings).cache)
+    return run.costs if run else {}
 
 
 def _cost(name: str, costs: Mapping[str, Any]) -> dict[str, Any]:
@@ -223,7 +223,7 @@ def _graph_object(graph: RuleGraph) -> dict[str, Any]:
 
 def _heads(file: RuleFile) -> dict[str, str]:
     """Return the kinds of triples that a rule derives, spelt, each with the pattern that matches them."""
-    found: dict[str, str] = {}
+    patterns: dict[str, str] = {}
     for atom in (atom for one in file.rules for atom in one.head):
         if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
             kind, what = shorten(atom.predicate.value), atom.object
@@ -231,8 +231,8 @@ def _heads(file: RuleFile) -> dict[str, str]:
             if kind == "rdf:type" and isinstance(what, NamedNode):
                 kind = f"a {shorten(what.value)}"
                 pattern = f"?s {atom.predicate} {what} . BIND({atom.predicate} AS ?p) BIND({what} AS ?o)"
-            found.setdefault(kind, pattern)
-    return dict(list(found.items())[:_HEADS])
+            patterns.setdefault(kind, pattern)
+    return dict(list(patterns.items())[:_HEADS])
 
 
 def _inferred(settings: Settings) -> NamedNode:
@@ -242,14 +242,14 @@ def _inferred(settings: Settings) -> NamedNode:
 def _sample(snapshot: EmbeddedSnapshot, settings: Settings, heads: Mapping[str, str]) -> Iterator[dict[str, Any]]:
     """Yield some inferred triples, as many of each kind."""
     each = max(1, _SAMPLE // max(1, len(heads)))
-    known = View(snapshot, explained_vocabulary(settings))
+    view = View(snapshot, explained_vocabulary(settings))
     for pattern in heads.values():
         query = f"SELECT ?s ?p ?o {{ GRAPH {_inferred(settings)} {{ {pattern} }} }} LIMIT {each}"
         for row in _rows(snapshot, query):
             terms = (row["s"], row["p"], row["o"])
             yield {
                 **dict(zip(("subject", "predicate", "object"), map(str, terms), strict=True)),
-                "labels": [known.label(terms[0]), known.spelt(terms[1]), known.label(terms[2])],
+                "labels": [view.label(terms[0]), view.spelt(terms[1]), view.label(terms[2])],
             }
 
 

@@ -24,11 +24,11 @@ from kg.render.system_graph import Bundle, Member, SystemGraph, bundles, instanc
 from kg.render.text import count
 from kg.settings import Settings, table
 from kg.views.evidence import Places, places
-from kg.views.names import known_package
+from kg.views.names import require_package
 from kg.views.node_rows import fact
 from kg.views.remembered import while_last
 from kg.views.system_rows import MISMATCHES, instance_rows, setting_row
-from kg.views.systems import included_names, known_names, system_named
+from kg.views.systems import configuration_names, included_names, system_named
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -77,16 +77,16 @@ def lint(  # noqa: PLR0913 - what is looked at
     least = level if level in {"error", "warning", "note"} else "note"
     if system:
         name = system_named(snapshot, system, repository, settings.base)
-        found, looked_at = system_report(snapshot, settings, name, least), 1
+        reported, looked_at = system_report(snapshot, settings, name, least), 1
     else:
         if package:
-            known_package(snapshot, package)
+            require_package(snapshot, package)
         checked = check(snapshot, Question(package=package or None, level=least), settings, Path.cwd())
-        found, looked_at = checked.report, checked.systems
+        reported, looked_at = checked.report, checked.systems
     where = places(snapshot)
     return {
-        "findings": finding_objects(found.findings, where),
-        "allowed": len(found.allowed),
+        "findings": finding_objects(reported.findings, where),
+        "allowed": len(reported.allowed),
         "systems": looked_at,
     }
 
@@ -205,15 +205,15 @@ def _parted(graph: SystemGraph, ordinary: Collection[str], about: Collection[str
 
 
 def _member(member: Member, group: str | None, about: Mapping[str, list[int]]) -> dict[str, Any]:
-    told = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
-    told += [f"if {member.condition}" if member.condition else "", member.reason or "", member.place]
+    parts = [member.about, "" if member.kind == "node" else member.kind, f"in {member.host}" if member.host else ""]
+    parts += [f"if {member.condition}" if member.condition else "", member.reason or "", member.place]
     return {
         **_DRAWN,
         "id": member.key,
         "label": member.name.rpartition("/")[2] if group else member.name,
         "kind": "node",
         "group": group,
-        "detail": ", ".join(filter(None, told)),
+        "detail": ", ".join(filter(None, parts)),
         "findings": about.get(member.name, []),
         "unknown": member.reason is not None,
     }
@@ -226,15 +226,18 @@ def _channels(
     more, group = len(names) - 1, _shared({*bundle.sources, *bundle.targets}, spaces)
     label = first.name.removeprefix(f"{group}/") if group else first.name
     types = sorted({kind for one in bundle.channels for kind in one.types})
-    told = [", ".join(names[:_NAMED]) if more else "", f"and {len(names) - _NAMED} more" if len(names) > _NAMED else ""]
-    told += [", ".join(types[:_NAMED]), "the name is not known" if first.open else ""]
+    parts = [
+        ", ".join(names[:_NAMED]) if more else "",
+        f"and {len(names) - _NAMED} more" if len(names) > _NAMED else "",
+    ]
+    parts += [", ".join(types[:_NAMED]), "the name is not known" if first.open else ""]
     return {
         **_DRAWN,
         "id": f"{bundle.key} ({len(names)})",
         "label": f"{label} and {count(more, f'other {bundle.kind}')}" if more else label,
         "kind": bundle.kind,
         "group": group,
-        "detail": "; ".join(filter(None, told)),
+        "detail": "; ".join(filter(None, parts)),
         "names": names,
         "findings": sorted({number for name in names for number in about.get(name, ())}),
         "debug": not first.open and first.name not in ordinary,
@@ -247,11 +250,11 @@ def _channels(
 def _shared(members: Iterable[str], spaces: Collection[str]) -> str | None:
     """Return the innermost namespace that contains all members of a channel; it closes with them."""
     first, *others = [_within(member, spaces) or "" for member in members]
-    found: str | None = first or None
+    namespace: str | None = first or None
     for other in others:
-        while found is not None and not f"{other}/".startswith(f"{found}/"):
-            found = _within(found, spaces)
-    return found
+        while namespace is not None and not f"{other}/".startswith(f"{namespace}/"):
+            namespace = _within(namespace, spaces)
+    return namespace
 
 
 def _unknown(member: str, those: Sequence[Bundle], group: str | None) -> dict[str, Any]:
@@ -298,26 +301,26 @@ def system(
         UnknownNameError: KG422 with suggestions if there is none.
         UsageError: KG003 if there are several.
     """
-    meant = system_named(snapshot, name, repository, settings.base)
-    found = _read(snapshot, meant, settings.base)
-    where, iris, source = places(snapshot), Iris(settings.base), meant.repository
-    report = system_report(snapshot, settings, meant)
-    graph, own = system_graph(found, every=True), found.configuration
-    keys = instance_keys(found.instances)
+    configuration = system_named(snapshot, name, repository, settings.base)
+    wired = _read(snapshot, configuration, settings.base)
+    where, iris, source = places(snapshot), Iris(settings.base), configuration.repository
+    report = system_report(snapshot, settings, configuration)
+    graph, own = system_graph(wired, every=True), wired.configuration
+    keys = instance_keys(wired.instances)
     unresolved = sum(not is_known(end.resolved) for one in keys.values() for end in one.interfaces)
     kinds = [channel.kind for channel in graph.channels if not channel.open]
     return {
-        "name": meant.name,
-        "iri": iris.configuration(source, meant.path),
+        "name": configuration.name,
+        "iri": iris.configuration(source, configuration.path),
         "repository": source,
-        "path": meant.path,
+        "path": configuration.path,
         "package": own.package,
-        "ros": meant.ros,
+        "ros": configuration.ros,
         "dialect": str(own.dialect),
-        "evidence": where.evidence(source, Location(meant.path, 0)),
+        "evidence": where.evidence(source, Location(configuration.path, 0)),
         "arguments": [_argument(one, source, where) for one in own.arguments],
         "includes": _includes(own.includes, snapshot, iris),
-        "settings": [setting_row(one, source, where) for one in found.shared_parameters],
+        "settings": [setting_row(one, source, where) for one in wired.shared_parameters],
         "problems": [
             {
                 "kind": str(one.kind),
@@ -327,12 +330,12 @@ def system(
             }
             for one in own.problems
         ],
-        "instances": instance_rows(found, keys, graph, where, iris, every=bool(every)),
+        "instances": instance_rows(wired, keys, graph, where, iris, every=bool(every)),
         "picture": picture(graph, keys, report.findings, iris),
         "findings": finding_objects(report.findings, where),
         "allowed": len(report.allowed),
         "counts": {
-            "nodes": len(found.instances),
+            "nodes": len(wired.instances),
             **{f"{kind}s": kinds.count(kind) for kind in ("topic", "service", "action")},
             "unresolved": unresolved,
         },
@@ -342,8 +345,8 @@ def system(
 @while_last
 def _read(snapshot: EmbeddedSnapshot, name: SystemName, base: str) -> System:
     """Read a system, the parts of whose page may each ask for it."""
-    (found,) = read_systems(snapshot, [name], base)
-    return found
+    (wired,) = read_systems(snapshot, [name], base)
+    return wired
 
 
 def _argument(one: LaunchArgument, source: str, where: Places) -> dict[str, Any]:
@@ -359,9 +362,9 @@ def _argument(one: LaunchArgument, source: str, where: Places) -> dict[str, Any]
 
 
 def _includes(those: Iterable[LaunchInclude], snapshot: EmbeddedSnapshot, iris: Iris) -> list[dict[str, Any]]:
-    named = {(other.repository, other.path): other.name for other in known_names(snapshot)}
-    found = [(one.repository or "", one.path or one.written) for one in those]
+    named = {(other.repository, other.path): other.name for other in configuration_names(snapshot)}
+    targets = [(one.repository or "", one.path or one.written) for one in those]
     return [
         {"name": named.get((repository, path), path), "iri": iris.configuration(repository, path), "path": path}
-        for repository, path in found
+        for repository, path in targets
     ]

@@ -38,16 +38,16 @@ def systems(
     many of each severity `kg lint --all` has, before anything is allowed.
     """
     words = text.lower().split()
-    found = [
-        one for one in known_systems(snapshot, settings.base)
+    matching_rows = [
+        one for one in all_systems(snapshot, settings.base)
         if all(word in f"{one['name']} {one['repository']}".lower() for word in words)
     ]  # fmt: skip
     start, most = whole(offset, 0), min(whole(limit, 200), _MOST)
-    return {"total": len(found), "offset": start, "systems": found[start : start + most]}
+    return {"total": len(matching_rows), "offset": start, "systems": matching_rows[start : start + most]}
 
 
 @once
-def known_names(snapshot: EmbeddedSnapshot) -> tuple[SystemName, ...]:
+def configuration_names(snapshot: EmbeddedSnapshot) -> tuple[SystemName, ...]:
     """Return the names of all configurations."""
     return tuple(system_names(snapshot))
 
@@ -59,18 +59,18 @@ def included_names(snapshot: EmbeddedSnapshot) -> frozenset[str]:
 
 
 def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozenset[str] | None:
-    """Return the IRIs of all configurations that a name may mean; None, which stands for all, for an empty one.
+    """Return the IRIs of all configurations that a name may mean; None (all) for an empty one.
 
     Raises:
         UnknownNameError: KG422 with suggestions if there is none.
     """
     if not name.strip():
         return None
-    names = known_names(snapshot)
-    found = matching(names, name)
-    if not found:
+    names = configuration_names(snapshot)
+    matches = matching(names, name)
+    if not matches:
         raise unknown_launch(names, name)
-    return frozenset(Iris(base).configuration(one.repository, one.path) for one in found)
+    return frozenset(Iris(base).configuration(one.repository, one.path) for one in matches)
 
 
 def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", base: str = "") -> SystemName:
@@ -82,21 +82,21 @@ def system_named(snapshot: EmbeddedSnapshot, name: str, repository: str = "", ba
         UnknownNameError: KG422 with suggestions if there is none.
         UsageError: KG003 if there are several.
     """
-    names = [one for one in known_names(snapshot) if repository in {"", one.repository}]
+    names = [one for one in configuration_names(snapshot) if repository in {"", one.repository}]
     thing = Iris(base).parse(name) if base and name.startswith(base) else None
     if thing is not None and thing.kind == "configuration":
-        found = [one for one in names if (one.repository, one.path) == thing.parts]
+        matches = [one for one in names if (one.repository, one.path) == thing.parts]
     else:
-        found = matching(names, name) if name.strip() else []
-    if not found:
+        matches = matching(names, name) if name.strip() else []
+    if not matches:
         raise unknown_launch(names, name)
-    if len(found) > 1:
-        raise several_launches(names, found, name)
-    return found[0]
+    if len(matches) > 1:
+        raise several_launches(names, matches, name)
+    return matches[0]
 
 
 @once
-def known_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
+def all_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any], ...]:
     """Return all launch configurations as `systems` has them; the store keeps them, and nobody changes them."""
     return tuple(answers.rows(snapshot, "list-systems", lambda: _systems(snapshot, base)))
 
@@ -104,15 +104,15 @@ def known_systems(snapshot: EmbeddedSnapshot, base: str) -> tuple[dict[str, Any]
 def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
     iris, inner = Iris(base), included_names(snapshot)
     nodes = Counter({system: int(number) for system, number in rows(snapshot, _STARTED)})
-    channels = {system: Counter(kind for kind, _ in found) for system, found in channels_by_system(snapshot).items()}
+    channels = {system: Counter(kind for kind, _ in listed) for system, listed in channels_by_system(snapshot).items()}
     none = Counter[str]()
     severities: dict[str, dict[str, int]] = {}
     for system, severity, number in rows(snapshot, _FINDINGS):
         severities.setdefault(system, {})[severity] = int(number)
-    found = []
-    for one in known_names(snapshot):
+    listed = []
+    for one in configuration_names(snapshot):
         iri = iris.configuration(one.repository, one.path)
-        found.append(
+        listed.append(
             {
                 "name": one.name,
                 "iri": iri,
@@ -126,4 +126,4 @@ def _systems(snapshot: EmbeddedSnapshot, base: str) -> list[dict[str, Any]]:
                 "findings": severities.get(iri, {}),
             }
         )
-    return sorted(found, key=lambda one: (one["included"], one["name"], one["repository"]))
+    return sorted(listed, key=lambda one: (one["included"], one["name"], one["repository"]))

@@ -49,23 +49,23 @@ def listing(iris: Iterable[str]) -> str:
 def labels(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
     """Return the labels of those things that have one; of several the least."""
     query = f"SELECT ?thing ?label {{ VALUES ?thing {{ {listing(iris)} }} GRAPH ?g {{ ?thing rdfs:label ?label }} }}"
-    found: dict[str, str] = {}
+    by_iri: dict[str, str] = {}
     for thing, label in rows(snapshot, query):
-        found[thing] = min(label, found.get(thing, label))
-    return found
+        by_iri[thing] = min(label, by_iri.get(thing, label))
+    return by_iri
 
 
 def called(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
     """Return the label of each thing: its own, that of its whole with the part, or a short IRI."""
     wanted = set(iris)
-    known = labels(snapshot, wanted)
-    wholes = labels(snapshot, {iri.partition("#")[0] for iri in wanted - known.keys() if "#" in iri})
-    found = {}
+    own = labels(snapshot, wanted)
+    wholes = labels(snapshot, {iri.partition("#")[0] for iri in wanted - own.keys() if "#" in iri})
+    names = {}
     for iri in wanted:
         whole, _, part = iri.partition("#")
         named = f"{wholes[whole]}#{unquote(part)}" if whole in wholes else shorten(iri)
-        found[iri] = known.get(iri) or named.removeprefix("<").removesuffix(">")
-    return found
+        names[iri] = own.get(iri) or named.removeprefix("<").removesuffix(">")
+    return names
 
 
 def role_of(end: str) -> Role | None:

@@ -79,14 +79,14 @@ def tree(  # noqa: PLR0913 - the branch, and the part of it
     UnknownNameError KG001 for a parent that is not a branch, UsageError KG003 for one that is not an IRI.
     """
     start, most = whole(offset, 0), min(whole(limit, 500), _MOST)
-    found = _children(snapshot, Iris(settings.base), parent, kind)
-    shown = found[start : start + most]
+    branches = _children(snapshot, Iris(settings.base), parent, kind)
+    shown = branches[start : start + most]
     # Counting the ends of all topics of a large store is slow, so only those that are shown are counted.
     if parent in _CLASSES:
         _count(snapshot, shown, _AT)
     elif parent == "systems":
         _count(snapshot, shown, _STARTED)
-    return {"parent": parent, "kind": kind, "total": len(found), "offset": start, "children": shown}
+    return {"parent": parent, "kind": kind, "total": len(branches), "offset": start, "children": shown}
 
 
 def _children(snapshot: EmbeddedSnapshot, iris: Iris, parent: str, kind: str) -> list[_Branch]:
@@ -116,21 +116,21 @@ def _branch(label: str, kind: str, iri: str | None = None, detail: str = "", cou
 @once
 def _packages(snapshot: EmbeddedSnapshot, iris: Iris) -> tuple[_Branch, ...]:
     nodes = Counter(package for package, _ in rows(snapshot, _NODES))
-    found = []
+    branches = []
     for package, name, ros in rows(snapshot, _PACKAGES):
         thing = iris.parse(package)
         detail = f"{thing.parts[0] if thing else ''}{f', ROS {ros}' if ros and ros != '0' else ''}"
-        found.append(_branch(name, "package", package, detail, nodes[package]))
-    return tuple(sorted(found, key=_order))
+        branches.append(_branch(name, "package", package, detail, nodes[package]))
+    return tuple(sorted(branches, key=_order))
 
 
 @once
 def _systems(snapshot: EmbeddedSnapshot, iris: Iris) -> tuple[_Branch, ...]:
-    found = []
+    branches = []
     for system, name in rows(snapshot, _SYSTEMS):
         thing = iris.parse(system)
-        found.append(_branch(name, "system", system, thing.parts[0] if thing else ""))
-    return tuple(sorted(found, key=_order))
+        branches.append(_branch(name, "system", system, thing.parts[0] if thing else ""))
+    return tuple(sorted(branches, key=_order))
 
 
 @once
@@ -160,20 +160,20 @@ def _count(snapshot: EmbeddedSnapshot, shown: list[_Branch], query: str) -> None
 
 
 def _of_package(snapshot: EmbeddedSnapshot, iri: str, _kind: str) -> list[_Branch]:
-    found = [
+    branches = [
         _branch(name, "node", node, kind.rpartition("#")[2])
         for node, name, kind in rows(snapshot, _OF_PACKAGE % f"<{iri}>")
     ]
-    _count(snapshot, found, _ENDS)
-    return sorted(found, key=_order)
+    _count(snapshot, branches, _ENDS)
+    return sorted(branches, key=_order)
 
 
 def _of_node(snapshot: EmbeddedSnapshot, iri: str, kind: str) -> list[_Branch]:
     if kind == _PARAMETERS:
         parts = rows(snapshot, _PARTS % (f"<{iri}>", "rnkg:hasParameter"))
         return _leaves(parts, "parameter")
-    found = list(rows(snapshot, _PARTS % (f"<{iri}>", "ros:hasComponent")))
-    by_role = {role: [row for row in found if role_of(row[0]) is role] for role in Role}
+    components = list(rows(snapshot, _PARTS % (f"<{iri}>", "ros:hasComponent")))
+    by_role = {role: [row for row in components if role_of(row[0]) is role] for role in Role}
     if kind in by_role:
         return _leaves(by_role[Role(kind)], kind)
     groups = {str(role): (TITLES[role], len(by_role[role])) for role in Role}
@@ -186,22 +186,22 @@ def _of_node(snapshot: EmbeddedSnapshot, iri: str, kind: str) -> list[_Branch]:
 
 
 def _leaves(parts: Any, kind: str) -> list[_Branch]:
-    found = {
+    branches = {
         part: {
             **_branch(name or "(not resolved)", kind, part, "made by a framework" if implicit == "true" else ""),
             "open": None,
         }
         for part, name, implicit in parts
     }
-    return sorted(found.values(), key=_order)
+    return sorted(branches.values(), key=_order)
 
 
 def _of_system(snapshot: EmbeddedSnapshot, iri: str, _kind: str) -> list[_Branch]:
-    found = {}
+    branches = {}
     for instance, name, kind, package, program in rows(snapshot, _INSTANCES % f"<{iri}>"):
-        known = "/".join(node_parts(kind)[1:]) if kind else f"{package or '?'}/{program or '?'}"
-        found[instance] = {**_branch(name, "instance", instance, known), "open": None, "node": kind}
-    return sorted(found.values(), key=_order)
+        label = "/".join(node_parts(kind)[1:]) if kind else f"{package or '?'}/{program or '?'}"
+        branches[instance] = {**_branch(name, "instance", instance, label), "open": None, "node": kind}
+    return sorted(branches.values(), key=_order)
 
 
 def _of_channel(snapshot: EmbeddedSnapshot, iri: str, _kind: str) -> list[_Branch]:
@@ -209,9 +209,9 @@ def _of_channel(snapshot: EmbeddedSnapshot, iri: str, _kind: str) -> list[_Branc
     for node, end in rows(snapshot, _AT_ONE % f"<{iri}>"):
         role, (_, package, name) = role_of(end), node_parts(node)
         by_role[node, role] = _branch(f"{package}/{name}", "node", node, TITLES[role] if role else "")
-    found = [*by_role.values()]
-    _count(snapshot, found, _ENDS)
-    return sorted(found, key=_order)
+    branches = [*by_role.values()]
+    _count(snapshot, branches, _ENDS)
+    return sorted(branches, key=_order)
 
 
 _BRANCHES: Final = {

@@ -32,13 +32,13 @@ def answer(
         return None
 
     def find() -> tuple[tuple[str, ...], list[Row]] | None:
-        known = columns_of(snapshot)
-        return known.answer(text, prefixes=PREFIXES) if isinstance(known, Columns) else None
+        columns = columns_of(snapshot)
+        return columns.answer(text, prefixes=PREFIXES) if isinstance(columns, Columns) else None
 
     began = time.perf_counter()
-    found = in_thread(find, timeout)
-    if found is None:
+    result = in_thread(find, timeout)
+    if result is None:
         return None
-    names, rows = found
+    names, rows = result
     cut = limit if limit is not None and len(rows) > limit else None
     return Solutions(names, tuple(rows[:limit]), time.perf_counter() - began, snapshot.identity, cut)

@@ -30,7 +30,7 @@ _MOST_WAYS: Final = 25  # so many ways in which a fact comes about are counted
 _MOST_PROOFS: Final = 10
 
 
-def why(  # noqa: PLR0913 - a fact, and how much is told of it
+def why(  # noqa: PLR0913 - a fact, and the extent of the answer
     snapshot: EmbeddedSnapshot,
     settings: Settings,
     *,
@@ -57,16 +57,16 @@ def why(  # noqa: PLR0913 - a fact, and how much is told of it
         RuleError: KG226 when the store does not hold the fact.
     """
     rules, view = explaining(snapshot, settings)
-    found, held = facts(snapshot, subject, predicate, object, prefixes=view.prefixes)
-    if not held:
-        raise absent(found[0], view)
-    told = [proven(view, rules.rules, fact) for fact in found[:_MOST_PROOFS]]
+    matches, asserted = facts(snapshot, subject, predicate, object, prefixes=view.prefixes)
+    if not asserted:
+        raise absent(matches[0], view)
+    proofs = [proven(view, rules.rules, fact) for fact in matches[:_MOST_PROOFS]]
     if every:
-        told = [proof for fact in found[:_MOST_PROOFS] for proof in why_all(view, rules.rules, fact)][:_MOST_PROOFS]
-    ways = 1 if view.asserted(found[0]) else len(derivations(view, rules.rules, found[0], _MOST_WAYS))
+        proofs = [proof for fact in matches[:_MOST_PROOFS] for proof in why_all(view, rules.rules, fact)][:_MOST_PROOFS]
+    ways = 1 if view.asserted(matches[0]) else len(derivations(view, rules.rules, matches[0], _MOST_WAYS))
     telling = Telling(view, rules, places(snapshot), settings.base)
     return {
-        "proofs": [telling.proof(proof) for proof in told],
+        "proofs": [telling.proof(proof) for proof in proofs],
         "ways": max(min(ways, _MOST_WAYS), 1),
         "more_ways": ways > _MOST_WAYS,
     }
@@ -91,12 +91,12 @@ def why_not(  # noqa: PLR0913 - a fact, and how far it is followed
     Raises as `why`, but for KG226.
     """
     rules, view = explaining(snapshot, settings)
-    found, held = facts(snapshot, subject, predicate, object, prefixes=view.prefixes)
+    matches, asserted = facts(snapshot, subject, predicate, object, prefixes=view.prefixes)
     telling = Telling(view, rules, places(snapshot), settings.base)
-    if held:
-        return {"fact": telling.triple(found[0]), "held": True, "attempts": [], "nearest": []}
+    if asserted:
+        return {"fact": telling.triple(matches[0]), "held": True, "attempts": [], "nearest": []}
     steps = min(max(whole(depth, 3), 1), 20)
-    return {**telling.lacking(lacking(view, rules.rules, found[0], depth=steps)), "held": False}
+    return {**telling.lacking(lacking(view, rules.rules, matches[0], depth=steps)), "held": False}
 
 
 def explaining(

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kg.rules.form import Rule, Term
 
 _DEEPEST: Final = 40
-"""So many levels of a proof are told: programs that read JSON, and people, do not follow thousands."""
+"""Maximum number of levels of a proof, since neither programs nor people follow thousands."""
 
 
 class Telling:
@@ -36,19 +36,19 @@ class Telling:
         """Return a proof as a tree; see `kg.views.why.why`."""
         return self._proof(proof, set(), 0)
 
-    def _proof(self, proof: Proof, told: set[Triple], level: int) -> dict[str, Any]:
+    def _proof(self, proof: Proof, shown: set[Triple], level: int) -> dict[str, Any]:
         derivation = proof.derivation
-        found = {**self.triple(proof.fact), "inferred": derivation is not None, "again": False, "cut": False}
+        node = {**self.triple(proof.fact), "inferred": derivation is not None, "again": False, "cut": False}
         if derivation is None:
-            return found | {"graphs": list(proof.graphs), **self._evidence(proof.evidence)}
-        found["rule"] = self._rule(derivation.rule)
-        found["again"], found["cut"] = proof.fact in told, level >= _DEEPEST
-        if found["again"] or found["cut"]:
-            return found | {"bindings": [], "premises": [], "conditions": []}
-        told.add(proof.fact)
-        return found | {
+            return node | {"graphs": list(proof.graphs), **self._evidence(proof.evidence)}
+        node["rule"] = self._rule(derivation.rule)
+        node["again"], node["cut"] = proof.fact in shown, level >= _DEEPEST
+        if node["again"] or node["cut"]:
+            return node | {"bindings": [], "premises": [], "conditions": []}
+        shown.add(proof.fact)
+        return node | {
             "bindings": self.bindings(derivation.bindings),
-            "premises": [self._proof(one, told, level + 1) for one in proof.premises if isinstance(one, Proof)],
+            "premises": [self._proof(one, shown, level + 1) for one in proof.premises if isinstance(one, Proof)],
             "conditions": [self._condition(one) for one in proof.premises if not isinstance(one, Proof)],
         }
 

@@ -18,7 +18,7 @@ from robot.driving.rover import CAPABILITIES, rover, until
 from robot.programs import trolley
 
 from kg.cli import driving
-from kg.cli.driving import Doing, Reading, tell_feedback
+from kg.cli.driving import Doing, Reading, write_feedback
 from kg.cli.interruptible import interruptible
 from kg.errors import KgError, RobotError, UsageError
 from kg.robot.driving import find
@@ -120,7 +120,7 @@ def test_values_are_lines_of_json(monkeypatch: pytest.MonkeyPatch, capsys: pytes
 
 def test_bytes_of_a_message(capsys: pytest.CaptureFixture[str]) -> None:
     """An identity is written in hexadecimal, an image as its length."""
-    driving.tell_message({"uuid": bytes(range(16)), "data": bytes(17)})
+    driving.write_message({"uuid": bytes(range(16)), "data": bytes(17)})
     assert json.loads(capsys.readouterr().out) == {"uuid": "000102030405060708090a0b0c0d0e0f", "data": "17 bytes"}
 
 
@@ -368,17 +368,17 @@ def test_feedback_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     turned = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
     pose = {"position": {"x": 1.0, "y": None}, "reach": {"w": float("inf")}, "orientation": turned}
     feedback = {"base": {"header": {"seq": 1}, "pose": pose}}
-    tell_feedback(feedback, CAPABILITIES.capabilities[0], json=False)
+    write_feedback(feedback, CAPABILITIES.capabilities[0], json=False)
     assert capsys.readouterr() == ("", "x    1.000   y        -   w     free\n")
     times = {"navigation_time": {"sec": 2}, "time_remaining": {"sec": 9}}
     going = find(trolley.CAPABILITIES, "goingToPose", "write")
-    tell_feedback({"current_pose": {"pose": pose}, **times}, going, json=False)
+    write_feedback({"current_pose": {"pose": pose}, **times}, going, json=False)
     words = "x    1.000 m   y        -   w     free   navigation_time.sec        2   time_remaining.sec        9\n"
     assert capsys.readouterr() == ("", words)
-    tell_feedback({f"field{number}": 1.0 for number in range(20)}, CAPABILITIES.capabilities[0], json=False)
+    write_feedback({f"field{number}": 1.0 for number in range(20)}, CAPABILITIES.capabilities[0], json=False)
     line = capsys.readouterr().err
     assert (line.count("\n"), len(line) <= 101, line.endswith("...\n")) == (1, True, True)
-    tell_feedback(feedback, CAPABILITIES.capabilities[0], json=True)
+    write_feedback(feedback, CAPABILITIES.capabilities[0], json=True)
     assert json.loads(capsys.readouterr().out)["feedback"]["base"]["pose"]["orientation"] == turned
 
 

@@ -42,7 +42,7 @@ def test_selection(case: Path) -> None:
     """A table and criteria give the expected projects, removals and figures."""
     expected = json.loads((case / "expected.json").read_text("utf-8"))
     found = select(read_dataset(case / "projects.csv"), read_criteria(case / "criteria.toml"))
-    assert [project.cells["ID"] for project in found.kept] == expected["kept"]
+    assert [project.cells["ID"] for project in found.selected] == expected["kept"]
     removed = {step.criterion.name: [one.cells["ID"] for one in step.removed] for step in found.steps}
     assert removed == expected["removed"]
     for name, figures in expected["figures"].items():
@@ -103,7 +103,7 @@ def test_the_selection_of_the_paper() -> None:
     found = select(read_dataset(SHARED), read_criteria(default_criteria()))
     paper = paper_figures()
     assert len(found.dataset.projects) == 598
-    assert len(found.kept) == len(set(found.addresses())) == paper.projects
+    assert len(found.selected) == len(set(found.addresses())) == paper.projects
     for name, theirs in paper.table.items():
         assert found.figures[name]["max"] == theirs["max"]
         for one in ("mean", "sd"):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.errors import UsageError
-from kg.evaluate.tables import Score, Share, Table, as_csv, as_markdown, as_objects, beside
+from kg.evaluate.tables import Score, Share, Table, as_csv, as_markdown, as_objects, with_paper
 from kg.evaluate.writing import draw, write
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ def test_any_table_is_a_well_formed_figure(rows: list[tuple[str, int, int]], tit
 
 def test_the_figures_of_the_paper_stand_beside() -> None:
     """A column of the paper is present if and only if one of its figures is known."""
-    assert beside(TABLE, ("what",), {}) == TABLE
-    found = beside(TABLE, ("what",), {"three": 0.75})
+    assert with_paper(TABLE, ("what",), {}) == TABLE
+    found = with_paper(TABLE, ("what",), {"three": 0.75})
     assert found.columns[-1] == "RNKG"
     assert [row[-1] for row in found.rows] == [None, 0.75, None]
 

@@ -118,6 +118,6 @@ def test_first_fields_exist_in_the_types_that_are_known() -> None:
         step: object = parse(path)
         while isinstance(step, Call | Each | Element) or (isinstance(step, Field) and step.of is not None):
             step = step.arguments[0] if isinstance(step, Call) else step.of
-        known = [types.fields(message) for types in versions if " " not in message and types.knows(message)]
+        known = [types.fields(message) for types in versions if " " not in message and types.has(message)]
         assert isinstance(step, Field)
         assert not known or any(step.name in {one.name for one in fields} for fields in known), field

@@ -24,7 +24,7 @@ from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.views.impact import impact
 from kg.views.impact_world import StoredWorld
-from kg.views.systems import known_names
+from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -91,7 +91,7 @@ class WholeWorld(StoredWorld):
 
     def __init__(self, snapshot: EmbeddedSnapshot) -> None:
         super().__init__(snapshot, settings())
-        self._every_system = systems(snapshot, known_names(snapshot), settings().base)
+        self._every_system = systems(snapshot, configuration_names(snapshot), settings().base)
         self._every_node = node_records(snapshot)
         self._every_definition = definition_records(snapshot)
         self._every_file = [*file_records(snapshot), *self.own]

@@ -122,7 +122,7 @@ def test_rules_are_read_again_only_when_a_file_changed(tmp_path: Path, monkeypat
         return path.read_bytes()
 
     monkeypatch.setattr(reasoning, "_content", reading)
-    monkeypatch.setattr("kg.pipeline.kept._SETTLED", -1)
+    monkeypatch.setattr("kg.pipeline.filecache._SETTLED", -1)
     before, once = digest(chosen), len(reads)
     assert digest(chosen) == before
     assert len(reads) == once

@@ -105,7 +105,7 @@ def test_what_a_context_suggests_names_fields_of_its_messages(shipped: dict[str,
     for context, capability, name in _every_pair():
         definition = shipped[capability]
         paths = [*definition.fields_of(frozenset({name})).values(), *definition.constants_of(frozenset({name}))]
-        sent = [name + part for part in _SENT[definition.described.modality] if types.knows(name + part)]
+        sent = [name + part for part in _SENT[definition.described.modality] if types.has(name + part)]
         for path in paths:
             assert " " not in path, (context, capability, name)
             if sent:

@@ -26,7 +26,7 @@ def test_first_time() -> None:
         clock = SimulatedClock()
         waiting = asyncio.ensure_future(clock.begun(60))
         await asyncio.sleep(0)
-        clock.tell(42.0)
+        clock.set_time(42.0)
         await waiting
         await clock.begun(60)
 
@@ -87,7 +87,7 @@ def test_what_pauses_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
         waiting = asyncio.ensure_future(within(clock, 5, asyncio.Event().wait(), pauses=True))
         await asyncio.sleep(0.1)
         assert not waiting.done()
-        clock.tell(6)
+        clock.set_time(6)
         with pytest.raises(TimeoutError):
             await waiting
 

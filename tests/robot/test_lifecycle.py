@@ -113,7 +113,7 @@ def test_events_and_questions_tell_the_state(monkeypatch: pytest.MonkeyPatch) ->
             news: list[None] = []
             states = States(face, lambda: news.append(None))
             states.of(await face.graph())
-            await states.told()
+            await states.wait_polled()
             assert states.of(await face.graph()).nodes[0].state == "unconfigured"
             await robot.become(13)
             await _until(states, face, "activating")
@@ -139,12 +139,12 @@ def test_a_node_that_starts_anew_is_asked_again() -> None:
             graph = await face.graph()
             await robot.become(3, told=False)
             states.of(graph)
-            await states.told()
+            await states.wait_polled()
             assert states.of(graph).nodes[0].state == "active"
             robot.state = 1
             other = replace(graph, nodes=(replace(graph.nodes[0], address="another process"),))
             states.of(other)
-            await states.told()
+            await states.wait_polled()
             assert states.of(other).nodes[0].state == "unconfigured"
             states.close()
 

@@ -173,13 +173,13 @@ def test_all_share_the_clock() -> None:
         with Bus(uuid4().hex, clock=clock) as bus:
             one = bus.join("/one")
             subscription = await one.subscribe("/topic", "std_msgs/Empty")
-            clock.tell(7.5)
+            clock.set_time(7.5)
             await (await one.advertise("/topic", "std_msgs/Empty")).publish({})
             assert (await anext(aiter(subscription))).at == 7.5
             waiting = asyncio.ensure_future(within(one.clock, 100, asyncio.Event().wait()))
             await asyncio.sleep(0.01)
             assert not waiting.done()
-            clock.tell(108)
+            clock.set_time(108)
             with pytest.raises(TimeoutError):
                 await waiting
 

@@ -12,7 +12,7 @@ from kg.pipeline.build import build
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore
 from kg.store.opening import reading
-from kg.views.channel import channel, channels_meant
+from kg.views.channel import channel, resolve_channel
 from kg.views.parameter import parameter
 from kg.views.system import system
 
@@ -91,15 +91,15 @@ def test_code_that_no_launch_file_starts_under_the_name(snapshot: EmbeddedSnapsh
 
 def test_names_are_meant_as_they_are_written(snapshot: EmbeddedSnapshot) -> None:
     """A name may be absolute, that in the code, private, or part of one or several names."""
-    assert channels_meant(snapshot, "topic", "/odom") == ("/odom", [])
-    assert channels_meant(snapshot, "topic", "cmd_vel") == ("/cmd_vel", ["/rover1/mux/cmd_vel"])
-    private = channels_meant(snapshot, "topic", "~/angles")
+    assert resolve_channel(snapshot, "topic", "/odom") == ("/odom", [])
+    assert resolve_channel(snapshot, "topic", "cmd_vel") == ("/cmd_vel", ["/rover1/mux/cmd_vel"])
+    private = resolve_channel(snapshot, "topic", "~/angles")
     assert private == (None, ["/drone1/gimbal/angles", "/gimbal/angles"])
-    assert channels_meant(snapshot, "topic", "Front_Left") == (
+    assert resolve_channel(snapshot, "topic", "Front_Left") == (
         None,
         ["/drone1/motors/front_left/load", "/motors/front_left/load"],
     )
-    assert channels_meant(snapshot, "topic", "mux/cmd")[0] == "/rover1/mux/cmd_vel"
+    assert resolve_channel(snapshot, "topic", "mux/cmd")[0] == "/rover1/mux/cmd_vel"
 
 
 def test_what_several_names_are(snapshot: EmbeddedSnapshot, settings: Settings) -> None:

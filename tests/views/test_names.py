@@ -12,7 +12,7 @@ from kg.facts import Location, Repository
 from kg.graph.iris import Iris
 from kg.graph.sources import source_triples
 from kg.store.embedded import EmbeddedStore
-from kg.views.names import known_package, one_node
+from kg.views.names import one_node, require_package
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,10 +64,10 @@ def test_an_unknown_node_gets_the_nearest(rover: EmbeddedSnapshot, name: str, me
 
 def test_an_unknown_package_gets_the_nearest(rover: EmbeddedSnapshot) -> None:
     """Known packages pass, with or without their source; a misspelt one gets a suggestion."""
-    known_package(rover, "nav")
-    known_package(rover, "local/ws:nav")
+    require_package(rover, "nav")
+    require_package(rover, "local/ws:nav")
     with pytest.raises(UnknownNameError, match="unknown package `navi`"):
-        known_package(rover, "navi")
+        require_package(rover, "navi")
 
 
 def test_a_node_that_its_package_declares_twice_is_shown_twice() -> None:

@@ -46,7 +46,7 @@ def test_a_large_store_is_not_counted_while_somebody_waits(
     """A large store has the counts computed before; without them there are none."""
     monkeypatch.setattr("kg.views.overview._SOON", 0)
     kept: dict[str, int] = {}
-    monkeypatch.setattr("kg.views.answers._kept", lambda *_: kept)
+    monkeypatch.setattr("kg.views.answers._cached", lambda *_: kept)
     assert overview(snapshot, settings)["counts"] == {}
     kept["nodes"] = 11
     assert overview(snapshot, settings)["counts"] == {"nodes": 11}

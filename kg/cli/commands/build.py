@@ -125,9 +125,9 @@ def _checkouts(corpus: str, *, elsewhere: bool) -> "tuple[dict[str, Pin | None],
     With `elsewhere`, missing repositories that have a commit are included, with their pins.
     """
     lock = read_lock(Path(corpus))
-    found = standing(lock, elsewhere=elsewhere)
-    not_as_pinned(lock, found)
-    return checkouts(lock, found), not found.missing and not found.drifted
+    state = standing(lock, elsewhere=elsewhere)
+    not_as_pinned(lock, state)
+    return checkouts(lock, state), not state.missing and not state.drifted
 
 
 def _build(  # noqa: PLR0913 - the options of the command
@@ -156,14 +156,14 @@ def _build(  # noqa: PLR0913 - the options of the command
 def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
     """List what a build would read of each source, and about how long that takes."""
     with for_people() as progress:
-        found = estimate(named, settings, progress)
+        volumes = estimate(named, settings, progress)
     columns = (
         Column("source", "name"),
         *(Column(title, "number") for title in ("packages", "unchanged", "files", "code MB", "s of reading")),
     )
-    objects = map(volume_object, found) if json else None
-    listing(columns, map(volume_row, found), objects=objects)
-    for line in volumes_in_words(found):
+    objects = map(volume_object, volumes) if json else None
+    listing(columns, map(volume_row, volumes), objects=objects)
+    for line in volumes_in_words(volumes):
         note(line)
 
 

@@ -42,21 +42,21 @@ def _command(kind: str, example: str, text: str) -> Callable[..., None]:
         json: Json = False,
     ) -> None:
         with reading(settings) as snapshot:
-            found = channel(snapshot, settings, kind=kind, name=name, system=system or "")
-            others = [one["name"] for one in found["meant"]]
+            described = channel(snapshot, settings, kind=kind, name=name, system=system or "")
+            others = [one["name"] for one in described["meant"]]
             if json:
-                names = [found["name"], *others] if found["name"] else others
+                names = [described["name"], *others] if described["name"] else others
                 for one in names:
                     ends = channel(snapshot, settings, kind=kind, name=one, system=system or "")["endpoints"]
                     json_lines(map(plain, ends))
                 return
             links = Links(places(snapshot))
-        if found["name"] is None:
-            channel_rows(kind, found["meant"])
+        if described["name"] is None:
+            channel_rows(kind, described["meant"])
             if terminal():
                 note(f"{count(len(others), kind)}; `kg {kind} {others[0]}` shows one")
             return
-        show(*endpoint_view(found, links, line_width(), every=every, via=via))
+        show(*endpoint_view(described, links, line_width(), every=every, via=via))
         if others:
             note(f"`{name}` in the code is also {some(others, _MOST)}")
 

@@ -1,4 +1,4 @@
-"""`kg completions`: what lets a shell complete commands, options and names."""
+"""`kg completions`: completion scripts for shells."""
 
 import os
 from pathlib import Path
@@ -26,10 +26,10 @@ def completions(shell: Shell = None) -> None:
         kg completions zsh > ~/.zfunc/_kg        # a folder of $fpath
         kg completions fish > ~/.config/fish/completions/kg.fish
     """
-    known = ("bash", "zsh", "fish", "powershell", "pwsh")
-    asked = shell or Path(os.environ.get("SHELL", "")).name
-    if asked not in known:
-        message = f"no completions for the shell `{asked}`" if asked else "$SHELL is not set"
-        hint = (did_you_mean(asked, known) if asked else None) or f"Use one of {', '.join(known)}."
+    shells = ("bash", "zsh", "fish", "powershell", "pwsh")
+    name = shell or Path(os.environ.get("SHELL", "")).name
+    if name not in shells:
+        message = f"no completions for the shell `{name}`" if name else "$SHELL is not set"
+        hint = (did_you_mean(name, shells) if name else None) or f"Use one of {', '.join(shells)}."
         raise UsageError("KG001", message, hint=hint)
-    write(get_completion_script(prog_name="kg", complete_var="_KG_COMPLETE", shell=asked))
+    write(get_completion_script(prog_name="kg", complete_var="_KG_COMPLETE", shell=name))

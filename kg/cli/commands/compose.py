@@ -105,10 +105,10 @@ def compose(  # noqa: PLR0913 - the options of a command
         whole(length, "--length", 1, _LONGEST) if length is not None else None,
         max(whole(limit, "--limit", 1), rank),
     )
-    kept = existing(settings)
-    with kept.read() as snapshot:
-        answer = composed(snapshot, question, kept.layout.cache)
-    for one in answer.asked.notes:
+    opened = existing(settings)
+    with opened.read() as snapshot:
+        answer = composed(snapshot, question, opened.layout.cache)
+    for one in answer.request.notes:
         note(one)
     if rank:
         chain = next(iter(answer.chains[rank - 1 :]), None)

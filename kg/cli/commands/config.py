@@ -15,10 +15,10 @@ from kg.settings import table_values
 def setting_rows(context: typer.Context) -> list[dict[str, object]]:
     """Return each setting with its value, origin and sentence, as `kg config show --json` writes them."""
     rows: list[dict[str, object]] = []
-    found = [*session(context).settings().values()]
+    entries = [*session(context).settings().values()]
     for table in (question.DECLARED, server.DECLARED):
-        found += table_values(table)
-    for declaration, value, origin in found:
+        entries += table_values(table)
+    for declaration, value, origin in entries:
         plain = [str(path) for path in value] if isinstance(value, tuple) else value
         plain = plain if isinstance(plain, int | float | str | list | None) else str(plain)
         rows.append(

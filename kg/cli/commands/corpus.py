@@ -91,18 +91,20 @@ def select(
     """
     from kg.cli.corpus_view import FIGURE_COLUMNS, STEP_COLUMNS  # noqa: PLC0415 - start-up time
 
-    found = _selected(table, criteria)
+    chosen = _selected(table, criteria)
     if json:
-        json_lines([selection_object(found)])
+        json_lines([selection_object(chosen)])
     else:
-        listing(STEP_COLUMNS, step_rows(found))
+        listing(STEP_COLUMNS, step_rows(chosen))
         write()
-        listing(FIGURE_COLUMNS, figure_rows(found))
+        listing(FIGURE_COLUMNS, figure_rows(chosen))
         if terminal():
-            note(f"{count(len(found.kept), 'project')} selected; RNKG has {paper_figures().projects}")
+            note(f"{count(len(chosen.selected), 'project')} selected; RNKG has {paper_figures().projects}")
     if output:
-        title = f"# {count(len(found.kept), 'project')} of {found.dataset.path.name}, by {found.criteria.path.name}"
-        save(output, "\n".join([title, *found.addresses(), ""]).encode())
+        title = (
+            f"# {count(len(chosen.selected), 'project')} of {chosen.dataset.path.name}, by {chosen.criteria.path.name}"
+        )
+        save(output, "\n".join([title, *chosen.addresses(), ""]).encode())
 
 
 def _selected(table: str, criteria: str | None) -> "Selection":
@@ -137,7 +139,7 @@ def fetch(  # noqa: PLR0913 - the options of a command
     """
     if into is None and lock is None:
         raise UsageError("KG003", "no folder or lock file given", hint="Give --into FOLDER or --lock FILE.")
-    # Either tells where the other is.
+    # The place of each follows from the other.
     folder = Path(into).expanduser() if into else Path(str(lock)).expanduser().absolute().parent
     file = Path(lock).expanduser() if lock else folder / "corpus.lock.toml"
     if repositories is None:
@@ -147,8 +149,8 @@ def fetch(  # noqa: PLR0913 - the options of a command
     else:
         wanted = read_wanted(Path(repositories).expanduser())
     options = _options(ros, jobs, max_size, retries, timeout, submodules=submodules, update=update)
-    with fetching_view.for_this_stream() as told:
-        done = fetching.fetch(wanted, folder, file, options, told)
+    with fetching_view.for_this_stream() as progress:
+        done = fetching.fetch(wanted, folder, file, options, progress)
     fetching_view.summary(done)
     if json:
         json_lines(map(fetching_view.entry_object, done.entries))

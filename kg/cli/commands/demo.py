@@ -87,9 +87,9 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
         target = EmbeddedStore.create(root)
         say(f"reading {workspace}")
         report = build([str(workspace)], target, settings, command="kg demo")
-        found = [count(report.total(key), noun) for key, noun in (("nodes", "node"), ("interfaces", "interface"))]
-        said = f"found {' with '.join(found)} in {count(report.total('packages'), 'package')}"
-        say(f"{said}, in {report.seconds:.1f} s")
+        counts = [count(report.total(key), noun) for key, noun in (("nodes", "node"), ("interfaces", "interface"))]
+        outcome = f"found {' with '.join(counts)} in {count(report.total('packages'), 'package')}"
+        say(f"{outcome}, in {report.seconds:.1f} s")
         bold = ("\x1b[1m", "\x1b[0m") if colored(sys.stdout) else ("", "")
         with target.read() as snapshot:
             _ask_all(snapshot, settings, bold)

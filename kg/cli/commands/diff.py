@@ -108,34 +108,39 @@ def diff(  # noqa: PLR0913 - the options of a command
     if other is not None:
         if launch is None:
             raise UsageError("KG003", "--with needs a launch file to compare with", hint="Name it: `--launch FILE`.")
-        asked = sides(named, repository) if named else Sides(launch, other)
-        first, second = stores(asked, settings) if named else (existing(settings),) * 2
-        before, after = as_one(known(first, settings, launch), known(second, settings, other), (launch, other))
+        compared = sides(named, repository) if named else Sides(launch, other)
+        first, second = stores(compared, settings) if named else (existing(settings),) * 2
+        one, two = read_side(first, settings, launch), read_side(second, settings, other)
+        before, after = as_one(one, two, (launch, other))
     else:
-        asked = sides(named or (), repository)
-        before, after = (known(store, settings, launch) for store in stores(asked, settings))
+        compared = sides(named or (), repository)
+        before, after = (read_side(store, settings, launch) for store in stores(compared, settings))
         if launch is not None and not (before.sources.systems or after.sources.systems):
             raise unknown_launch([*before.launches, *after.launches], launch)
-    found = compare(before.sources, after.sources, every=every)
-    deliver(_written(found, asked, (before, after), form, every=every), form, output, "diff")
-    if found and exit_code:
+    difference = compare(before.sources, after.sources, every=every)
+    deliver(_written(difference, compared, (before, after), form, every=every), form, output, "diff")
+    if difference and exit_code:
         raise typer.Exit(Exit.FOUND)
 
 
-def _written(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", form: str, *, every: bool) -> str:
+def _written(
+    difference: "Difference", compared: "Sides", both: "tuple[SideData, SideData]", form: str, *, every: bool
+) -> str:
     if form == "svg":
-        return _picture(found, asked, both, every=every)
+        return _picture(difference, compared, both, every=every)
     if form == "json":
-        return "".join(map(json_line, difference_objects(found)))
+        return "".join(map(json_line, difference_objects(difference)))
     if form == "markdown":
         links = Links.of(both[0].states.values()), Links.of(both[1].states.values())
-        return difference_markdown(found, asked.title, lambda side, is_after: address(links, side, is_after=is_after))
-    return "".join(f"{line}\n" for line in difference_lines(found))
+        return difference_markdown(
+            difference, compared.title, lambda side, is_after: address(links, side, is_after=is_after)
+        )
+    return "".join(f"{line}\n" for line in difference_lines(difference))
 
 
-def _picture(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", *, every: bool) -> str:
-    name = _one_system(found, both)
-    title = f"{name} in {asked.title}"
+def _picture(difference: "Difference", compared: "Sides", both: "tuple[SideData, SideData]", *, every: bool) -> str:
+    name = _one_system(difference, both)
+    title = f"{name} in {compared.title}"
     before, after = (
         next(
             (
@@ -147,16 +152,16 @@ def _picture(found: "Difference", asked: "Sides", both: "tuple[Known, Known]", *
         )
         for side in both
     )
-    drawn = overlaid(before, after, changed_keys(found, name))
+    drawn = overlaid(before, after, changed_keys(difference, name))
     return system_svg(collapsed(drawn if every else near_changes(drawn)))
 
 
-def _one_system(found: "Difference", both: "tuple[Known, Known]") -> str:
+def _one_system(difference: "Difference", both: "tuple[SideData, SideData]") -> str:
     """Return the name of the launch file to be drawn: the one whose wiring differs, or that was named.
 
     KG003 where there are several, or none.
     """
-    names = changed_systems(found)
+    names = changed_systems(difference)
     if not names:
         names = tuple(sorted({one.configuration.name for side in both for one in side.sources.systems}))
     if len(names) == 1:
@@ -183,7 +188,7 @@ class Sides:
 
 
 @dataclass(frozen=True, slots=True)
-class Known:
+class SideData:
     """The data of one side: nodes and systems, the states of its sources, and the names of its launch files."""
 
     sources: "Sources"
@@ -210,22 +215,22 @@ def sides(named: "Sequence[str]", repository: str | None) -> Sides:
     raise UsageError("KG003", "two commits or two stores are compared", hint=hint)
 
 
-def stores(asked: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
+def stores(compared: Sides, settings: Settings) -> "tuple[EmbeddedStore, EmbeddedStore]":
     """Return both stores; commits without a store are built now. Raises as `kg.pipeline.revisions` does."""
-    if asked.repository is None:
-        first, second = (existing(replace(settings, store=Path(name))) for name in (asked.before, asked.after))
+    if compared.repository is None:
+        first, second = (existing(replace(settings, store=Path(name))) for name in (compared.before, compared.after))
         return first, second
-    before, after = resolve(asked.repository, asked.before), resolve(asked.repository, asked.after)
-    if asked.since:
-        before = merge_base(asked.repository, before, after)
-    found = []
+    before, after = resolve(compared.repository, compared.before), resolve(compared.repository, compared.after)
+    if compared.since:
+        before = merge_base(compared.repository, before, after)
+    opened = []
     for revision in (before, after):
         with for_people() as progress:
-            found.append(revision_store(asked.repository, revision, settings, progress))
-    return found[0], found[1]
+            opened.append(revision_store(compared.repository, revision, settings, progress))
+    return opened[0], opened[1]
 
 
-def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Known:
+def read_side(store: "EmbeddedStore", settings: Settings, launch: str | None) -> SideData:
     """Return the data of a side; with `launch` only that of the launch files it may name."""
     with store.read() as snapshot:
         every = system_names(snapshot)
@@ -233,11 +238,11 @@ def known(store: "EmbeddedStore", settings: Settings, launch: str | None) -> Kno
         chosen = {one.name for one in names}
         findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
         nodes = node_records(snapshot) if launch is None else []
-        found = Sources(nodes, systems(snapshot, names, settings.base), findings)
-        return Known(found, {one.name: one for one in sources(snapshot)}, every)
+        read = Sources(nodes, systems(snapshot, names, settings.base), findings)
+        return SideData(read, {one.name: one for one in sources(snapshot)}, every)
 
 
-def as_one(before: Known, after: Known, texts: tuple[str, str]) -> tuple[Known, Known]:
+def as_one(before: SideData, after: SideData, texts: tuple[str, str]) -> tuple[SideData, SideData]:
     """Return both sides with the launch file of the second under the name of that of the first.
 
     Raises KG422, KG003 if one of `texts` names no launch file of its side, or several.
@@ -258,5 +263,5 @@ def address(links: "tuple[Links, Links]", side: "Side", *, is_after: bool) -> st
     """Return the address of a line's page on the forge; None if the source is not a commit of a forge."""
     if side.location is None or not side.repository:
         return None
-    found = links[is_after].to(side.repository, side.location)
-    return found if found and found.startswith("https://") else None
+    link = links[is_after].to(side.repository, side.location)
+    return link if link and link.startswith("https://") else None

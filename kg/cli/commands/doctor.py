@@ -141,12 +141,12 @@ def _content(layout: "Layout") -> Check:
     except StoreError as error:
         state = "note" if error.code == "KG301" else "wrong"
         return Check("store", state, f"{layout.root}: {error.message}", error.hint or CATALOGUE[error.code].way_out)
-    held = sum(file.stat().st_size for file in layout.generation(generation).rglob("*") if file.is_file())
+    size = sum(file.stat().st_size for file in layout.generation(generation).rglob("*") if file.is_file())
     return Check(
         "store",
         "ok",
         f"{layout.root}: generation {generation} ({len(layout.numbers())} kept), "
-        f"{count(quads, 'quad')} in {count(graphs, 'graph')}, {held / 1e6:,.1f} MB",
+        f"{count(quads, 'quad')} in {count(graphs, 'graph')}, {size / 1e6:,.1f} MB",
     )
 
 

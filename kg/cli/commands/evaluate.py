@@ -120,12 +120,12 @@ def _code(  # noqa: PLR0913 - the options of a command
     settings: Settings, size: int, seed: int, *, tests: bool, missed: str | None, output: str | None, json: bool
 ) -> None:
     with reading(settings) as snapshot:
-        found = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
-    deliver(found.table, json=json, output=output)
+        checked = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
+    deliver(checked.table, json=json, output=output)
     if missed:
-        rows = tuple((one.measure, one.kind, one.address, one.text) for one in found.missed)
+        rows = tuple((one.measure, one.kind, one.address, one.text) for one in checked.missed)
         write_text(as_csv(Table("missed", "Missed", ("measure", "kind", "address", "source"), rows)), missed)
-        say(f"{count(len(found.missed), 'miss', 'misses')} in {missed}")
+        say(f"{count(len(checked.missed), 'miss', 'misses')} in {missed}")
 
 
 @with_settings("store")
@@ -189,10 +189,10 @@ def sample(  # noqa: PLR0913 - the options of a command
         require_one_of(name, RELATIONS, "relation")
     with reading(settings) as snapshot:
         facts = Facts(snapshot)
-        found = drawn(facts, relation or list(RELATIONS), number, chance)
-        text = as_sheet(facts, found, SourceLines(snapshot))
+        sampled = drawn(facts, relation or list(RELATIONS), number, chance)
+        text = as_sheet(facts, sampled, SourceLines(snapshot))
     write_text(text, output)
-    say(f"{count(len(found), 'fact')} to judge")
+    say(f"{count(len(sampled), 'fact')} to judge")
 
 
 @with_settings("store")
@@ -213,8 +213,8 @@ def search(
         kg eval search --queries needs.jsonl --model ~/models/all-MiniLM-L6-v2 --output tables
     """
     needs = read_needs(Path(queries).expanduser())
-    found = open_search(existing(settings))
-    table = retrieval(found, needs, Path(model).expanduser() if model else None)
+    index = open_search(existing(settings))
+    table = retrieval(index, needs, Path(model).expanduser() if model else None)
     deliver(table, json=json, output=output)
 
 

@@ -1,4 +1,4 @@
-"""`kg eval exercises`: programs beside the code that they stand for, and whether they reach what they should."""
+"""`kg eval exercises`: programs next to equivalent code, and whether they reach their goals."""
 
 from typing import Annotated
 
@@ -51,8 +51,8 @@ def exercises(
         if any(one.missed for one in outcomes):
             raise typer.Exit(Exit.FOUND)
         return
-    found = asyncio.run(capabilities_of_robots(settings))
-    deliver(capabilities_table(found) if capabilities else exercises_table(found), json=json, output=output)
+    results = asyncio.run(capabilities_of_robots(settings))
+    deliver(capabilities_table(results) if capabilities else exercises_table(results), json=json, output=output)
 
 
 def study(

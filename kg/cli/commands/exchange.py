@@ -189,13 +189,13 @@ def _format(name: str | None, output: Path | None) -> "RdfFormat | None":
         "rdfxml": RdfFormat.RDF_XML,
         "xml": RdfFormat.RDF_XML,
     }
-    found = RdfFormat.from_extension(ending) or others.get(ending)
+    form = RdfFormat.from_extension(ending) or others.get(ending)
     if "/" in ending:
-        found = RdfFormat.from_media_type(ending)
-    if found is None:
+        form = RdfFormat.from_media_type(ending)
+    if form is None:
         near = did_you_mean(ending, FORMATS)
         raise QueryError("KG504", f"unknown format `{ending}`", hint=near or f"The formats are {', '.join(FORMATS)}.")
-    return found
+    return form
 
 
 def _ending(name: str | None, output: Path | None) -> str:
@@ -222,8 +222,8 @@ def _graph(snapshot: "EmbeddedSnapshot", base: str, source: str | None, graph: s
     graphs = snapshot.graphs()
     if wanted in graphs:
         return wanted
-    found = [one.value for one in graphs]
+    matches = [one.value for one in graphs]
     start = f"{base}graph/source/" if source else f"{base}graph/"
-    names = [one.removeprefix(start) for one in found if one.startswith(start) or not source]
+    names = [one.removeprefix(start) for one in matches if one.startswith(start) or not source]
     kind = "source" if source else "graph"
     raise unknown(kind, source or graph or "", names, otherwise=f"There are: {', '.join(names) or 'none'}.")

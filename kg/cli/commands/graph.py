@@ -18,9 +18,9 @@ from kg.cli.systems import (
     Variants,
     chosen_systems,
     named,
-    tell_left_out_parts,
-    tell_malformed,
-    tell_unknown_ends,
+    report_left_out_parts,
+    report_malformed,
+    report_unknown_ends,
     with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
@@ -97,27 +97,27 @@ def graph(  # noqa: PLR0913 - the options of a command
     launch, arg = named(file, launch, arg)
     launch = launch or _only(settings)
     (system,) = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
-    found = system_graph(system, every=every)
+    drawn = system_graph(system, every=every)
     if focus is not None:
-        found = around(found, _focused(found, focus), whole(depth or "1", "--depth", 0))
+        drawn = around(drawn, _focused(drawn, focus), whole(depth or "1", "--depth", 0))
     if form not in {"text", "json"}:
-        found = collapsed(found, expand or ())
+        drawn = collapsed(drawn, expand or ())
     if form == "text" and output is None and not terminal():
         rows = [
             (row.node, row.verb, row.name, row.type, ", ".join(row.others) or f"({row.nobody})")
-            for row in system_rows(found)
+            for row in system_rows(drawn)
         ]
         listing(_COLUMNS, rows)
     else:
-        deliver(_written(found, form), form, output, PurePosixPath(system.configuration.path).stem)
+        deliver(_written(drawn, form), form, output, PurePosixPath(system.configuration.path).stem)
     if form == "text" or output is not None:
-        tell_left_out_parts(system)
-    ends = found.ends().values()
+        report_left_out_parts(system)
+    ends = drawn.ends().values()
     if form == "text" and (not ends or any(not (sources and targets) for sources, targets in ends)):
-        tell_unknown_ends(system)
-    if tell_malformed(settings, system):
+        report_unknown_ends(system)
+    if report_malformed(settings, system):
         raise typer.Exit(Exit.FOUND)
-    if form == "text" and not found.members:
+    if form == "text" and not drawn.members:
         note(f"{system.configuration.name} starts no nodes")
 
 
@@ -151,8 +151,8 @@ def _only(settings: Settings) -> str:
 def _focused(graph: "SystemGraph", name: str) -> list[str]:
     """Return the nodes that a name means: itself, else those that end with it; KG001 when there is none."""
     keys = [member.key for member in graph.members]
-    found = [key for key in keys if key == name] or [key for key in keys if key.endswith(f"/{name.strip('/')}")]
-    if not found:
+    matches = [key for key in keys if key == name] or [key for key in keys if key.endswith(f"/{name.strip('/')}")]
+    if not matches:
         ends = [key.rpartition("/")[2] for key in keys] if "/" not in name.strip("/") else []
         raise unknown("node", name, [*keys, *ends], otherwise="`kg instances FILE` lists the nodes.")
-    return found
+    return matches

@@ -27,7 +27,7 @@ with lazily():
         impact_markdown,
         impact_object,
     )
-    from kg.pipeline.revisions import beside, resolve
+    from kg.pipeline.revisions import commit_and_work_tree, resolve
     from kg.store.opening import existing, reading
     from kg.views.evidence import places
     from kg.views.impact import impact_of
@@ -91,8 +91,8 @@ def impact(  # noqa: PLR0913 - the options of a command
         is_breaking, text = _of_commit(settings, diff, Path(repository or "."), form)
     else:
         with reading(settings) as snapshot:
-            found = impact_of(snapshot, settings, name or "", kind or "")
-            is_breaking, text = found.is_breaking, _written(found, form, places(snapshot))
+            effects = impact_of(snapshot, settings, name or "", kind or "")
+            is_breaking, text = effects.is_breaking, _written(effects, form, places(snapshot))
     deliver(text, form, output, "impact")
     if exit_code and is_breaking:
         raise typer.Exit(Exit.FOUND)
@@ -106,19 +106,19 @@ def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tupl
             raise
         store = None
     revision = resolve(folder, commit)
-    with for_people() as progress, beside(folder, revision, store, settings, progress) as (before, after):
-        found = broken_between(before, after, settings)
-    is_breaking = any(one.is_breaking for one in found)
+    with for_people() as progress, commit_and_work_tree(folder, revision, store, settings, progress) as (before, after):
+        broken = broken_between(before, after, settings)
+    is_breaking = any(one.is_breaking for one in broken)
     if form == "json":
-        return is_breaking, "".join(map(json_line, broken_objects(found)))
+        return is_breaking, "".join(map(json_line, broken_objects(broken)))
     if form == "markdown":
-        return is_breaking, broken_markdown(found, f"{commit}..work tree")
-    return is_breaking, "".join(f"{line}\n" for line in broken_lines(found))
+        return is_breaking, broken_markdown(broken, f"{commit}..work tree")
+    return is_breaking, "".join(f"{line}\n" for line in broken_lines(broken))
 
 
-def _written(found: "Impact", form: str, where: "Places") -> str:
+def _written(effects: "Impact", form: str, where: "Places") -> str:
     if form == "json":
-        return json_line(impact_object(found))
+        return json_line(impact_object(effects))
     if form == "markdown":
-        return impact_markdown(found, where.web)
-    return "".join(f"{line}\n" for line in impact_lines(found))
+        return impact_markdown(effects, where.web)
+    return "".join(f"{line}\n" for line in impact_lines(effects))

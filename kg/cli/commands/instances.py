@@ -64,16 +64,18 @@ def instances(  # noqa: PLR0913 - the options of a command
         kg instances --launch rover_robot/launch/rover.launch --json
     """
     launch, arg = named(file, launch, arg)
-    found = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
-    objects = (instance_object(system, one) for system in found for one in system.instances)
+    listed = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
+    objects = (instance_object(system, one) for system in listed for one in system.instances)
     rows = [
-        _row(one) if launch else (system.configuration.name, *_row(one)) for system in found for one in system.instances
+        _row(one) if launch else (system.configuration.name, *_row(one))
+        for system in listed
+        for one in system.instances
     ]
     listing(_ONE if launch else _ALL, rows, objects=objects if json else None)
-    if not found and not json:
+    if not listed and not json:
         note("no launch file in the store; `kg build FOLDER` reads those of a workspace")
     elif terminal() and not json:
-        _notes(found, len(rows), one=launch is not None)
+        _notes(listed, len(rows), one=launch is not None)
 
 
 def _row(instance: "NodeInstance") -> tuple[object, ...]:
@@ -84,7 +86,7 @@ def _row(instance: "NodeInstance") -> tuple[object, ...]:
     remark = _REMARKS.get(str(instance.missing), "") if not instance.type else ""
     started = instance.started
     if started.kind is StartKind.RUNNING and not instance.type:
-        # What was seen is there; of clients in ROS 1, and of parameters, nobody tells all.
+        # Observed parts are certain; clients in ROS 1, and parameters, are never reported completely.
         numbers = tuple(
             number or ("" if title in _UNTOLD else 0) for title, number in zip(_COUNTS, numbers, strict=True)
         )
@@ -95,16 +97,16 @@ def _row(instance: "NodeInstance") -> tuple[object, ...]:
     return instance.name, instance.started_type, str(started.kind), *numbers, remark, str(started.location)
 
 
-def _notes(found: "Sequence[System]", rows: int, *, one: bool) -> None:
-    listed = [instance for system in found for instance in system.instances]
+def _notes(shown: "Sequence[System]", rows: int, *, one: bool) -> None:
+    listed = [instance for system in shown for instance in system.instances]
     missing = Counter(one.reason for one in listed if one.reason and not one.type and not one.interfaces)
     for reason, number in missing.most_common(5) if one else ():
-        lacks = "node type" if any(system.sighting for system in found) else "counts"
+        lacks = "node type" if any(system.sighting for system in shown) else "counts"
         note(f"{count(number, 'instance')} without {lacks}: {reason}")
     for instance in [one for one in listed if one.reason and (one.type or one.interfaces)][:5] if one else ():
         note(f"{instance.name}: {instance.reason}")
-    for problem in [problem for system in found for problem in system.configuration.problems][:5] if one else ():
+    for problem in [problem for system in shown for problem in system.configuration.problems][:5] if one else ():
         note(f"{problem.location}: {problem.message}")
-    files = f" of {count(len(found), 'launch file')}" if not one else ""
+    files = f" of {count(len(shown), 'launch file')}" if not one else ""
     ways = "`kg node NAME` shows one, `kg graph FILE` draws them, `kg lint` checks them"
     note(f"{count(rows, 'instance')}{files}; {ways}")

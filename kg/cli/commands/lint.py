@@ -11,7 +11,7 @@ import typer
 from kg.cli.diagnostics import colored, note, say
 from kg.cli.options import Json, PackageName, takes, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.remarks import Form, require_known
+from kg.cli.remarks import Form, require_valid
 from kg.cli.systems import (
     Arguments,
     Environment,
@@ -19,8 +19,8 @@ from kg.cli.systems import (
     Variants,
     chosen_systems,
     given,
-    tell_left_out,
-    tell_left_out_parts,
+    report_left_out,
+    report_left_out_parts,
 )
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
@@ -43,7 +43,7 @@ with lazily():
     from kg.lint.report import merged
     from kg.lint.running import check_store, read_folders
     from kg.render.sarif import annotation, document
-    from kg.views.names import known_package
+    from kg.views.names import require_package
 
 _OTHER_FORMATS: Final = dict.fromkeys(("xunit", "junit"), "Use `--xunit-file FILE`.")
 
@@ -93,7 +93,7 @@ def lint(  # noqa: PLR0913 - the options of a command
     """
     began = perf_counter()
     form = "json" if json else form
-    require_known(form, hints=_OTHER_FORMATS)
+    require_valid(form, hints=_OTHER_FORMATS)
     arguments, environment = given(launch, arg, env)
     if why and (arg or env or variants or form != "text"):
         hint = "Remove --arg, --env, --variants and --format."
@@ -107,7 +107,7 @@ def lint(  # noqa: PLR0913 - the options of a command
         left_out(found.inferred)
     if package is not None:
         with reading(settings) as snapshot:
-            known_package(snapshot, package)
+            require_package(snapshot, package)
     checked = check_store(settings, question, _folder(folders))
     if not write_baseline:
         _write(checked, form)
@@ -115,10 +115,10 @@ def lint(  # noqa: PLR0913 - the options of a command
         note(words)
     for words in summary(checked):
         say(words)
-    tell_left_out(checked.left_out)
+    report_left_out(checked.left_out)
     if launch is not None and form == "text":
         for system in chosen_systems(settings, launch, (), ()):
-            tell_left_out_parts(system)
+            report_left_out_parts(system)
     for finding in checked.report.findings if why else ():
         write("")
         prove([f"<{finding.iri}>", "rdf:type", "rnkg:Finding"], settings=settings)

@@ -34,7 +34,7 @@ def packages(*, settings: Settings, json: Json = False) -> None:
     Counts the nodes, interface definitions and problems of each package.
     """
     with reading(settings) as snapshot:
-        found = overview.packages(snapshot)
+        listed = overview.packages(snapshot)
     columns = (
         Column("package", "name"),
         Column("version"),
@@ -44,11 +44,11 @@ def packages(*, settings: Settings, json: Json = False) -> None:
     )
     rows = [
         (one.name, one.version, one.ros, one.nodes, one.definitions, one.problems, one.repository, one.folder)
-        for one in found
+        for one in listed
     ]
-    listing(columns, rows, objects=map(asdict, found) if json else None)
+    listing(columns, rows, objects=map(asdict, listed) if json else None)
     if terminal() and not json:
-        note(count(len(found), "package"))
+        note(count(len(listed), "package"))
 
 
 Package = Annotated[str | None, typer.Option("--package", "-p", metavar="NAME", help="Only files of this package.")]
@@ -76,8 +76,8 @@ def files(
         require_one_of(sort, _SORTS, "sort")
     with reading(settings) as snapshot:
         every = overview.files(snapshot)
-    found = [one for one in every if sort in {None, one.sort} and package in {None, one.package}]
-    if package is not None and not found and package not in {one.package for one in every}:
+    selected = [one for one in every if sort in {None, one.sort} and package in {None, one.package}]
+    if package is not None and not selected and package not in {one.package for one in every}:
         raise unknown("package", package, {one.package for one in every}, otherwise="`kg packages` lists them.")
     columns = (
         Column("sort"),
@@ -87,10 +87,10 @@ def files(
         Column("file"),
         Column("source", "dim", spare=1),
     )
-    rows = [(one.sort, one.kind, one.nodes, one.texts, one.package, one.path, one.repository) for one in found]
-    listing(columns, rows, objects=map(asdict, found) if json else None)
+    rows = [(one.sort, one.kind, one.nodes, one.texts, one.package, one.path, one.repository) for one in selected]
+    listing(columns, rows, objects=map(asdict, selected) if json else None)
     if terminal() and not json:
-        counts = Counter(one.sort for one in found)
+        counts = Counter(one.sort for one in selected)
         note(", ".join(f"{counts[one]} {one}" for one in _SORTS if counts[one]) or "no files")
 
 
@@ -123,13 +123,13 @@ def actions(*, settings: Settings, every: All = False, json: Json = False) -> No
 
 def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
     with reading(settings) as snapshot:
-        found = [asdict(one) for one in channels(snapshot, kind, implicit=every)]
-    channel_rows(kind, found, json=json)
+        rows = [asdict(one) for one in channels(snapshot, kind, implicit=every)]
+    channel_rows(kind, rows, json=json)
     if terminal() and not json:
-        note(count(len(found), kind))
+        note(count(len(rows), kind))
 
 
-def channel_rows(kind: str, found: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
+def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
     """Write topics, services or actions as a list: objects as of `kg.graph.overview.Channel`."""
     verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
     columns = (
@@ -139,7 +139,7 @@ def channel_rows(kind: str, found: "Sequence[Mapping[str, Any]]", *, json: bool 
         Column("launch files", "number"),
     )
     rows = [
-        (one["name"], ", ".join(one["types"]), len(one["givers"]), len(one["takers"]), one["systems"]) for one in found
+        (one["name"], ", ".join(one["types"]), len(one["givers"]), len(one["takers"]), one["systems"]) for one in listed
     ]
     givers, takers = (f"{verb}ed_by" if verb[-1] != "e" else f"{verb}d_by" for verb in verbs)
     objects = (
@@ -150,6 +150,6 @@ def channel_rows(kind: str, found: "Sequence[Mapping[str, Any]]", *, json: bool 
             takers: one["takers"],
             "systems": one["systems"],
         }
-        for one in found
+        for one in listed
     )
     listing(columns, rows, objects=objects if json else None)

@@ -134,10 +134,10 @@ def node(  # noqa: PLR0913 - the options of a command
         drawn = drawn or node_picture(records[0], implicit=every)
         deliver(drawn, "svg", picture or None, records[0].node.name.replace("/", "_"))
     else:
-        for number, (record, found, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
+        for number, (record, inferred_classes, quoted) in enumerate(zip(records, inferred, lines, strict=True)):
             if number:
                 write()
-            _show(record, found, Links(where), every=every, via=via)
+            _show(record, inferred_classes, Links(where), every=every, via=via)
             if quoted:
                 show(*quoted)
 
@@ -149,9 +149,9 @@ def _instance(  # noqa: PLR0913 - the options of the command
     with reading(settings) as snapshot:
         chosen = starting_system(snapshot, name, launch)
         names = system_names(snapshot, named=[chosen])
-        found = systems(snapshot, names, settings.base)
+        read = systems(snapshot, names, settings.base)
         links = Links.of(sources(snapshot))
-    pairs = [(system, one) for system in found for one in system.instances if one.name == name]
+    pairs = [(system, one) for system in read for one in system.instances if one.name == name]
     if picture is not None:
         hint = f"`kg graph {chosen} --focus {name} -o FILE.svg` draws it with its neighbours."
         raise UsageError("KG003", "--picture draws node types", hint=hint)
@@ -164,11 +164,11 @@ def _instance(  # noqa: PLR0913 - the options of the command
         show(*instance_view(system, one, links, line_width(), every=every))
 
 
-def _show(record: "NodeRecord", found: "Classes", links: "Links", *, every: bool, via: bool) -> None:
+def _show(record: "NodeRecord", inferred: "Classes", links: "Links", *, every: bool, via: bool) -> None:
     from kg.cli.node_view import node_view  # noqa: PLC0415 - start-up time
 
     most = _MOST_PARAMETERS if terminal() else None
-    show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=found))
+    show(*node_view(record, links, line_width(), every=every, via=via, most=most, classes=inferred))
     hidden = 0 if every else left_out(record.node)
     if hidden:
         note(f"{count(hidden, 'implicit entry', 'implicit entries')} created by frameworks hidden; --all shows them")
@@ -213,10 +213,10 @@ def instance_view(
         for one in instance.parameters
     ]
     groups += [("remappings, from and to", remaps), ("parameters", settings)]
-    told = [(title, rows) for title, rows in groups if rows]
+    nonempty = [(title, rows) for title, rows in groups if rows]
     parts: list[RenderableType] = list(_header(system, instance))
-    if told:
-        parts += [Text(), interface_table(told, repository, links, columns)]
+    if nonempty:
+        parts += [Text(), interface_table(nonempty, repository, links, columns)]
     return tuple(parts)
 
 

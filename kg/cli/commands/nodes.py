@@ -11,7 +11,7 @@ from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import reading
-from kg.views.names import known_package
+from kg.views.names import require_package
 
 if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
@@ -57,7 +57,7 @@ def nodes(
         require_one_of(kind, NodeKind, "kind", f"The kinds are {', '.join(NodeKind)}.")
     with reading(settings) as snapshot:
         if package:
-            known_package(snapshot, package)
+            require_package(snapshot, package)
         if json:
             _objects(snapshot, package, kind)
         else:
@@ -77,11 +77,11 @@ def _objects(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None
 
 def _table(snapshot: "EmbeddedSnapshot", package: str | None, kind: str | None) -> None:
     every = node_summaries(snapshot) if package is None else overview.nodes(snapshot, package)
-    found = [one for one in every if kind in {None, one.kind}]
+    listed = [one for one in every if kind in {None, one.kind}]
     rows = []
-    for one in found:
+    for one in listed:
         ends = (one.publishes, one.subscribes, one.services, one.clients, one.actions)
         rows.append((one.package, one.name, str(one.kind), one.ros, *ends, one.parameters, str(one.location)))
     listing(COLUMNS, rows)
     if terminal():
-        note(f"{count(len(found), 'node')}; `kg node NAME` shows one")
+        note(f"{count(len(listed), 'node')}; `kg node NAME` shows one")

@@ -70,10 +70,10 @@ def classify(files: Files = None, *, output: OutputFile = None) -> None:
     """
     from kg.syntax.names import PREFIXES  # noqa: PLC0415 - start-up time
 
-    found = ontology.classify([Path(file) for file in files] if files else None)
-    text = serialize(found, format=RdfFormat.TURTLE, prefixes=dict(PREFIXES)) or b""
+    inferred = ontology.classify([Path(file) for file in files] if files else None)
+    text = serialize(inferred, format=RdfFormat.TURTLE, prefixes=dict(PREFIXES)) or b""
     write_text(f"{text.decode()}\n", output)
-    say(f"{count(len(found), 'triple')} inferred")
+    say(f"{count(len(inferred), 'triple')} inferred")
 
 
 @with_settings("store")
@@ -84,11 +84,11 @@ def validate(*, settings: Settings, shapes: Shapes = None, json: Json = False) -
     """
     with reading(settings) as snapshot:
         triples = snapshot.dump(RdfFormat.N_TRIPLES)
-    found = ontology.validate(triples, Path(shapes) if shapes else None)
+    violations = ontology.validate(triples, Path(shapes) if shapes else None)
     columns = (Column("severity"), Column("message"), Column("node"), Column("path"), Column("value"))
-    rows = [(one.severity, one.message, one.focus, one.path, one.value) for one in found]
-    if found or json or not terminal():
-        listing(columns, rows, objects=map(asdict, found) if json else None)
-    say(f"{count(len(found), 'finding')}" if found else "the data conforms")
-    if found:
+    rows = [(one.severity, one.message, one.focus, one.path, one.value) for one in violations]
+    if violations or json or not terminal():
+        listing(columns, rows, objects=map(asdict, violations) if json else None)
+    say(f"{count(len(violations), 'finding')}" if violations else "the data conforms")
+    if violations:
         raise typer.Exit(Exit.FOUND)

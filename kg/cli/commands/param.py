@@ -44,16 +44,16 @@ def param(  # noqa: PLR0913 - the options of a command
         kg param speed --system rover.launch --json
     """
     with reading(settings) as snapshot:
-        found = parameter(snapshot, settings, name=name, system=system or "")
+        described = parameter(snapshot, settings, name=name, system=system or "")
         if json:
-            for one in [found["name"]] if found["name"] else found["meant"]:
+            for one in [described["name"]] if described["name"] else described["meant"]:
                 each = parameter(snapshot, settings, name=one, system=system or "")
                 json_lines(plain(row) for row in (*each["declared"], *each["values"]))
             return
         links = Links(places(snapshot))
-    if found["name"] is None:
-        listing((Column("parameter", "name"),), [(one,) for one in found["meant"]])
+    if described["name"] is None:
+        listing((Column("parameter", "name"),), [(one,) for one in described["meant"]])
         if terminal():
-            note(f"{count(len(found['meant']), 'parameter')}; `kg param {found['meant'][0]}` shows one")
+            note(f"{count(len(described['meant']), 'parameter')}; `kg param {described['meant'][0]}` shows one")
         return
-    show(*parameter_view(found, links, line_width(), every=every, via=via))
+    show(*parameter_view(described, links, line_width(), every=every, via=via))

@@ -11,7 +11,7 @@ from kg.cli.completion import queries as query_names
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, from_setting, takes
 from kg.cli.output import Column, json_lines, listing, terminal, write
-from kg.cli.query_text import pairs, query_meant
+from kg.cli.query_text import pairs, resolve_query
 from kg.cli.session import session
 from kg.lazily import lazily
 from kg.render.text import count
@@ -106,23 +106,23 @@ def query(  # noqa: PLR0913 - the options of a command
     stores = store or ()
     settings = session(context).settings(store=stores[-1] if stores else None, **given)
     if listed:
-        found = discover(settings.queries).values()
-        listing(COLUMNS, list_rows(found), objects=map(query_object, found) if json else None)
+        stored_queries = discover(settings.queries).values()
+        listing(COLUMNS, list_rows(stored_queries), objects=map(query_object, stored_queries) if json else None)
         if terminal() and not json:
             note("`kg query NAME --help-query` shows one")
         return
-    asked = query_meant(text, Path(file) if file else None, settings)
+    resolved = resolve_query(text, Path(file) if file else None, settings)
     if help_query:
         if json:
-            json_lines([query_object(asked)])
+            json_lines([query_object(resolved)])
         else:
-            write("\n".join(manual(asked)))
+            write("\n".join(manual(resolved)))
         return
-    _answer(asked, pairs(param or []), settings, stores, on_demand, json=json)
+    _answer(resolved, pairs(param or []), settings, stores, on_demand, json=json)
 
 
 def _answer(  # noqa: PLR0913 - the options of a query
-    asked: "StoredQuery",
+    resolved: "StoredQuery",
     values: dict[str, str],
     settings: Settings,
     stores: "Sequence[str]",
@@ -132,27 +132,29 @@ def _answer(  # noqa: PLR0913 - the options of a query
 ) -> None:
     chosen = "jsonl" if json else format_for(settings.format)
     timeout = settings.timeout or None
-    with reading_all(settings, stores) as stored, _extended(stored, asked, values, settings, family) as snapshot:
+    with reading_all(settings, stores) as stored, _extended(stored, resolved, values, settings, family) as snapshot:
         # The default limit is for tables, which people read; one that was asked for is for all formats.
         is_limited = chosen == "table" or settings.origin("limit").kind != "default"
         limit = (settings.limit or None) if is_limited else None
-        plain = not (family or values or asked.parameters or len(stores) > 1)
-        found = whole.answer(snapshot, asked.text, timeout=timeout, limit=limit) if plain else None
-        result = ask(snapshot, asked, values, timeout=timeout, limit=limit) if found is None else found
-        meant: list[str] = []
+        plain = not (family or values or resolved.parameters or len(stores) > 1)
+        stored_answer = whole.answer(snapshot, resolved.text, timeout=timeout, limit=limit) if plain else None
+        result = (
+            ask(snapshot, resolved, values, timeout=timeout, limit=limit) if stored_answer is None else stored_answer
+        )
+        suggestions: list[str] = []
         if is_empty(result):
-            value = suggestion(snapshot, asked, values, timeout=timeout) if values else None
-            meant = [*_terms(asked, values), *([value] if value else unknown_terms(snapshot, asked.text))]
+            value = suggestion(snapshot, resolved, values, timeout=timeout) if values else None
+            suggestions = [*_terms(resolved, values), *([value] if value else unknown_terms(snapshot, resolved.text))]
         links = Links.of(sources(snapshot)) if chosen == "table" and terminal() else None
     answer(result, chosen, links=links, automatic=settings.format == "auto" and not json)
-    for sentence in meant:
+    for sentence in suggestions:
         note(sentence)
 
 
 @contextmanager
 def _extended(
     snapshot: "EmbeddedSnapshot",
-    asked: "StoredQuery",
+    resolved: "StoredQuery",
     values: dict[str, str],
     settings: Settings,
     family: str | None,
@@ -162,7 +164,7 @@ def _extended(
         yield snapshot
         return
 
-    bound = prepare(asked.text, asked.bind(values), str(asked.path)).bound
+    bound = prepare(resolved.text, resolved.bind(values), str(resolved.path)).bound
     with ExitStack() as stack:
         with waiting(f"deriving by the rules of {family}"):
             extended, derived = stack.enter_context(with_family(settings, snapshot, family, bound))
@@ -173,14 +175,14 @@ def _extended(
         yield extended
 
 
-def _terms(asked: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
+def _terms(resolved: "StoredQuery", values: dict[str, str]) -> "Iterator[str]":
     """Yield a sentence for each text that is a term in Turtle, which may have been meant."""
     for name, value in values.items():
-        term = asked.bind({name: value})[name]
+        term = resolved.bind({name: value})[name]
         if isinstance(value, TermText) or not isinstance(term, Literal):
             continue
         written = f"<{value}>" if "://" in value and not value.startswith(("<", '"', "'")) else value
-        if asked.read_term(written) not in {None, term}:
+        if resolved.read_term(written) not in {None, term}:
             yield f"?{name} is the text {term}; for the term write --param {name}:={shlex.quote(written)}"
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 with lazily():
     import asyncio
 
-    from kg.cli.robot_view import follow, show_added, show_capabilities, show_proofs, tell_problems
+    from kg.cli.robot_view import follow, report_problems, show_added, show_capabilities, show_proofs
     from kg.robot.connecting import address_of, look
     from kg.robot.live import Watching
     from kg.robot.live.asking import launched, of_package, running
@@ -91,7 +91,7 @@ def capabilities(  # noqa: PLR0913 - the options of a command
 def _running(settings: Settings) -> "Subject":
     address = address_of(settings)
     graph = asyncio.run(look(address))
-    tell_problems(graph)
+    report_problems(graph)
     return running(graph, settings, address)
 
 

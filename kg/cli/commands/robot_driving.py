@@ -76,8 +76,8 @@ def read(  # noqa: PLR0913 - the options of a command
         kg robot read /odom --robot bag://drive.mcap
         kg robot read sensingBattery --once --json
     """
-    asked = Reading.of(once=once, count=count, seconds=seconds, rate=rate, way=way, json=json)
-    read_capability(settings, capability, asked)
+    options = Reading.of(once=once, count=count, seconds=seconds, rate=rate, way=way, json=json)
+    read_capability(settings, capability, options)
 
 
 @with_settings("places", "robot", "watchdog")
@@ -106,5 +106,7 @@ def do(  # noqa: PLR0913 - the options of a command
         kg robot do goingToPose at=kitchen --timeout 60
         kg robot do takingOff --dry-run
     """
-    asked = Doing.of(values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, exclusive=exclusive, json=json)
-    do_capability(settings, capability, asked)
+    options = Doing.of(
+        values or [], keep=keep, timeout=timeout, way=way, dry_run=dry_run, exclusive=exclusive, json=json
+    )
+    do_capability(settings, capability, options)

@@ -76,14 +76,14 @@ def show_parameters(settings: Settings, node: str | None, name: str | None, *, j
     """Write the parameters of a robot or node, or one parameter; raises as `kg.robot.parameters.read`."""
     address = address_of(settings)
 
-    async def found() -> "tuple[list[NodeParameter], list[GraphProblem]]":
+    async def read_parameters() -> "tuple[list[NodeParameter], list[GraphProblem]]":
         async with connected(address) as connection:
             await inhabited(connection)
             if node is None or name is None:
                 return await read(connection, node)
             return [await find(connection, node, name)], []
 
-    parameters, problems = asyncio.run(found())
+    parameters, problems = asyncio.run(read_parameters())
     for one in problems:
         problem(one.code, one.message, one.subject)
     listing(_COLUMNS, map(_row, parameters), objects=map(_object, parameters) if json else None)
@@ -115,8 +115,8 @@ def set_parameter(  # noqa: PLR0913 - the arguments and options of the command
 
 
 def _object(one: "NodeParameter") -> dict[str, Any]:
-    told: dict[str, Any] = msgspec.to_builtins(one)
-    return {**told, "value": _plain(one.value)}
+    fields: dict[str, Any] = msgspec.to_builtins(one)
+    return {**fields, "value": _plain(one.value)}
 
 
 def _plain(value: Any) -> Any:

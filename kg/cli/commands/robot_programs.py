@@ -26,7 +26,7 @@ with lazily():
     from kg.cli.interruptible import interruptible
     from kg.cli.numbers import seconds as number_of_seconds
     from kg.cli.program_view import Log, error_at, read, show_problems
-    from kg.cli.robot_view import tell_problems
+    from kg.cli.robot_view import report_problems
     from kg.robot.connecting import address_of
     from kg.robot.live.asking import launched
     from kg.robot.live.asking import running as of_running
@@ -83,7 +83,7 @@ def run(  # noqa: PLR0913 - the options of a command
     outcome: list[Execution] = []
 
     async def carry_out() -> None:
-        found = await execute(
+        result = await execute(
             wanted,
             address_of(settings),
             settings,
@@ -92,13 +92,13 @@ def run(  # noqa: PLR0913 - the options of a command
             dry_run=dry_run,
             exclusive=exclusive,
         )
-        outcome.append(found)
+        outcome.append(result)
 
     interruptible(carry_out(), moves=True)
-    (found,) = outcome
-    if found.ended is not None and found.ended.problem is not None:
-        report(error_at(found.ended.problem, loaded))
-    if found.ended is None or found.ended.ended == "failed":
+    (result,) = outcome
+    if result.ended is not None and result.ended.problem is not None:
+        report(error_at(result.ended.problem, loaded))
+    if result.ended is None or result.ended.ended == "failed":
         raise typer.Exit(Exit.FOUND)
 
 
@@ -122,9 +122,9 @@ def check(  # noqa: PLR0913 - the options of a command
         kg robot check mail.kgp --launch rover.launch --places office.toml
     """
     loaded = read(program, json=json)
-    capabilities, told, graph = _known(settings, launch, arg, env)
-    meant = placed(loaded.program, told)
-    problems = [*problems_of(meant, capabilities, told), *(doubts(meant, capabilities, graph) if graph else ())]
+    capabilities, places, graph = _context(settings, launch, arg, env)
+    bound = placed(loaded.program, places)
+    problems = [*problems_of(bound, capabilities, places), *(doubts(bound, capabilities, graph) if graph else ())]
     show_problems(problems, loaded, json=json)
     if any(problem.severity == "error" for problem in problems):
         raise typer.Exit(Exit.FOUND)
@@ -168,7 +168,7 @@ def convert(  # noqa: PLR0913 - the options of a command
     """
     if to not in _FORMS:
         raise UsageError("KG003", f"unknown form `{to}` of a program", hint=f"One of {', '.join(_FORMS)}.")
-    loaded = load_tree(program, _known(settings, launch, arg, env)[0]) if program.endswith(_TREE) else load(program)
+    loaded = load_tree(program, _context(settings, launch, arg, env)[0]) if program.endswith(_TREE) else load(program)
     if to in {"text", "json"}:
         if metrics:
             json_lines([to_builtins(program_metrics(loaded.program))])
@@ -177,12 +177,12 @@ def convert(  # noqa: PLR0913 - the options of a command
         return
 
     if to == "bt":
-        capabilities, told, _ = _known(settings, launch, arg, env)
-        write(behavior_tree(placed(loaded.program, told), capabilities, place=loaded.place).rstrip())
+        capabilities, places, _ = _context(settings, launch, arg, env)
+        write(behavior_tree(placed(loaded.program, places), capabilities, place=loaded.place).rstrip())
         return
-    capabilities, told, _ = _known(settings, launch, arg, env, running=launch is None)
+    capabilities, places, _ = _context(settings, launch, arg, env, running=launch is None)
     code = code_of(
-        placed(loaded.program, told), capabilities, to="rospy" if to == "rospy" else "rclpy", place=loaded.place
+        placed(loaded.program, places), capabilities, to="rospy" if to == "rospy" else "rclpy", place=loaded.place
     )
     if metrics:
         json_lines([to_builtins(code_metrics(code))])
@@ -193,7 +193,7 @@ def convert(  # noqa: PLR0913 - the options of a command
         note(f"ROS {ros} has no {name}: the robot that the code was made for speaks the other version")
 
 
-def _known(
+def _context(
     settings: Settings, launch: str | None, arg: list[str] | None, env: list[str] | None, *, running: bool = False
 ) -> "tuple[Capabilities, PlacesByName, ComputationGraph | None]":
     """Return what a launch file, a running robot, or any by the ontology can do; places; the graph of what runs.
@@ -210,6 +210,6 @@ def _known(
     if not running:
         return general(settings), own, None
     address = address_of(settings)
-    graph, told = asyncio.run(seen(address))
-    tell_problems(graph)
-    return of_running(graph, settings, address).capabilities, {**told, **own}, graph
+    graph, places = asyncio.run(seen(address))
+    report_problems(graph)
+    return of_running(graph, settings, address).capabilities, {**places, **own}, graph

@@ -27,7 +27,7 @@ with lazily():
     from kg.cli.driving import warn
     from kg.cli.interruptible import interruptible
     from kg.cli.numbers import seconds
-    from kg.cli.robot_view import tell_problems
+    from kg.cli.robot_view import report_problems
     from kg.robot.bag.recording import Recorder
     from kg.robot.clock import within
     from kg.robot.connecting import address_of, connected, inhabited, look
@@ -88,12 +88,12 @@ def nodes(*, settings: Settings, json: Json = False) -> None:
         kg robot nodes --json
     """
     graph = asyncio.run(look(address_of(settings)))
-    tell_problems(graph)
+    report_problems(graph)
     ends = {
         (end.node, end.role, end.name) for end in graph.ends if not is_implicit(end.role, end.name, end.node, graph.ros)
     }
     counts = Counter((node, role) for node, role, _ in ends)
-    found = [
+    listed = [
         {
             "name": node.name,
             "state": node.state,
@@ -103,7 +103,7 @@ def nodes(*, settings: Settings, json: Json = False) -> None:
         }
         for node in graph.nodes
     ]
-    listing(_NODES, (tuple(one.values()) for one in found), objects=found if json else None)
+    listing(_NODES, (tuple(one.values()) for one in listed), objects=listed if json else None)
 
 
 @with_settings("robot")
@@ -116,32 +116,32 @@ def topics(*, settings: Settings, json: Json = False) -> None:
         kg robot topics --robot bag://drive.mcap
     """
     graph = asyncio.run(look(address_of(settings)))
-    tell_problems(graph)
-    found = _topics(graph)
+    report_problems(graph)
+    listed = _topics(graph)
     rows = []
-    for one in found:
+    for one in listed:
         rate = None if one["rate"] is None else f"{one['rate']:.1f}"
         ends = (", ".join(one["publishers"]), ", ".join(one["subscribers"]))
         rows.append((one["name"], one["type"], *ends, one["messages"], rate))
-    listing(_TOPICS, rows, objects=found if json else None)
+    listing(_TOPICS, rows, objects=listed if json else None)
 
 
 def _topics(graph: "ComputationGraph") -> list[dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
+    topics_by_name: dict[str, dict[str, Any]] = {}
     recorded = {one.name: one for one in graph.recorded}
     for end in graph.ends:
         if end.role not in {Role.PUBLISHES, Role.SUBSCRIBES}:
             continue
         empty: dict[str, Any] = {"name": end.name, "type": None, "publishers": [], "subscribers": []}
-        one = found.setdefault(end.name, {**empty, "messages": None, "rate": None})
+        one = topics_by_name.setdefault(end.name, {**empty, "messages": None, "rate": None})
         one["type"] = one["type"] or end.type
         nodes = one["publishers" if end.role is Role.PUBLISHES else "subscribers"]
         if end.node not in nodes:
             nodes.append(end.node)
-        if (told := recorded.get(end.name)) is not None:
-            one["messages"] = told.count
-            one["rate"] = round(told.count / told.seconds, 3) if told.seconds else None
-    return [found[name] for name in sorted(found)]
+        if (recording := recorded.get(end.name)) is not None:
+            one["messages"] = recording.count
+            one["rate"] = round(recording.count / recording.seconds, 3) if recording.seconds else None
+    return [topics_by_name[name] for name in sorted(topics_by_name)]
 
 
 @with_settings("robot")
@@ -177,7 +177,7 @@ async def _record(settings: Settings, path: Path, topics: "Sequence[str]", *, ke
             connection,
             path,
             topics=frozenset(topics) or None,
-            tell=lambda topic, kind: note(f"recording {topic} ({kind})"),
+            begun=lambda topic, kind: note(f"recording {topic} ({kind})"),
             on_problem=lambda one: warn(one, json=False),
         )
         try:

@@ -69,16 +69,16 @@ def list_rules(chosen: Chosen = None, *, settings: Settings, json: Json = False)
         kg rules list capability
     """
     library = Library.of(settings)
-    found = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
-    errors = [*library.problems, *(error for _, _, error in found if error)]
-    objects = (entry_object(*each) for each in found) if json else None
-    rows = [list_row(*each) for each in found]
+    listed = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
+    errors = [*library.problems, *(error for _, _, error in listed if error)]
+    objects = (entry_object(*each) for each in listed) if json else None
+    rows = [list_row(*each) for each in listed]
     listing(list_columns(rows), rows, objects=objects)
     for error in errors:
         report(error)
     if terminal() and not json:
-        families = len({entry.family for entry, _, _ in found})
-        note(f"{count(len(found), 'rule')} of {count(families, 'family', 'families')}; `kg rules show NAME` shows one")
+        families = len({entry.family for entry, _, _ in listed})
+        note(f"{count(len(listed), 'rule')} of {count(families, 'family', 'families')}; `kg rules show NAME` shows one")
         idle = sorted({entry.family for entry in library.entries.values() if not entry.in_force})
         if idle and not chosen:
             note(f"inactive: {', '.join(idle)}; `kg rules list {idle[0]}` lists them")
@@ -101,11 +101,11 @@ def show_rule(name: Name, *, settings: Settings, json: Json = False) -> None:
     """Show one rule: documentation, text, inputs, results and dependencies."""
     library = Library.of(settings)
     entry = find_rule(library, name)
-    known = manual(library, entry, ontology_schema(settings))
+    described = manual(library, entry, ontology_schema(settings))
     if json:
-        json_lines([manual_object(entry, known)])
+        json_lines([manual_object(entry, described)])
     else:
-        show(*manual_lines(known))
-    if known.problem:
-        report(known.problem)
+        show(*manual_lines(described))
+    if described.problem:
+        report(described.problem)
         raise typer.Exit(Exit.FOUND)

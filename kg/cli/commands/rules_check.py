@@ -12,7 +12,7 @@ import typer
 from kg.cli.diagnostics import colored, render, say
 from kg.cli.options import Json, is_given, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.remarks import Form, Level, require_known
+from kg.cli.remarks import Form, Level, require_valid
 from kg.codes import SEVERITIES
 from kg.errors import Exit, RuleError, StoreError
 from kg.lazily import lazily
@@ -62,43 +62,43 @@ def check(  # noqa: PLR0913 - the options of a command
         kg rules check --format sarif > rules.sarif
     """
     form = "json" if json else form
-    require_known(form, level)
+    require_valid(form, level)
     from kg.rules.checks.finding import SECONDS  # noqa: PLC0415 - start-up time
 
     seconds = (settings.timeout or None) if is_given(settings, "timeout") else SECONDS
-    findings, checked = _found(settings, names or [], seconds, every=every)
+    findings, checked = _check(settings, names or [], seconds, every=every)
     shown = [one for one in findings if SEVERITIES.index(one.severity) <= SEVERITIES.index(level)]
     _write(shown, form, checked)
     if any(one.severity != "note" for one in shown):
         raise typer.Exit(Exit.FOUND)
 
 
-def _found(settings: Settings, names: list[str], seconds: float | None, *, every: bool) -> "tuple[list[Finding], int]":
+def _check(settings: Settings, names: list[str], seconds: float | None, *, every: bool) -> "tuple[list[Finding], int]":
     folders, installed = rule_folders(settings), packs()
     families = families_in_force(settings)
-    found = read_all(folders, installed, families)
-    others = found.outside(names)
-    found = read_all([*folders, *others], installed, families) if others else found
-    wanted = _wanted(found, names, every=every)
+    files = read_all(folders, installed, families)
+    others = files.outside(names)
+    files = read_all([*folders, *others], installed, families) if others else files
+    wanted = _wanted(files, names, every=every)
     with ExitStack() as stack:
         try:
             snapshot = stack.enter_context(reading(settings))
         except StoreError:
             snapshot = None
-        findings = run(found, replace(check_context(settings, snapshot), seconds=seconds), wanted)
+        findings = run(files, replace(check_context(settings, snapshot), seconds=seconds), wanted)
     return findings, len(wanted)
 
 
-def _wanted(found: "Read", names: list[str], *, every: bool) -> list[str]:
+def _wanted(files: "Read", names: list[str], *, every: bool) -> list[str]:
     """Return the names of the rules that are meant by names, families and files."""
-    known = dict(found.paths)
+    paths = dict(files.paths)
     if not names:
-        return (not every and list(dict.fromkeys(found.others_than(folder("rules"))))) or list(known)
+        return (not every and list(dict.fromkeys(files.others_than(folder("rules"))))) or list(paths)
     wanted: list[str] = []
     for name in names:
-        chosen = found.named(name)
+        chosen = files.named(name)
         if not chosen:
-            raise unknown("rule", name, known, otherwise="`kg rules list` lists the rules.")
+            raise unknown("rule", name, paths, otherwise="`kg rules list` lists the rules.")
         wanted += chosen
     return list(dict.fromkeys(wanted))
 
@@ -117,5 +117,5 @@ def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
             write(render(error, color=colored(sys.stdout), severity=one.severity))
             write()
         sums = Counter(one.severity for one in findings)
-        told = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
-        say(f"{count(checked, 'rule')} checked: {told or 'nothing wrong'}")
+        totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])
+        say(f"{count(checked, 'rule')} checked: {totals or 'nothing wrong'}")

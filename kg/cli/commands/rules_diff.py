@@ -33,21 +33,21 @@ def diff(chosen: Chosen = None, *, settings: Settings, json: Json = False) -> No
         kg rules diff wiring/listens-to
     """
     with attempt(settings, chosen or ()) as trial:
-        found = difference(trial.bench, trial.files, trial.chosen, trial.limits)
+        changed = difference(trial.bench, trial.files, trial.chosen, trial.limits)
         if json:
-            json_lines(difference_objects(found))
+            json_lines(difference_objects(changed))
         else:
-            show_difference(found, trial.view, settings.limit)
-    if found:
+            show_difference(changed, trial.view, settings.limit)
+    if changed:
         raise typer.Exit(Exit.FOUND)
 
 
-def show_difference(found: "Difference", view: "View", most: int) -> None:
+def show_difference(changed: "Difference", view: "View", most: int) -> None:
     """Show what comes and goes, up to `most` triples (0: all), and how much of it by rule."""
-    shown = found.changes[: most or None]
+    shown = changed.changes[: most or None]
     if shown:
         show(*change_lines(shown, view))
-    if len(shown) < len(found.changes):
-        note(f"{len(found.changes) - len(shown):,} more not shown; --limit 0 shows all")
-    for line in difference_words(found):
+    if len(shown) < len(changed.changes):
+        note(f"{len(changed.changes) - len(shown):,} more not shown; --limit 0 shows all")
+    for line in difference_words(changed):
         say(line)

@@ -64,18 +64,18 @@ def graph(
     form = _form("json" if json else form, output)
     library = Library.of(settings)
     entries = choose(library, chosen or ())
-    found = rule_graph(library.with_those_in_force(entries), ontology_schema(settings))
+    drawn = rule_graph(library.with_those_in_force(entries), ontology_schema(settings))
     if chosen:
-        found = found.around({entry.name for entry in entries})
+        drawn = drawn.around({entry.name for entry in entries})
     if form == "json":
-        text = "".join(json_line(each) for each in graph_objects(found))
+        text = "".join(json_line(each) for each in graph_objects(drawn))
     elif form == "mermaid":
-        text = mermaid(found)
+        text = mermaid(drawn)
     else:
-        text = graph_picture(found, f"Rules: {', '.join(chosen)}" if chosen else "Rules")
+        text = graph_picture(drawn, f"Rules: {', '.join(chosen)}" if chosen else "Rules")
     write_text(text, output)
     if output and output != "-":
-        say(f"wrote {output}: {count(len(found.rules), 'rule')}")
+        say(f"wrote {output}: {count(len(drawn.rules), 'rule')}")
 
 
 @with_settings("rules", "rule_families", "base", "store")
@@ -96,14 +96,14 @@ def plan(
     """
     with reading(settings) as snapshot:
         parts, asserted = division(settings, snapshot)
-        found = verdicts(rules_over(settings, snapshot).rules, parts, asserted)
+        judged = verdicts(rules_over(settings, snapshot).rules, parts, asserted)
     objects = (
-        {"rule": one.rule.name, "part": one.rule.part, "local": one.is_local, "why": one.reason} for one in found
+        {"rule": one.rule.name, "part": one.rule.part, "local": one.is_local, "why": one.reason} for one in judged
     )
-    rows = [(str(one.rule), "a source" if one.is_local else "all together", one.reason) for one in found]
+    rows = [(str(one.rule), "a source" if one.is_local else "all together", one.reason) for one in judged]
     listing((Column("rule", "name"), Column("needs"), Column("why")), rows, objects=objects if json else None)
-    local = sum(one.is_local for one in found)
-    note(f"{local:,} of {count(len(found), 'rule')} are local to a source")
+    local = sum(one.is_local for one in judged)
+    note(f"{local:,} of {count(len(judged), 'rule')} are local to a source")
     if parts.number < 2:  # noqa: PLR2004 - one source shows no property that leads to another
         note("the store has one source; only one with several shows which properties lead from one to another")
 
@@ -113,7 +113,7 @@ def _form(form: str | None, output: str | None) -> str:
     if form is None:
         ending = Path(output or "").suffix
         if ending and ending not in _ENDINGS:
-            hint = f"Write to {', '.join(f'*{known}' for known in _ENDINGS)}, or name one of them with --format."
+            hint = f"Write to {', '.join(f'*{suffix}' for suffix in _ENDINGS)}, or name one of them with --format."
             raise UsageError("KG003", f"unsupported picture format `{ending}`", hint=hint)
         return _ENDINGS.get(ending, "svg")
     require_one_of(form, _FORMATS, "format")
@@ -131,12 +131,12 @@ def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) ->
         kg rules profile communication/feeds
     """
     with attempt(settings, chosen or ()) as trial:
-        found = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
+        profiled_run = profiled(trial.bench, trial.files, [file.name for file in trial.chosen], trial.limits)
     if json:
-        json_lines(profile_objects(found))
+        json_lines(profile_objects(profiled_run))
         return
-    detailed = [rule for rule in found.rules if rule.elements]
-    total = sum(rule.seconds for rule in found.rules) or 1.0
+    detailed = [rule for rule in profiled_run.rules if rule.elements]
+    total = sum(rule.seconds for rule in profiled_run.rules) or 1.0
     rows = [
         (
             rule.name,
@@ -147,13 +147,13 @@ def profile(chosen: Chosen = None, *, settings: Settings, json: Json = False) ->
             rule.stratum,
             rule.rules,
         )
-        for rule in (detailed or found.rules)
+        for rule in (detailed or profiled_run.rules)
     ]
     listing(_PROFILE, rows)
     for rule in detailed:
         show(*element_table(rule))
-    seconds = f"{found.reading:.2f} s reading, {found.evaluating:.2f} s evaluating"
-    say(f"{count(found.asserted, 'triple')} read, {found.inferred:,} inferred: {seconds}")
+    seconds = f"{profiled_run.reading:.2f} s reading, {profiled_run.evaluating:.2f} s evaluating"
+    say(f"{count(profiled_run.asserted, 'triple')} read, {profiled_run.inferred:,} inferred: {seconds}")
     if terminal() and not detailed:
         note("`kg rules profile NAME` shows the parts of one")
 
@@ -169,15 +169,15 @@ def coverage(chosen: Chosen = None, *, settings: Settings, json: Json = False) -
         kg rules coverage capability
     """
     with attempt(settings, chosen or ()) as trial:
-        found = cover(trial.bench, trial.files, trial.chosen, trial.limits)
+        covered = cover(trial.bench, trial.files, trial.chosen, trial.limits)
     if json:
-        json_lines(coverage_objects(found))
+        json_lines(coverage_objects(covered))
         return
-    lacking = [rule for rule in found.rules if rule.gaps]
+    lacking = [rule for rule in covered.rules if rule.gaps]
     if terminal():
         for rule in lacking:
             show(*coverage_lines(rule))
     else:
         listing(_COVERAGE, [(rule.name, rule.parts, rule.covered, "; ".join(gap_words(rule))) for rule in lacking])
-    fired = f"{found.fired:,} of {count(len(found.rules), 'rule')} fired"
-    say(f"{fired}; {found.share:.0%} of their parts did something")
+    fired = f"{covered.fired:,} of {count(len(covered.rules), 'rule')} fired"
+    say(f"{fired}; {covered.share:.0%} of their parts did something")

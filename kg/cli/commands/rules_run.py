@@ -115,8 +115,8 @@ def limits_of(settings: Settings, max_triples: str | None = None) -> "Limits":
         raise UsageError(
             "KG003", f"--max-triples is `{max_triples}`, but must be a number above 0", hint="Give a number."
         )
-    asked = settings.origin("timeout").kind != "default"
-    return Limits((settings.timeout or None) if asked else None, int(max_triples) if max_triples else None)
+    explicit = settings.origin("timeout").kind != "default"
+    return Limits((settings.timeout or None) if explicit else None, int(max_triples) if max_triples else None)
 
 
 def _agree(

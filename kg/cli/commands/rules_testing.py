@@ -118,9 +118,9 @@ def show_results(results: "Iterable[Result]", *, every: bool) -> "list[Result]":
     """Show results rule by rule as they come, and return them; `every`: also the examples that passed."""
     done: list[Result] = []
     for rule, group in groupby(results, key=lambda result: result.rule):
-        found = list(group)
-        done += found
-        show(*result_lines(rule, found, every=every))
+        results_of_rule = list(group)
+        done += results_of_rule
+        show(*result_lines(rule, results_of_rule, every=every))
     return done
 
 

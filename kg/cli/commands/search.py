@@ -11,7 +11,7 @@ from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
 from kg.cli.options import Json, PackageName, with_options, with_settings
 from kg.cli.output import Column, listing, terminal
-from kg.cli.search_view import row, show_hits, tell
+from kg.cli.search_view import report_reading, row, show_hits
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
@@ -76,12 +76,12 @@ def search(  # noqa: PLR0913 - the options of a command
         hint = 'For example `kg search "merge two laser scans"`, or `kg search --publishes LaserScan`.'
         raise UsageError("KG003", "no search words or filters given", hint=hint)
     most = whole(limit, "--limit", 1)
-    with _opened(settings) as found:
+    with _opened(settings) as index:
         if interactive:
-            filters = narrow(found, words, filters)
-        answer = found.find(words, filters, most)
+            filters = narrow(index, words, filters)
+        answer = index.find(words, filters, most)
     if words:
-        tell(answer)
+        report_reading(answer)
     if terminal() and not json:
         with reading(settings) as snapshot:
             links = Links.of(sources(snapshot))
@@ -91,7 +91,7 @@ def search(  # noqa: PLR0913 - the options of a command
     if len(answer.hits) < answer.total and (terminal() or json):
         note(f"the best {len(answer.hits)} of {count(answer.total, 'hit')}; --limit shows more")
     if not answer.hits:
-        note(f"no results; {near(words, found) or 'try fewer words or filters'}")
+        note(f"no results; {near(words, index) or 'try fewer words or filters'}")
         raise typer.Exit(Exit.FOUND)
 
 

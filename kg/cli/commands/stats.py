@@ -36,32 +36,32 @@ def stats(*, settings: Settings, json: Json = False) -> None:
     """
     with reading(settings) as snapshot:
         figured = figures(snapshot)
-    found, ours = figured.graph, figured.rnkg
+    counted, ours = figured.graph, figured.rnkg
     if json:
         pairs = ("entities", "triples", "per_node", "degree_by_kind")
-        plain = {**asdict(found), **{name: dict(getattr(found, name)) for name in pairs}}
+        plain = {**asdict(counted), **{name: dict(getattr(counted, name)) for name in pairs}}
         json_lines([{**plain, "rnkg": compared(ours)}])
     elif terminal():
-        _tables(found, ours)
+        _tables(counted, ours)
     else:
-        for section, rows in _sections(found):
+        for section, rows in _sections(counted):
             for name, figure in rows:
                 write(f"{section}\t{name}\t{figure}")
         for row in rnkg_rows(ours):
             write("\t".join(["as RNKG counts", *map(str, row)]))
 
 
-def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, list[tuple[str, object]]]]:
+def _sections(counted: "Statistics", most: int | None = None) -> list[tuple[str, list[tuple[str, object]]]]:
     """Return titled figures; with `most`, the triples of the rarer properties are counted together."""
-    connected = found.connectivity
-    triples: list[tuple[str, object]] = [(shorten(iri).strip("<>"), number) for iri, number in found.triples[:most]]
-    rest = found.triples[len(triples) :]
-    if rest:
-        triples.append((f"{len(rest)} other properties", sum(number for _, number in rest)))
+    connected = counted.connectivity
+    triples: list[tuple[str, object]] = [(shorten(iri).strip("<>"), number) for iri, number in counted.triples[:most]]
+    others = counted.triples[len(triples) :]
+    if others:
+        triples.append((f"{len(others)} other properties", sum(number for _, number in others)))
     return [
-        ("entities", [*found.entities, ("all", sum(number for _, number in found.entities))]),
-        ("entities per node", [(name, f"{figure:.2f}") for name, figure in found.per_node]),
-        ("neighbours", [(name, f"{figure:.2f}") for name, figure in found.degree_by_kind]),
+        ("entities", [*counted.entities, ("all", sum(number for _, number in counted.entities))]),
+        ("entities per node", [(name, f"{figure:.2f}") for name, figure in counted.per_node]),
+        ("neighbours", [(name, f"{figure:.2f}") for name, figure in counted.degree_by_kind]),
         (
             "graph",
             [
@@ -77,20 +77,20 @@ def _sections(found: "Statistics", most: int | None = None) -> list[tuple[str, l
                 ("shortest path, longest", connected.longest),
             ],
         ),
-        ("triples", [*triples, ("quads in the store", found.quads)]),
+        ("triples", [*triples, ("quads in the store", counted.quads)]),
     ]
 
 
-def _tables(found: "Statistics", ours: "Counted") -> None:
+def _tables(counted: "Statistics", ours: "Counted") -> None:
     from kg.cli.corpus_view import RNKG_COLUMNS  # noqa: PLC0415 - start-up time
 
     tables = [
         make_table((Column(section, "name"), Column("", "number")), rows)
-        for section, rows in _sections(found, _MOST)
+        for section, rows in _sections(counted, _MOST)
         if rows
     ]
     tables.append(make_table(RNKG_COLUMNS, rnkg_rows(ours)))
     show(Columns(tables, padding=(1, 4)))
-    connected = found.connectivity
+    connected = counted.connectivity
     if not connected.exact:
         note(f"paths were followed from {count(connected.sources, 'entity', 'entities')} of {connected.entities:,}")

@@ -56,8 +56,8 @@ def update(  # noqa: PLR0913 - the options of a command
     """
     from kg.pipeline.updating.ownership import LEFT_OUT  # noqa: PLC0415 - start-up time
 
-    asked, place = _asked(text, file)
-    updated = apply(existing(settings), settings, Update(text=asked, path=place), rules=not no_rules, dry_run=dry_run)
+    script, place = _update_text(text, file)
+    updated = apply(existing(settings), settings, Update(text=script, path=place), rules=not no_rules, dry_run=dry_run)
     show(updated, dry_run=dry_run, json=json)
     for sentence in updated.warnings:
         note(sentence)
@@ -76,10 +76,10 @@ def backup(target: Target, *, settings: Settings, json: Json = False) -> None:
         kg backup monday
         kg backup monday.nq.gz
     """
-    found = back_up(layout_of(settings), Path(target))
+    copied = back_up(layout_of(settings), Path(target))
     if json:
-        json_lines([asdict(found)])
-    say(f"wrote {count(found.quads, 'quad')} of snapshot {found.snapshot} to {target}")
+        json_lines([asdict(copied)])
+    say(f"wrote {count(copied.quads, 'quad')} of snapshot {copied.snapshot} to {target}")
 
 
 @with_settings("store")
@@ -91,12 +91,12 @@ def restore(source: Source, *, settings: Settings) -> None:
         kg restore monday
     """
     with writable(settings) as target:
-        found = put_back(target, Path(source))
-    original = f", made of snapshot {found.original} of the backup" if found.original else ""
-    say(f"the store now holds {count(found.quads, 'quad')}: snapshot {found.snapshot}{original}")
+        restored = put_back(target, Path(source))
+    original = f", made of snapshot {restored.original} of the backup" if restored.original else ""
+    say(f"the store now holds {count(restored.quads, 'quad')}: snapshot {restored.snapshot}{original}")
 
 
-def _asked(text: str | None, file: str | None) -> tuple[str, str]:
+def _update_text(text: str | None, file: str | None) -> tuple[str, str]:
     """Return an update and what errors call its place."""
     if (text is None) == (file is None):
         raise UsageError("KG003", "no update given", hint="See `kg update --help`.")

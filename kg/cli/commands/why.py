@@ -8,7 +8,7 @@ from kg.cli.diagnostics import note, report
 from kg.cli.numbers import whole
 from kg.cli.options import Json, require_one_of, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.query_text import pairs, query_meant
+from kg.cli.query_text import pairs, resolve_query
 from kg.errors import Exit, RuleError, UsageError
 from kg.lazily import lazily
 from kg.settings import Settings
@@ -92,22 +92,22 @@ def why(  # noqa: PLR0913 - the options of a command
     form = "json" if json else form
     require_one_of(form, _FORMATS, "format")
     with reading_with_cache(settings) as (snapshot, cache):
-        known, view = _known(snapshot, settings, cache)
+        rules, view = _rules_and_view(snapshot, settings, cache)
         if query is not None:
             if words:
                 raise UsageError("KG003", "a fact and --query are mutually exclusive", hint="See `kg why --help`.")
 
-            asked, number = query_meant(query, None, settings), whole(row, "--row", 1)
-            text, matched = row_of(snapshot, asked, pairs(param or []), number, timeout=settings.timeout or None)
+            resolved, number = resolve_query(query, None, settings), whole(row, "--row", 1)
+            text, matched = row_of(snapshot, resolved, pairs(param or []), number, timeout=settings.timeout or None)
             note(f"row {number}: " + ", ".join(f"?{name} = {view.label(term)}" for name, term in matched.items()))
-            found = why_row(view, known, text, matched)
-            if found.remark:
-                note(found.remark)
-            for condition in found.conditions:
+            derivation = why_row(view, rules, text, matched)
+            if derivation.remark:
+                note(derivation.remark)
+            for condition in derivation.conditions:
                 note(f"where {condition.text}")
-            proofs: Iterable[Proof] = found.proofs
+            proofs: Iterable[Proof] = derivation.proofs
         else:
-            proofs = _proofs(_three(words), snapshot, view, known, every=every, shortest=shortest)
+            proofs = _proofs(_three(words), snapshot, view, rules, every=every, shortest=shortest)
         _show(list(proofs), view, form, snapshot, settings.base)
 
 
@@ -122,21 +122,21 @@ def _proofs(  # noqa: PLR0913 - the choices of the user
     words: tuple[str, str, str],
     snapshot: "EmbeddedSnapshot",
     view: "View",
-    known: "tuple[Rule, ...]",
+    rules: "tuple[Rule, ...]",
     *,
     every: bool,
     shortest: bool,
 ) -> "Iterable[Proof]":
     from kg.rules.explain.why import why as explained  # noqa: PLC0415 - start-up time
 
-    found, held = facts(snapshot, *words, prefixes=view.prefixes)
-    if not held:
-        raise absent(found[0], view)
-    for fact in found:
+    matches, asserted = facts(snapshot, *words, prefixes=view.prefixes)
+    if not asserted:
+        raise absent(matches[0], view)
+    for fact in matches:
         if every:
-            yield from why_all(view, known, fact)
+            yield from why_all(view, rules, fact)
         else:
-            yield explained(view, known, fact, shortest=shortest)
+            yield explained(view, rules, fact, shortest=shortest)
 
 
 @with_settings("rules", "rule_families", "store")
@@ -158,21 +158,21 @@ def why_not(
     """
     from kg.rules.explain.why_not import why_not as explained  # noqa: PLC0415 - start-up time
 
-    kept = existing(settings)
-    with kept.read() as snapshot:
-        known, view = _known(snapshot, settings, kept.layout.cache)
-        found, held = facts(snapshot, *_three(words), prefixes=view.prefixes)
-        if held:
-            note(f"{view.sentence(found[0])}: the store holds it; `kg why` explains it")
+    opened = existing(settings)
+    with opened.read() as snapshot:
+        rules, view = _rules_and_view(snapshot, settings, opened.layout.cache)
+        matches, asserted = facts(snapshot, *_three(words), prefixes=view.prefixes)
+        if asserted:
+            note(f"{view.sentence(matches[0])}: the store holds it; `kg why` explains it")
             raise typer.Exit(Exit.FOUND)
-        answer = explained(view, known, found[0], depth=whole(depth, "--depth", 1, 20))
+        answer = explained(view, rules, matches[0], depth=whole(depth, "--depth", 1, 20))
         if json:
             json_lines([why_not_object(answer, view)])
         else:
             print_tree(why_not_lines(answer, view), places(snapshot), Iris(settings.base))
 
 
-def _known(snapshot: "EmbeddedSnapshot", settings: Settings, cache: "Path") -> "tuple[tuple[Rule, ...], View]":
+def _rules_and_view(snapshot: "EmbeddedSnapshot", settings: Settings, cache: "Path") -> "tuple[tuple[Rule, ...], View]":
     """Return the rules in force, and the store as explanations with these rules see it; rules left out are named."""
     broken: list[RuleError] = []
     rules, view = explaining(snapshot, settings, broken, cache=cache)

@@ -115,7 +115,7 @@ class Files:
         if place is None or not text.startswith(SCHEME) or not inner:
             return None
         if place not in self._installed:
-            other = self.reader.beside(place)
+            other = self.reader.for_package(place)
             self._installed[place] = Installed(other, other.package)
         source = self._installed[place].source(inner)
         if source is not None:

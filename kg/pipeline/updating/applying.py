@@ -81,9 +81,9 @@ class Applier:
         began = time.perf_counter()
         inferred: Inferred | None = None
         with self._store.write("kg update") as transaction:
-            found = str(transaction.base or 0)
-            if change.snapshot is not None and change.snapshot != found:
-                message = f"the update is for snapshot {change.snapshot}, and the data is now {found}"
+            current = str(transaction.base or 0)
+            if change.snapshot is not None and change.snapshot != current:
+                message = f"the update is for snapshot {change.snapshot}, and the data is now {current}"
                 raise QueryError("KG512", message, hint="Look at the data as it is now, and ask again.")
             executor = Executor(transaction, protected_graphs(self._settings))
             created = _make(executor, transaction, change)
@@ -114,8 +114,8 @@ def _make(executor: Executor, transaction: EmbeddedTransaction, change: Change) 
     """Execute a change; return whether it created the graph that it writes."""
     if isinstance(change, GraphChange):
         return _write_graph(executor, transaction, change)
-    text, found = parsed(change.text, change.path, change.base)
-    for operation in found:
+    text, operations = parsed(change.text, change.path, change.base)
+    for operation in operations:
         try:
             executor.run(operation, text, change.using, change.using_named)
         except (RuntimeError, ValueError) as error:
@@ -131,19 +131,19 @@ def _write_graph(executor: Executor, transaction: EmbeddedTransaction, change: G
     except ValueError as error:
         raise QueryError("KG560", f"`{change.graph}` is not the IRI of a graph: {error}") from error
     executor.allow(graph)
-    known = isinstance(graph, DefaultGraph) or transaction.has_graph(graph)
+    exists = isinstance(graph, DefaultGraph) or transaction.has_graph(graph)
     if change.action == "delete":
-        if not known:
+        if not exists:
             raise QueryError("KG564", f"the graph {graph} does not exist")
         executor.remove(graph, drop=True)
         return False
     base = change.base or change.graph
     content = list(_content(change.parts, graph, base))
-    before = list(transaction.quads(graph)) if change.action == "put" and known else []
+    before = list(transaction.quads(graph)) if change.action == "put" and exists else []
     executor.patch(before, content)
-    if not known:
+    if not exists:
         executor.create(graph)
-    return not known
+    return not exists
 
 
 def _content(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph, base: str | None) -> Iterator[Quad]:
@@ -160,8 +160,8 @@ def _content(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph
         plain = content.removeprefix(BYTE_ORDER_MARK)
         try:
             with parsing(rdf_format, partial(BytesIO, plain)):
-                found = parse(plain, rdf_format, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
-                for quad in found:
+                quads = parse(plain, rdf_format, base_iri=base, without_named_graphs=True, rename_blank_nodes=True)
+                for quad in quads:
                     yield Quad(quad.subject, quad.predicate, quad.object, graph)
         except SyntaxError as error:
             place = Place(name, error.lineno, error.offset)
@@ -171,8 +171,8 @@ def _content(parts: Iterable[tuple[bytes, str]], graph: NamedNode | DefaultGraph
 def _format(name: str) -> RdfFormat:
     """Return the format with a media type, or a file name suffix."""
     plain = name.partition(";")[0].strip().lower()
-    found = RdfFormat.from_media_type(plain) if "/" in plain else RdfFormat.from_extension(plain)
-    if found is None or (found.supports_datasets and found != RdfFormat.JSON_LD):
+    form = RdfFormat.from_media_type(plain) if "/" in plain else RdfFormat.from_extension(plain)
+    if form is None or (form.supports_datasets and form != RdfFormat.JSON_LD):
         hint = "The formats are text/turtle, application/n-triples, application/rdf+xml and application/ld+json."
         raise QueryError("KG563", f"`{name}` is not a format for one graph", hint=hint)
-    return found
+    return form

@@ -34,23 +34,23 @@ def parsed(text: str, path: str, base: str | None) -> tuple[str, list[Operation]
     for part in _guarded(text):
         check(part, text, path)
     try:
-        found = list(operations(text, path, base))
+        parts = list(operations(text, path, base))
     except QueryError as unusual:
         raise _explained(text, path, base) or unusual from None
-    if not found:
+    if not parts:
         problem = _explained(text, path, base)
         if problem:
             raise problem
-    elif not _is_sound(text, found[0].begin, base):
-        _check_each(found, text, path, base)
-    return text, found
+    elif not _is_sound(text, parts[0].begin, base):
+        _check_each(parts, text, path, base)
+    return text, parts
 
 
-def _check_each(found: list[Operation], text: str, path: str, base: str | None) -> None:
+def _check_each(parts: list[Operation], text: str, path: str, base: str | None) -> None:
     """Have the engine parse each operation separately, as it ignores prologues after the first one."""
     labels: dict[str, Operation] = {}
-    for number, operation in enumerate(found):
-        alone = _alone(text, found[: number + 1])
+    for number, operation in enumerate(parts):
+        alone = _alone(text, parts[: number + 1])
         if not _is_sound(alone, operation.begin, base):
             problem = _explained(alone, path, base)
             if problem:
@@ -66,9 +66,9 @@ def _check_each(found: list[Operation], text: str, path: str, base: str | None) 
                 raise QueryError("KG501", message, place=place)
 
 
-def _alone(text: str, found: list[Operation]) -> str:
+def _alone(text: str, parts: list[Operation]) -> str:
     """Return the last of some operations with all earlier declarations, every character at its original offset."""
-    *earlier, last = found
+    *earlier, last = parts
     signs = list(text[: last.end])
     for operation in earlier:
         for at in range(operation.begin, operation.end):
@@ -106,18 +106,18 @@ def _explained(text: str, path: str, base: str | None) -> QueryError | None:
 
 def _guarded(text: str) -> Iterator[list[Token]]:
     """Yield the tokens of each operation that the guard checks; data may have any number of signs and graphs."""
-    found: list[Token] = []
+    lexed: list[Token] = []
     depth = 0
     data = False
     for token in tokens(text):
         sign = token.text if token.kind is Kind.SIGN else ""
         if depth == 0:
-            data = sign == "{" and bool(found) and found[-1].text.lower() == "data"
+            data = sign == "{" and bool(lexed) and lexed[-1].text.lower() == "data"
         depth = max(0, depth + (sign == "{") - (sign == "}"))
         outer = depth == (sign == "{")
         if sign == ";" and depth == 0:
-            yield found
-            found = []
+            yield lexed
+            lexed = []
         elif not data or outer or sign in _NESTING:
-            found.append(token)
-    yield found
+            lexed.append(token)
+    yield lexed

@@ -36,7 +36,7 @@ class Executor:
         self.removed: Counter[str] = Counter()
         self.added: Counter[str] = Counter()
         self.touched: set[str] = set()
-        self.kept: set[NamedNode] = set()
+        self.skipped: set[NamedNode] = set()
         """Protected graphs that an operation on all graphs skipped."""
 
     def run(self, operation: Operation, text: str, using: Sequence[str], using_named: Sequence[str]) -> None:
@@ -141,7 +141,7 @@ class Executor:
     def _empty(self, operation: Manage) -> None:
         if operation.target in {"NAMED", "ALL"}:
             every = set(self._transaction.graphs())
-            self.kept |= every & self._protected
+            self.skipped |= every & self._protected
             for graph in every - self._protected:
                 self.remove(graph, drop=operation.verb == "drop")
         if operation.target in {"DEFAULT", "ALL"}:

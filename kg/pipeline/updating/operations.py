@@ -106,17 +106,17 @@ class _Reading:
             begin = self._next()
             if begin is None:
                 return
-            found = self._operation(prologue)
+            operation = self._operation(prologue)
             if self._next() is not None:
                 self._expect(";")
-            yield replace(found, begin=begin.start, end=self._tokens[self._at - 1].end)
+            yield replace(operation, begin=begin.start, end=self._tokens[self._at - 1].end)
 
     def _prologue(self) -> str:
-        found = []
+        texts = []
         while (length := _PROLOGUE.get(self._word())) is not None:
-            found += [token.text for token in self._tokens[self._at : self._at + length]]
+            texts += [token.text for token in self._tokens[self._at : self._at + length]]
             self._at += length
-        return "".join(f"{text} " for text in found)
+        return "".join(f"{text} " for text in texts)
 
     def _operation(self, prologue: str) -> Operation:
         verb = self._word()
@@ -191,9 +191,9 @@ class _Reading:
         return token.text.lower() if token is not None and token.kind is Kind.WORD else ""
 
     def _take(self, word: str) -> bool:
-        found = self._word() == word
-        self._at += found
-        return found
+        is_next = self._word() == word
+        self._at += is_next
+        return is_next
 
     def _expect(self, text: str) -> None:
         token = self._next()

@@ -30,14 +30,14 @@ def protected_graphs(settings: Settings) -> list[NamedNode]:
 def warnings(executor: Executor, settings: Settings, inferred: Inferred | None) -> Iterator[str]:
     """Yield warnings about a completed change."""
     built = tuple(f"{settings.base}graph/{name}" for name in _BUILT)
-    found = [f"<{name}>" for name in sorted(executor.touched) if name.startswith(built)]
-    if found:
-        yield f"{_listed(found)}: read by `kg build`; the next build of the source drops this change"
+    overwritten = [f"<{name}>" for name in sorted(executor.touched) if name.startswith(built)]
+    if overwritten:
+        yield f"{_listed(overwritten)}: read by `kg build`; the next build of the source drops this change"
     if Iris(settings.base).graph("ontology") in executor.touched:
         yield "the ontologies of kg were changed, on which rules depend; another version of kg brings its own again"
-    kept = [str(graph) for graph in sorted(executor.kept, key=str)]
-    if kept:
-        yield f"{_listed(kept)}: written by kg alone, left as it was"
+    skipped = [str(graph) for graph in sorted(executor.skipped, key=str)]
+    if skipped:
+        yield f"{_listed(skipped)}: written by kg alone, left as it was"
     for problem in inferred.problems if inferred else ():
         yield f"{LEFT_OUT}: {problem}"
 

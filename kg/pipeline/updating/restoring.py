@@ -30,7 +30,7 @@ def restore(store: EmbeddedStore, source: Path) -> Restored:
     process writes.
     """
     with store.write("kg restore") as transaction:
-        found = backups.restore(transaction, source)
+        manifest = backups.restore(transaction, source)
         state.discard(store.layout.cache)
     with store.read() as snapshot:
-        return Restored(snapshot.generation, snapshot.count(), found.snapshot if found else None)
+        return Restored(snapshot.generation, snapshot.count(), manifest.snapshot if manifest else None)

@@ -33,11 +33,11 @@ def data(prologue: str, quads: str) -> list[Quad]:
 
 def iris(prologue: str, names: Iterable[str]) -> list[NamedNode]:
     """Return the IRIs of names as written in the text (in full or with a prefix)."""
-    found = []
+    nodes = []
     for name in names:
         (quad,) = data(prologue, f"<{_MARK}> <{_MARK}> {name}")
-        found.append(quad.object)
-    return found  # type: ignore[return-value]  # the grammar has nothing but IRIs there
+        nodes.append(quad.object)
+    return nodes  # type: ignore[return-value]  # the grammar has nothing but IRIs there
 
 
 class Template:
@@ -82,13 +82,13 @@ class Template:
 
 def _marked(part: Part, text: str, numbers: dict[str, int]) -> str:
     """Return the text of a template with an IRI in place of each variable."""
-    found = []
+    pieces = []
     at = part.begin
     for token in part.tokens:
         if token.kind is Kind.VARIABLE:
-            found += [text[at : token.start], f"<{_MARK}{numbers[token.text[1:]]}>"]
+            pieces += [text[at : token.start], f"<{_MARK}{numbers[token.text[1:]]}>"]
             at = token.end
-    return "".join([*found, text[at : part.end]])
+    return "".join([*pieces, text[at : part.end]])
 
 
 def _terms(triple: Triple) -> Iterator[Any]:

@@ -31,7 +31,7 @@ _FORMAT: Final = 1
 _Content = TypeVar("_Content")
 
 
-class Kept:
+class SnapshotCache:
     """Cache entries of one snapshot in `folder`, or only in memory if `folder` is None."""
 
     def __init__(self, folder: Path | None, snapshot: Snapshot) -> None:
@@ -40,9 +40,9 @@ class Kept:
         self._own = None if self._folder is None else self._folder / snapshot.identity
         self._statistics: Statistics | None = None
         self._memory: dict[str, object] = {}
-        self._held: dict[str, object] = {}
+        self._objects: dict[str, object] = {}
 
-    def over(self, snapshot: Snapshot) -> Kept:
+    def over(self, snapshot: Snapshot) -> SnapshotCache:
         """Return this cache with another snapshot object of the same content."""
         self._snapshot = snapshot
         return self
@@ -61,22 +61,22 @@ class Kept:
         if self._statistics is not None:
             return self._statistics
         path = None if self._own is None else self._own / "statistics.json"
-        found = _read(path, Statistics)
-        if found is None and not fresh and (earlier := self._earlier()) is not None:
+        statistics = _read(path, Statistics)
+        if statistics is None and not fresh and (earlier := self._earlier()) is not None:
             return earlier
-        if found is None:
-            with _held(self._folder, wait=fresh) as held:
-                found = _read(path, Statistics)
-                if found is None and not held:
+        if statistics is None:
+            with _locked(self._folder, wait=fresh) as is_locked:
+                statistics = _read(path, Statistics)
+                if statistics is None and not is_locked:
                     return Statistics()
-                if found is None:
-                    found = count(self._snapshot, self.values)
-                    _write(path, found)
+                if statistics is None:
+                    statistics = count(self._snapshot, self.values)
+                    _write(path, statistics)
                     self._forget()
-        self._statistics = found
-        return found
+        self._statistics = statistics
+        return statistics
 
-    def known(self) -> Statistics:
+    def cached_statistics(self) -> Statistics:
         """Return the cached statistics, of this snapshot or of an earlier one."""
         if self._statistics is None:
             path = None if self._own is None else self._own / "statistics.json"
@@ -85,33 +85,33 @@ class Kept:
 
     def prefixes(self) -> dict[str, str]:
         """Return the prefixes that the store declares, except the standard ones."""
-        return self.held("prefixes", lambda: declared(self._snapshot))
+        return self.in_memory("prefixes", lambda: declared(self._snapshot))
 
     def values(self, key: str, make: Callable[[], _Content], kind: type[_Content]) -> _Content:
         """Return the cached value of `key`, or the result of `make`."""
         if key not in self._memory:
             name = hashlib.sha256(key.encode()).hexdigest()[:32] + ".json"
             path = None if self._own is None else self._own / name
-            found = _read(path, kind)
-            if found is None:
-                found = make()
-                _write(path, found)
-            self._memory[key] = found
+            content = _read(path, kind)
+            if content is None:
+                content = make()
+                _write(path, content)
+            self._memory[key] = content
         return self._memory[key]  # type: ignore[return-value] # each key has contents of one kind
 
-    def held(self, key: str, make: Callable[[], _Content]) -> _Content:
+    def in_memory(self, key: str, make: Callable[[], _Content]) -> _Content:
         """Return the value of `key` cached in memory, or the result of `make`; never written to a file."""
-        if key not in self._held:
-            self._held[key] = make()
-        return self._held[key]  # type: ignore[return-value] # each key has contents of one kind
+        if key not in self._objects:
+            self._objects[key] = make()
+        return self._objects[key]  # type: ignore[return-value] # each key has contents of one kind
 
     def _earlier(self) -> Statistics | None:
         """Return the newest statistics of another snapshot."""
         if self._folder is None or not self._folder.is_dir():
             return None
         numbers = sorted((int(each.name) for each in self._folder.iterdir() if each.name.isdigit()), reverse=True)
-        kept = (_read(self._folder / str(number) / "statistics.json", Statistics) for number in numbers)
-        return next((each for each in kept if each is not None), None)
+        earlier = (_read(self._folder / str(number) / "statistics.json", Statistics) for number in numbers)
+        return next((each for each in earlier if each is not None), None)
 
     def _forget(self) -> None:
         """Delete the entries of other snapshots."""
@@ -139,7 +139,7 @@ def _write(path: Path | None, content: object) -> None:
 
 
 @contextmanager
-def _held(folder: Path | None, *, wait: bool) -> Iterator[bool]:
+def _locked(folder: Path | None, *, wait: bool) -> Iterator[bool]:
     """Lock the right to count, which the system releases on exit; False if another process has it."""
     try:
         if folder is not None:
@@ -152,10 +152,10 @@ def _held(folder: Path | None, *, wait: bool) -> Iterator[bool]:
         return
     try:
         fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
-        held = True
+        is_locked = True
     except BlockingIOError:
-        held = False
+        is_locked = False
     try:
-        yield held
+        yield is_locked
     finally:
         os.close(handle)

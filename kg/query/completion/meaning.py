@@ -18,8 +18,8 @@ _SHARE: Final = 0.1
 def asserted(term: str, patterns: Iterable[Pattern]) -> list[str]:
     """Return the classes that the query asserts for a term, the last one first."""
     kind = (Step(TYPE, inverse=False),)
-    found = (each.object for each in patterns if each.subject == term and each.path == kind)
-    return list(reversed([each for each in dict.fromkeys(found) if not each.startswith(("?", "_:"))]))
+    kinds = (each.object for each in patterns if each.subject == term and each.path == kind)
+    return list(reversed([each for each in dict.fromkeys(kinds) if not each.startswith(("?", "_:"))]))
 
 
 def classes(term: str, patterns: Iterable[Pattern], statistics: Statistics) -> list[str]:
@@ -56,27 +56,27 @@ def _to(step: Step, statistics: Statistics) -> set[str]:
 
 
 def _values(iri: str, statistics: Statistics) -> set[str]:
-    found = statistics.leads.get(iri, {})
-    least = max(found.values(), default=0) * _SHARE
-    return {kind for kind, number in found.items() if number >= least}
+    numbers = statistics.leads.get(iri, {})
+    least = max(numbers.values(), default=0) * _SHARE
+    return {kind for kind, number in numbers.items() if number >= least}
 
 
 def fitting(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
     """Return the properties of some classes, each with its number of instances and the class with the most."""
-    found: dict[str, tuple[int, str]] = {}
+    by_property: dict[str, tuple[int, str]] = {}
     for kind in kinds:
         for iri, number in statistics.used.get(kind, {}).items():
-            if iri not in found or number > found[iri][0]:
-                found[iri] = (number, kind)
-    return found
+            if iri not in by_property or number > by_property[iri][0]:
+                by_property[iri] = (number, kind)
+    return by_property
 
 
 def leading(kinds: Iterable[str], statistics: Statistics) -> Mapping[str, tuple[int, str]]:
     """Return the properties whose values are of some classes, with the number of triples and one of the classes."""
     wanted = list(kinds)
-    found = {}
+    by_property = {}
     for iri in statistics.leads:
         to = next((kind for kind in wanted if kind in _values(iri, statistics)), None)
         if to is not None:
-            found[iri] = (statistics.properties.get(iri, 0), to)
-    return found
+            by_property[iri] = (statistics.properties.get(iri, 0), to)
+    return by_property

@@ -14,7 +14,7 @@ from kg.syntax.names import PREFIXES, shorten
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from kg.query.completion.keeping import Kept
+    from kg.query.completion.keeping import SnapshotCache
 
 _MOST: Final = 50_000
 """Largest number of cached values of a property; the most frequent ones are cached."""
@@ -44,8 +44,8 @@ class Values(NamedTuple):
         if len(self.values) <= _FEW:
             yield from self.values
             return
-        found = (value for value, lower in zip(self.values, self.lower, strict=True) if wanted in lower)
-        yield from islice(found, _OFFERED)
+        matches = (value for value, lower in zip(self.values, self.lower, strict=True) if wanted in lower)
+        yield from islice(matches, _OFFERED)
 
 
 _FEW: Final = 1000
@@ -57,27 +57,27 @@ _LABELLED: Final = "SELECT ?o ?n ?l { { %s } OPTIONAL { ?o rdfs:label ?l } }"
 _PROPERTIES: Final = "SELECT ?p (COUNT(*) AS ?n) { <%s> ?p ?o } GROUP BY ?p"
 
 
-def values(kept: Kept, iri: str, kind: str | None, *, literal: bool) -> Values:
+def values(cache: SnapshotCache, iri: str, kind: str | None, *, literal: bool) -> Values:
     """Return the values of the property `iri`, of instances of `kind` or of any subject."""
 
     def make() -> list[Value]:
         if not all(_IRI.fullmatch(each) for each in (iri, kind) if each is not None):
             return []
         counted = _COUNTED % (_OF_CLASS % kind if kind else "", iri)
-        rows: Any = kept.snapshot.query(counted if literal else _LABELLED % counted, prefixes=PREFIXES)
-        found = {
+        rows: Any = cache.snapshot.query(counted if literal else _LABELLED % counted, prefixes=PREFIXES)
+        by_term = {
             row[0]: _value(row[0], int(row[1].value), None if literal else row[2])
             for row in rows
             if isinstance(row[0], NamedNode | Literal)
         }
-        return sorted(found.values(), key=lambda value: (-value.count, value.text))[:_MOST]
+        return sorted(by_term.values(), key=lambda value: (-value.count, value.text))[:_MOST]
 
-    return _lowered(kept, f"values {iri} {kind}", make)
+    return _lowered(cache, f"values {iri} {kind}", make)
 
 
-def _lowered(kept: Kept, key: str, make: Callable[[], list[Value]]) -> Values:
-    found = kept.values(key, make, list[Value])
-    return kept.held(key, lambda: Values(found, [value.text.lower() for value in found]))
+def _lowered(cache: SnapshotCache, key: str, make: Callable[[], list[Value]]) -> Values:
+    content = cache.values(key, make, list[Value])
+    return cache.in_memory(key, lambda: Values(content, [value.text.lower() for value in content]))
 
 
 def _value(term: NamedNode | Literal, count: int, label: Literal | None) -> Value:
@@ -87,18 +87,18 @@ def _value(term: NamedNode | Literal, count: int, label: Literal | None) -> Valu
     return Value(term.value if term.datatype.value in _BARE else str(term), term.value, count)
 
 
-def graphs(kept: Kept) -> Values:
+def graphs(cache: SnapshotCache) -> Values:
     """Return the named graphs."""
 
     def make() -> list[Value]:
-        return [Value(shorten(graph.value), graph.value, 0) for graph in kept.snapshot.graphs()]
+        return [Value(shorten(graph.value), graph.value, 0) for graph in cache.snapshot.graphs()]
 
-    return _lowered(kept, "graphs", make)
+    return _lowered(cache, "graphs", make)
 
 
-def of_iri(kept: Kept, iri: str) -> dict[str, int]:
+def of_iri(cache: SnapshotCache, iri: str) -> dict[str, int]:
     """Return the properties of an IRI, with their numbers of values."""
     if not _IRI.fullmatch(iri):
         return {}
-    rows: Any = kept.snapshot.query(_PROPERTIES % iri)
+    rows: Any = cache.snapshot.query(_PROPERTIES % iri)
     return {row[0].value: int(row[1].value) for row in rows}

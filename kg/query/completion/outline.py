@@ -161,10 +161,10 @@ class Outline:
         return self.numbers
 
 
-def outline(found: Iterable[Token], known: Outline | None = None) -> Outline:
-    """Return the outline of tokens; `known` is the outline of those before, which is extended."""
-    result = known or Outline()
-    for token in found:
+def outline(lexed: Iterable[Token], before: Outline | None = None) -> Outline:
+    """Return the outline of tokens, which extends `before`, that of the tokens before."""
+    result = before or Outline()
+    for token in lexed:
         frame = result.frame
         word = token.text.lower() if token.kind is Kind.WORD else ""
         if token.kind is Kind.VARIABLE:

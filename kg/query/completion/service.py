@@ -16,7 +16,7 @@ from kg.syntax.prologue import declaration
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kg.query.completion.keeping import Kept
+    from kg.query.completion.keeping import SnapshotCache
     from kg.query.stored import StoredQuery
 
 WORST: Final = 4
@@ -90,8 +90,8 @@ _BY: Final = {"group": "BY", "order": "BY"}
 
 def keywords(*names: str, rank: int = 1) -> Callable[[Site], Iterable[Candidate]]:
     """Return a producer of candidates for some keywords."""
-    found = [_keyword(name, KEYWORDS[name][1], rank) for name in names]
-    return lambda _: found
+    candidates_of_words = [_keyword(name, KEYWORDS[name][1], rank) for name in names]
+    return lambda _: candidates_of_words
 
 
 def _keyword(name: str, sentence: str, rank: int = 1) -> Candidate:
@@ -116,8 +116,8 @@ def variables(site: Site) -> Iterator[Candidate]:
 
 def _new_variables(site: Site) -> Iterator[Candidate]:
     """Yield a variable name for the preceding aggregate."""
-    found = [token for token in site.typed.before if token.text.upper() in AGGREGATES]
-    name = found[-1].text.lower() if found else "value"
+    aggregates = [token for token in site.typed.before if token.text.upper() in AGGREGATES]
+    name = aggregates[-1].text.lower() if aggregates else "value"
     yield Candidate("?" + name, "?" + name, "variable", "?" + name, detail="a new variable")
 
 
@@ -126,8 +126,8 @@ def functions(site: Site) -> Iterator[Candidate]:
     groups = site.before.frame.role is Role.QUERY or any(
         each.slot in {Slot.PROJECTION, Slot.ORDER} for each in site.before.frames[:-1]
     )
-    for known, rank in ((AGGREGATES, 1 if groups else 3), (FUNCTIONS, 2)):
-        for name, one in known.items():
+    for group, rank in ((AGGREGATES, 1 if groups else 3), (FUNCTIONS, 2)):
+        for name, one in group.items():
             hole = (len(name) + 1,) if one.arguments else ()
             detail = f"({one.arguments})"
             yield Candidate(name, f"{name}()", "function", name, detail, None, one.sentence, rank, hole)
@@ -204,7 +204,12 @@ _MOST: Final = 100
 
 
 def complete(
-    text: str, position: int, kept: Kept, stored: Callable[[], Sequence[StoredQuery]] = tuple, *, fresh: bool = False
+    text: str,
+    position: int,
+    cache: SnapshotCache,
+    stored: Callable[[], Sequence[StoredQuery]] = tuple,
+    *,
+    fresh: bool = False,
 ) -> dict[str, Any]:
     """Return the completions at `position` (in code points) of the query `text`, the likeliest first.
 
@@ -215,22 +220,22 @@ def complete(
     left out. `ready` is false while the statistics of the store are being counted. `stored` returns the stored queries.
     """
     at = typed(text, position)
-    statistics = kept.statistics(fresh=fresh)
-    site = site_of(text, at, kept, statistics, stored)
-    found = _best(site, candidates(site))
+    statistics = cache.statistics(fresh=fresh)
+    site = site_of(text, at, cache, statistics, stored)
+    best = _best(site, candidates(site))
     return {
         "range": {"start": at.start, "end": at.end},
-        "items": [_item(site, one) for one in found[:_MOST]],
-        "more": len(found) > _MOST,
+        "items": [_item(site, one) for one in best[:_MOST]],
+        "more": len(best) > _MOST,
         "ready": bool(statistics.properties),
     }
 
 
-def _best(site: Site, found: Iterable[Candidate]) -> list[Candidate]:
+def _best(site: Site, every: Iterable[Candidate]) -> list[Candidate]:
     """Return the candidates that match the typed text, the best first, without duplicates of the inserted text."""
     fit = _fit(site)
     ranked = []
-    for one in found:
+    for one in every:
         score = fit(one)
         if score is not None:
             ranked.append(((score + 2 * one.rank, one.rank, -(one.count or 0), one.label), one))

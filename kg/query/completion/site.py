@@ -13,7 +13,7 @@ from kg.syntax.names import PREFIXES, shorten
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kg.query.completion.keeping import Kept
+    from kg.query.completion.keeping import SnapshotCache
     from kg.query.completion.statistics import Statistics
     from kg.query.stored import StoredQuery
 
@@ -46,7 +46,7 @@ class Site:
     typed: Typed
     before: Outline
     whole: Outline
-    kept: Kept
+    cache: SnapshotCache
     statistics: Statistics
     stored: Callable[[], Sequence[StoredQuery]]
 
@@ -68,14 +68,14 @@ _STANDS_FOR: Final = {Form.NAME: Kind.NAME, Form.VARIABLE: Kind.VARIABLE, Form.S
 
 
 def site_of(
-    text: str, typed: Typed, kept: Kept, statistics: Statistics, stored: Callable[[], Sequence[StoredQuery]]
+    text: str, typed: Typed, cache: SnapshotCache, statistics: Statistics, stored: Callable[[], Sequence[StoredQuery]]
 ) -> Site:
     """Return the site of the typed word in `text`."""
     before = outline(typed.before)
     whole = outline(typed.before)
     if typed.form in _STANDS_FOR:
-        # A token stands in for the typed word; without it, the rest of the query would be parsed one slot too early.
+        # A token replaces the typed word; without it, the rest of the query would be parsed one slot too early.
         outline(
             [Token(_STANDS_FOR[typed.form], "?" if typed.form is Form.VARIABLE else "", typed.start, typed.end)], whole
         )
-    return Site(text, typed, before, outline(typed.after, whole), kept, statistics, stored)
+    return Site(text, typed, before, outline(typed.after, whole), cache, statistics, stored)

@@ -109,12 +109,12 @@ _TYPE: Final = PREFIXES["rdf"] + "type"
 
 def _used(snapshot: Snapshot, kind: str, number: int) -> dict[str, int]:
     """Return the properties of a class, with the numbers of instances that have them."""
-    found = dict(_numbers(snapshot, _USED % (kind, SAMPLE)))
+    numbers = dict(_numbers(snapshot, _USED % (kind, SAMPLE)))
     if number <= SAMPLE:
-        return found
+        return numbers
     # Estimates are rounded to their significant digits.
-    estimates = {each: f"{seen * number / SAMPLE:.{_DIGITS - 1}e}" for each, seen in found.items()}
-    return {each: number if seen == SAMPLE else int(float(estimates[each])) for each, seen in found.items()}
+    estimates = {each: f"{seen * number / SAMPLE:.{_DIGITS - 1}e}" for each, seen in numbers.items()}
+    return {each: number if seen == SAMPLE else int(float(estimates[each])) for each, seen in numbers.items()}
 
 
 def _is_literal(snapshot: Snapshot, each: str) -> bool:
@@ -124,12 +124,12 @@ def _is_literal(snapshot: Snapshot, each: str) -> bool:
 
 def _comments(snapshot: Snapshot) -> dict[str, str]:
     """Return the beginning of the documentation of each term, from its shortest comment."""
-    found: dict[str, str] = {}
+    comments: dict[str, str] = {}
     for term, comment in _texts(snapshot, _COMMENTS):
-        known = found.get(term)
-        if known is None or (len(comment), comment) < (len(known), known):
-            found[term] = comment
-    return {term: " ".join(comment.split())[:_LONGEST] for term, comment in sorted(found.items())}
+        shortest = comments.get(term)
+        if shortest is None or (len(comment), comment) < (len(shortest), shortest):
+            comments[term] = comment
+    return {term: " ".join(comment.split())[:_LONGEST] for term, comment in sorted(comments.items())}
 
 
 def _numbers(snapshot: Snapshot, query: str) -> Iterator[tuple[str, int]]:

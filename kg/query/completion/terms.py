@@ -26,37 +26,37 @@ def prefixes(site: Site) -> Iterator[Candidate]:
 
 def declarations(site: Site) -> Iterator[Candidate]:
     """Yield declarations after PREFIX; well-known prefixes that the store does not use come last."""
-    for rank, known in ((0, site.prefixes), (1, WELL_KNOWN)):
-        for prefix, namespace in known.items():
+    for rank, namespaces_by_prefix in ((0, site.prefixes), (1, WELL_KNOWN)):
+        for prefix, namespace in namespaces_by_prefix.items():
             if prefix not in site.before.prefixes and (rank == 0 or prefix not in site.prefixes):
                 yield Candidate(prefix + ":", f"{prefix}: <{namespace}>", "prefix", prefix, namespace, rank=rank)
 
 
 def namespaces(site: Site) -> Iterator[Candidate]:
     """Yield the namespace of the prefix that is being declared, or of all prefixes if it is unknown."""
-    known = {**WELL_KNOWN, **site.prefixes}
+    by_prefix = {**WELL_KNOWN, **site.prefixes}
     declared = site.before.frame.subject
-    for prefix, namespace in known.items():
-        if declared not in known or prefix == declared:
+    for prefix, namespace in by_prefix.items():
+        if declared not in by_prefix or prefix == declared:
             yield Candidate(f"<{namespace}>", f"<{namespace}>", "prefix", namespace, prefix + ":")
 
 
 def properties(site: Site) -> Iterator[Candidate]:
     """Yield the properties that fit the subject, with their numbers of instances, then all others."""
     frame = site.before.frame
-    found: Mapping[str, tuple[int, str]] = {}
+    fitting_ones: Mapping[str, tuple[int, str]] = {}
     if not frame.subject.startswith(("?", "_:")) and not frame.steps and frame.subject:
-        found = {iri: (number, "") for iri, number in names.of_iri(site.kept, frame.subject).items()}
+        fitting_ones = {iri: (number, "") for iri, number in names.of_iri(site.cache, frame.subject).items()}
     else:
         kinds = _kinds_here(site)
-        found = leading(kinds, site.statistics) if frame.inverse else fitting(kinds, site.statistics)
-    for iri, (number, kind) in found.items():
+        fitting_ones = leading(kinds, site.statistics) if frame.inverse else fitting(kinds, site.statistics)
+    for iri, (number, kind) in fitting_ones.items():
         yield _property(site, iri, number, _share(site, number, kind, inverse=frame.inverse), 0)
     if not frame.steps and not frame.inverse:
         rank = 1 if asserted(frame.subject, site.whole.patterns) else -1
         yield Candidate("a", "a ", "keyword", "a", "rdf:type", None, "the class of the subject", rank)
     for iri, number in site.statistics.properties.items():
-        if iri not in found:
+        if iri not in fitting_ones:
             yield _property(site, iri, number, f"{number:,} triples", 2)
     yield from prefixes(site)
 
@@ -146,8 +146,8 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
     if kinds and kinds[0] not in site.statistics.classes:
         # The cache would otherwise grow with every class name that is typed.
         return
-    known = names.values(site.kept, iri, kinds[0] if kinds else None, literal=literal)
-    for value in known.holding(site.typed.text.removeprefix("<")):
+    offered = names.values(site.cache, iri, kinds[0] if kinds else None, literal=literal)
+    for value in offered.holding(site.typed.text.removeprefix("<")):
         label = value.text if literal or value.written.startswith("<") else value.written
         prefix = "" if literal else _prefix(value.written)
         detail = value.written if label != value.written and not literal else ""
@@ -156,5 +156,5 @@ def _values(site: Site, iri: str, kinds: list[str]) -> Iterator[Candidate]:
 
 def graph_names(site: Site) -> Iterator[Candidate]:
     """Yield the named graphs."""
-    for one in names.graphs(site.kept).holding(site.typed.text.removeprefix("<")):
+    for one in names.graphs(site.cache).holding(site.typed.text.removeprefix("<")):
         yield Candidate(one.written, one.written, "graph", one.text, prefix=_prefix(one.written))

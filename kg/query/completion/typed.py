@@ -97,9 +97,15 @@ def _string(text: str, position: int, before: list[Token]) -> Typed | None:
             if line >= 0:
                 return Typed(Form.COMMENT, "", position, position, before[:index], [])
             end = position + _closing(text, position, token.text)
-            known = before[:index]
+            before_string = before[:index]
             return Typed(
-                Form.STRING, text[token.end : position], token.start, end, known, _tokens_after(text, end), token.text
+                Form.STRING,
+                text[token.end : position],
+                token.start,
+                end,
+                before_string,
+                _tokens_after(text, end),
+                token.text,
             )
     return None
 
@@ -121,10 +127,14 @@ def _iri(text: str, position: int, before: list[Token]) -> Typed | None:
     match = _OPEN_IRI.search(text, max(text.rfind("<", 0, position), 0), position)
     if match is None:
         return None
-    known = [token for token in before if token.end <= match.start()]
-    if known and (known[-1].kind in _OPERANDS or known[-1].text == ")") and not _follows_term(text, match.start()):
+    before_iri = [token for token in before if token.end <= match.start()]
+    if (
+        before_iri
+        and (before_iri[-1].kind in _OPERANDS or before_iri[-1].text == ")")
+        and not _follows_term(text, match.start())
+    ):
         return None
-    return _typed_at(Form.IRI, text, match.start(), position, known)
+    return _typed_at(Form.IRI, text, match.start(), position, before_iri)
 
 
 def _follows_term(text: str, start: int) -> bool:

@@ -11,9 +11,9 @@ from kg.errors import QueryError
 from kg.query.completion.outline import Outline, outline
 from kg.query.diagnosis.variables import bound, product, unbound
 from kg.query.guard import check
-from kg.query.syntax import keywords_meant, syntax_error
+from kg.query.syntax import similar_keywords, syntax_error
 from kg.query.terms import unknown
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax.lexer import Kind, Token, normalise, tokens
 from kg.syntax.names import PREFIXES, WELL_KNOWN
 from kg.syntax.position import offset_of, place_at
@@ -39,13 +39,13 @@ def diagnose(
     if not text.strip():
         return []
     normal = normalise(text)
-    found = list(tokens(normal))
+    lexed = list(tokens(normal))
     error = _error(normal)
     if error is not None:
-        problems = [_of_error(error, normal, found, declared or {})]
+        problems = [_of_error(error, normal, lexed, declared or {})]
     else:
-        known = outline(found)
-        problems = [*_unbound(normal, known), *_product(normal, known)]
+        outlined = outline(lexed)
+        problems = [*_unbound(normal, outlined), *_product(normal, outlined)]
     problems += _unknown(normal, snapshot, used)
     problems.sort(key=lambda problem: problem["start"])
     return [_moved(problem, text) for problem in problems] if len(text) != len(normal) else problems
@@ -65,29 +65,29 @@ def _error(text: str) -> QueryError | None:
     return None
 
 
-def _of_error(error: QueryError, text: str, found: list[Token], declared: Mapping[str, str]) -> dict[str, Any]:
+def _of_error(error: QueryError, text: str, lexed: list[Token], declared: Mapping[str, str]) -> dict[str, Any]:
     place = error.place
     assert place is not None  # noqa: S101 - errors about a text have one
     start = offset_of(text, place.line or 1, place.column or 1)
     end = start if place.end_line is None else offset_of(text, place.end_line, place.end_column or 1)
-    known = outline(found)
-    culprit = next((token for token in found if token.start == start), None)
-    repairs = _fixes_of(text, culprit, known, declared) if culprit else _closing(text, known)
+    outlined = outline(lexed)
+    culprit = next((token for token in lexed if token.start == start), None)
+    repairs = _fixes_of(text, culprit, outlined, declared) if culprit else _closing(text, outlined)
     return _problem("error", error, (text, start, end), repairs)
 
 
-def _unbound(text: str, known: Outline) -> Iterator[dict[str, Any]]:
-    names = bound(known)
-    for use in unbound(known):
+def _unbound(text: str, outlined: Outline) -> Iterator[dict[str, Any]]:
+    names = bound(outlined)
+    for use in unbound(outlined):
         near = [f"?{name}" for name in get_close_matches(use.name, sorted(names))]
-        hint = asked(near)
+        hint = suggest(near)
         error = QueryError("KG514", f"nothing gives ?{use.name} a value", hint=hint)
         repairs = _replacing(use.token, near)
         yield _problem("warning", error, (text, use.token.start, use.token.end), repairs)
 
 
-def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
-    second = product(known)
+def _product(text: str, outlined: Outline) -> Iterator[dict[str, Any]]:
+    second = product(outlined)
     if second is not None:
         message = "nothing joins this with the part before it: every match of one goes with every match of the other"
         hint = "Join them by a variable, or by a FILTER that compares them."
@@ -96,9 +96,9 @@ def _product(text: str, known: Outline) -> Iterator[dict[str, Any]]:
 
 def _unknown(text: str, snapshot: Snapshot, used: Iterable[str]) -> Iterator[dict[str, Any]]:
     for each in unknown(snapshot, text, used):
-        error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=asked(each.meant))
+        error = QueryError("KG513", f"`{each.token.text}` is not in the store", hint=suggest(each.suggestions))
         span = (text, each.token.start, each.token.end)
-        yield _problem("warning", error, span, _replacing(each.token, each.meant))
+        yield _problem("warning", error, span, _replacing(each.token, each.suggestions))
 
 
 def _problem(
@@ -141,14 +141,14 @@ def _replacing(token: Token, names: Iterable[str]) -> list[dict[str, Any]]:
     return [_fix(f"Replace by `{name}`", token.start, token.end, name) for name in names]
 
 
-def _fixes_of(text: str, token: Token, known: Outline, declared: Mapping[str, str]) -> list[dict[str, Any]]:
+def _fixes_of(text: str, token: Token, outlined: Outline, declared: Mapping[str, str]) -> list[dict[str, Any]]:
     """Return fixes for the first unexpected token of a query; `declared` contains the prefixes of the store."""
     if token.kind is Kind.WORD:
-        return _replacing(token, keywords_meant(token.text))
+        return _replacing(token, similar_keywords(token.text))
     prefix, _, local = token.text.partition(":")
-    if token.kind is not Kind.NAME or prefix in known.prefixes or prefix in PREFIXES:
+    if token.kind is not Kind.NAME or prefix in outlined.prefixes or prefix in PREFIXES:
         return []
-    near = similar(f"{prefix}:", [f"{one}:" for one in (*known.prefixes, *PREFIXES)])
+    near = similar(f"{prefix}:", [f"{one}:" for one in (*outlined.prefixes, *PREFIXES)])
     fixes = _replacing(token, [name + local for name in near])
     namespace = declared.get(prefix) or WELL_KNOWN.get(prefix)
     if namespace:
@@ -157,9 +157,9 @@ def _fixes_of(text: str, token: Token, known: Outline, declared: Mapping[str, st
     return fixes
 
 
-def _closing(text: str, known: Outline) -> list[dict[str, Any]]:
+def _closing(text: str, outlined: Outline) -> list[dict[str, Any]]:
     """Return a fix that closes the open brackets at the end of a query."""
-    missing = " ".join(frame.closes for frame in reversed(known.frames) if frame.closes)
+    missing = " ".join(frame.closes for frame in reversed(outlined.frames) if frame.closes)
     end = len(text.rstrip())
     return [_fix(f"Add `{missing}`", end, end, f" {missing}")] if missing else []
 

@@ -12,7 +12,7 @@ from kg.query.readers.messages import End, Failure, Head, Progress
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
-    from kg.query.readers.cache import Kept
+    from kg.query.readers.cache import CachedResponse
     from kg.query.readers.jobs import Job
     from kg.query.readers.processes import Process
 
@@ -31,28 +31,28 @@ class Answer:
         """Receive the response of `process` to the request sent to it; retain up to `copied` bytes for `copy`."""
         self.job = job
         self.end: End | None = None
-        self.settled = False
+        self.finished = False
         self.last = False
         self._process = process
         self._begun = False
-        self._held: deque[bytes] = deque()
-        self.held_bytes = 0
+        self._buffered: deque[bytes] = deque()
+        self.buffered_bytes = 0
         self._copied: list[bytes] | None = []
         self._room = copied
 
     @classmethod
-    def of(cls, job: Job, kept: Kept) -> Answer:
+    def of(cls, job: Job, cached: CachedResponse) -> Answer:
         """Return a cached response."""
         answer = cls(job, None)
-        answer.head, answer.end = kept.head, kept.end
-        answer._held.append(kept.body)
-        answer.held_bytes = len(kept.body)
+        answer.head, answer.end = cached.head, cached.end
+        answer._buffered.append(cached.body)
+        answer.buffered_bytes = len(cached.body)
         return answer
 
     @property
     def size(self) -> int | None:
         """Number of bytes that `parts` will yield; None until the response is complete."""
-        return self.held_bytes if self.end is not None else None
+        return self.buffered_bytes if self.end is not None else None
 
     @property
     def copy(self) -> bytes | None:
@@ -66,9 +66,9 @@ class Answer:
             KgError: KG303 error of the store, KG503 deadline, KG506 error of the query, KG507 memory limit, KG508 the
                 reader exited, KG510 cancelled, KG511 response too large.
         """
-        while self._held or self.end is None:
-            if self._held:
-                yield self._held.popleft()
+        while self._buffered or self.end is None:
+            if self._buffered:
+                yield self._buffered.popleft()
             else:
                 await self._receive()
 
@@ -84,7 +84,7 @@ class Answer:
         """
         assert self._process is not None  # noqa: S101 - a cached response is complete
         ends = time.monotonic() + seconds
-        while self.end is None and self.held_bytes <= most:
+        while self.end is None and self.buffered_bytes <= most:
             if not await self._process.wait(ends - time.monotonic()):
                 return False
             await self._receive()
@@ -103,18 +103,18 @@ class Answer:
         elif isinstance(message, Progress):
             self.job.rows = message.rows
         elif isinstance(message, Failure):
-            self.settled, self.last = True, message.last
+            self.finished, self.last = True, message.last
             raise message.error()
         elif isinstance(message, End):
-            self.end, self.settled, self.last = message, True, message.last
+            self.end, self.finished, self.last = message, True, message.last
             self.job.rows = message.rows
 
     def _hold(self, part: bytes) -> None:
-        self._held.append(part)
-        self.held_bytes += len(part)
+        self._buffered.append(part)
+        self.buffered_bytes += len(part)
         if self._copied is not None:
             self._copied.append(part)
-            if self.held_bytes > self._room:
+            if self.buffered_bytes > self._room:
                 self._copied = None
 
     def _reason(self, process: Process) -> Exception:

@@ -30,7 +30,7 @@ class CacheStats(msgspec.Struct, frozen=True):
     most_bytes: int
 
 
-class Kept(NamedTuple):
+class CachedResponse(NamedTuple):
     """A whole response."""
 
     head: Head
@@ -47,7 +47,7 @@ class AnswerCache:
     def __init__(self, most: int) -> None:
         self._most = most
         self._snapshot: str | None = None
-        self._answers: OrderedDict[bytes, Kept] = OrderedDict()
+        self._answers: OrderedDict[bytes, CachedResponse] = OrderedDict()
         self._bytes = 0
         self._hits = 0
         self._misses = 0
@@ -57,24 +57,24 @@ class AnswerCache:
         """Largest size of a cached response, in bytes."""
         return self._most // _SHARE
 
-    def get(self, request: bytes, snapshot: str | None) -> Kept | None:
+    def get(self, request: bytes, snapshot: str | None) -> CachedResponse | None:
         """Return the cached response to the request at the current snapshot, or None."""
         if not self._most or snapshot is None:
             return None
         self._move(snapshot)
-        found = self._answers.get(request)
-        if found is None:
+        response = self._answers.get(request)
+        if response is None:
             self._misses += 1
             return None
         self._answers.move_to_end(request)
         self._hits += 1
-        return found
+        return response
 
     def has(self, request: bytes, snapshot: str) -> bool:
         """Return whether the response to a request is cached; not counted as a hit or miss."""
         return snapshot == self._snapshot and request in self._answers
 
-    def put(self, request: bytes, answer: Kept, snapshot: str | None) -> None:
+    def put(self, request: bytes, answer: CachedResponse, snapshot: str | None) -> None:
         """Cache a response if it is from the current snapshot, repeatable, and small enough."""
         fits = len(answer.body) + len(request) <= self.largest
         if not fits or not answer.head.repeatable or answer.head.snapshot != snapshot:
@@ -102,7 +102,7 @@ class AnswerCache:
             self._bytes -= _cost(request, answer)
 
 
-def _cost(request: bytes, answer: Kept) -> int:
+def _cost(request: bytes, answer: CachedResponse) -> int:
     return len(request) + len(answer.body) + _ENTRY_BYTES
 
 

@@ -118,11 +118,11 @@ class _Reader:
 
     def _write(self, parts: Parts, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
         """Write the response; return the number of its rows, and whether there were more."""
-        if isinstance(evaluation.found, bool):
-            write_boolean(head.format, parts.take, value=evaluation.found)
+        if isinstance(evaluation.result, bool):
+            write_boolean(head.format, parts.take, value=evaluation.result)
             return 1, False
         pulse = Pulse(self._answers)
-        window: Window[Any] = Window(evaluation.found, offset=question.offset, most=question.rows, tick=pulse.tick)
+        window: Window[Any] = Window(evaluation.result, offset=question.offset, most=question.rows, tick=pulse.tick)
         if head.kind == "graph":
             write_graph(head.format, cast("Iterable[Triple]", window), parts.take)
         else:
@@ -135,9 +135,9 @@ class _Reader:
             raise QueryError("KG506", f"unknown view `{call.name}`")
         began = time.perf_counter()
         snapshot = self._current()
-        found = functions[call.name](snapshot, self._settings, **call.arguments)
+        result = functions[call.name](snapshot, self._settings, **call.arguments)
         parts = Parts(self._answers, Head("json", "json", snapshot.identity, repeatable=False), None)
-        parts.take(msgspec.json.encode(found))
+        parts.take(msgspec.json.encode(result))
         parts.end(self._end(1, began))
 
     @cached_property
@@ -222,8 +222,8 @@ class Parts:
         self._head: Head | None = head
         self._most = most
         self._size = 0
-        self._held: list[bytes] = []
-        self._held_bytes = 0
+        self._buffered: list[bytes] = []
+        self._buffered_bytes = 0
 
     def take(self, data: bytes) -> None:
         """Append to the response; QueryError KG511 if it exceeds the limit."""
@@ -231,9 +231,9 @@ class Parts:
         if self._most is not None and self._size > self._most:
             hint = "Ask for fewer rows, with LIMIT."
             raise QueryError("KG511", f"the answer has more than {self._most:,} bytes", hint=hint)
-        self._held.append(data)
-        self._held_bytes += len(data)
-        if self._held_bytes >= _PART_BYTES:
+        self._buffered.append(data)
+        self._buffered_bytes += len(data)
+        if self._buffered_bytes >= _PART_BYTES:
             self._send()
 
     def end(self, end: End) -> None:
@@ -242,10 +242,10 @@ class Parts:
 
     def _send(self, end: bytes = b"") -> None:
         head = b"" if self._head is None else frame(self._head)
-        part = frame(b"".join(self._held)) if self._held else b""
+        part = frame(b"".join(self._buffered)) if self._buffered else b""
         self._answers.write(head + part + end)
         self._answers.flush()
-        self._head, self._held, self._held_bytes = None, [], 0
+        self._head, self._buffered, self._buffered_bytes = None, [], 0
 
 
 class Pulse:

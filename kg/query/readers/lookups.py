@@ -20,7 +20,7 @@ from pyoxigraph import Triple
 from kg.errors import KgError
 from kg.query.evaluation import Evaluation, evaluation_of, prefixes_in
 from kg.query.formats import BOOLEAN_FORMATS, SOLUTION_FORMATS, write_boolean, write_rows
-from kg.query.readers.cache import Kept
+from kg.query.readers.cache import CachedResponse
 from kg.query.readers.messages import End, Head, Question
 from kg.store.snapshot import EmbeddedSnapshot
 
@@ -57,10 +57,10 @@ def is_look_up(text: str) -> bool:
     """Return whether a query is a look-up. Texts with an escape are not, as it could be any character."""
     if len(text) > _CHARS or "\\" in text:
         return False
-    found = _LOOK_UP.fullmatch(text)
-    if found is None:
+    match = _LOOK_UP.fullmatch(text)
+    if match is None:
         return False
-    variables = [term[1:] for term in found.groups() if term and term[0] in "?$"]
+    variables = [term[1:] for term in match.groups() if term and term[0] in "?$"]
     return len(variables) == len(set(variables))
 
 
@@ -74,7 +74,7 @@ class LookUps:
         """Identity of the data that is open or being opened; None after it changed."""
         self._opening: asyncio.Task[None] | None = None
 
-    def answer(self, question: Question, identity: str) -> Kept | None:
+    def answer(self, question: Question, identity: str) -> CachedResponse | None:
         """Return the response to a look-up on the data `identity`; None if a reader has to answer."""
         plain = not question.parameters and not question.offset and question.snapshot in {None, identity}
         given = question.default_graphs is not None or question.named_graphs is not None
@@ -120,11 +120,11 @@ class LookUps:
             fresh.close()
 
     @staticmethod
-    def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> Kept | None:
+    def _evaluate(snapshot: EmbeddedSnapshot, question: Question) -> CachedResponse | None:
         began = time.perf_counter()
         text = question.text
-        found = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
-        evaluation = evaluation_of(found, snapshot.identity)
+        result = snapshot.query(text, prefixes=prefixes_in(text), union=question.union, base=question.base)
+        evaluation = evaluation_of(result, snapshot.identity)
         name = question.formats.get(evaluation.kind)
         if name is None or name not in (BOOLEAN_FORMATS if evaluation.kind == "boolean" else SOLUTION_FORMATS):
             return None
@@ -132,27 +132,27 @@ class LookUps:
         if body is None or (question.size is not None and len(body) > question.size):
             return None
         head = Head(evaluation.kind, name, snapshot.identity, evaluation.variables)
-        return Kept(head, body, End(count, time.perf_counter() - began))
+        return CachedResponse(head, body, End(count, time.perf_counter() - began))
 
 
 def _written(evaluation: Evaluation, name: str, most: int | None) -> tuple[int, bytes | None]:
     """Return the number of rows, and their serialization; None if there are too many for a look-up."""
     parts: list[bytes] = []
-    if isinstance(evaluation.found, bool):
-        write_boolean(name, parts.append, value=evaluation.found)
+    if isinstance(evaluation.result, bool):
+        write_boolean(name, parts.append, value=evaluation.result)
         return 1, b"".join(parts)
-    rows = _rows(cast("Iterator[Row]", evaluation.found))
+    rows = _rows(cast("Iterator[Row]", evaluation.result))
     if rows is None or (most is not None and len(rows) > most):
         return 0, None
     write_rows(name, evaluation.variables, rows, parts.append)
     return len(rows), b"".join(parts)
 
 
-def _rows(found: Iterator[Row]) -> list[Row] | None:
+def _rows(source: Iterator[Row]) -> list[Row] | None:
     """Return all rows; None if they are many or large, or contain quoted triples."""
     rows: list[Row] = []
     chars = 0
-    for row in islice(found, _ROWS + 1):
+    for row in islice(source, _ROWS + 1):
         rows.append(row)
         for term in row:
             if term is None or isinstance(term, Triple):

@@ -133,16 +133,16 @@ class Failure(msgspec.Struct, frozen=True, tag="failure"):
     def of(cls, error: KgError) -> Failure:
         """Return an error as a message."""
         place = error.place
-        told = tuple(getattr(place, name) for name in Place.__dataclass_fields__) if place else ()
-        return cls(error.code, error.message, type(error).__name__, error.hint, *told)
+        position = tuple(getattr(place, name) for name in Place.__dataclass_fields__) if place else ()
+        return cls(error.code, error.message, type(error).__name__, error.hint, *position)
 
     def error(self) -> KgError:
         """Return the message as an error."""
         place = None
         if self.path is not None:
             place = Place(self.path, self.line, self.column, self.excerpt, self.end_line, self.end_column)
-        known = {kind.__name__: kind for kind in _subclasses(KgError)}
-        return known.get(self.kind, QueryError)(self.code, self.message, place=place, hint=self.hint)
+        kinds = {kind.__name__: kind for kind in _subclasses(KgError)}
+        return kinds.get(self.kind, QueryError)(self.code, self.message, place=place, hint=self.hint)
 
 
 Message: TypeAlias = Configuration | Question | Call | Ready | Refresh | Head | Progress | End | Failure

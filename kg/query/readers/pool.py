@@ -21,7 +21,7 @@ import msgspec
 
 from kg.errors import KgError, QueryError
 from kg.query.readers.answers import Answer
-from kg.query.readers.cache import AnswerCache, CacheStats, Kept, Pointer
+from kg.query.readers.cache import AnswerCache, CachedResponse, CacheStats, Pointer
 from kg.query.readers.fleet import Fleet
 from kg.query.readers.jobs import Job
 from kg.query.readers.lookups import LookUps
@@ -145,9 +145,9 @@ class Readers:
         text = request.text if isinstance(request, Question) else request.name
         entry = Job(job or secrets.token_urlsafe(16), text, client)
         entry.own = isinstance(request, Call) and request.name == self._prepare
-        kept = self._cache.get(message, self._pointer.snapshot()) if room else None
-        if kept is not None:
-            yield Answer.of(entry, kept)
+        cached = self._cache.get(message, self._pointer.snapshot()) if room else None
+        if cached is not None:
+            yield Answer.of(entry, cached)
             return
         if self._closed:
             raise QueryError("KG510", _CLOSED)
@@ -160,7 +160,7 @@ class Readers:
             answer = await run.begin()
             yield answer
             if (body := answer.copy) is not None and answer.end is not None:
-                self._cache.put(message, Kept(answer.head, body, answer.end), self._pointer.snapshot())
+                self._cache.put(message, CachedResponse(answer.head, body, answer.end), self._pointer.snapshot())
         except KgError as error:
             run.error = error
             raise
@@ -170,23 +170,23 @@ class Readers:
             self.jobs.pop(entry.identity, None)
             run.leave()
 
-    def known(self, message: bytes) -> Kept | None:
+    def cached(self, message: bytes) -> CachedResponse | None:
         """Return the cached response to a question, framed as `message`, from the current data; None if not cached."""
         snapshot = self._pointer.snapshot()
         if snapshot is None or not self._cache.has(message, snapshot):
             return None
         return self._cache.get(message, snapshot)
 
-    def look_up(self, question: Question, message: bytes) -> Kept | None:
+    def look_up(self, question: Question, message: bytes) -> CachedResponse | None:
         """Return the response to a question that needs no reader (see `lookups`), and cache it; else None.
 
         `message` is the frame of the question.
         """
         snapshot = self._pointer.snapshot()
-        found = None if snapshot is None or self._closed else self._look_ups.answer(question, snapshot)
-        if found is not None:
-            self._cache.put(message, found, snapshot)
-        return found
+        response = None if snapshot is None or self._closed else self._look_ups.answer(question, snapshot)
+        if response is not None:
+            self._cache.put(message, response, snapshot)
+        return response
 
     async def call(
         self, name: str, arguments: Mapping[str, Any], *, seconds: float | None = 60, client: str = ""
@@ -212,9 +212,9 @@ class Readers:
         scheduler, fleet = self._scheduler, self._fleet
         return Stats(
             idle=fleet.idle,
-            quick=scheduler.queries.held,
-            long=scheduler.long.held,
-            views=scheduler.views.held,
+            quick=scheduler.queries.used,
+            long=scheduler.long.size,
+            views=scheduler.views.used,
             waiting=scheduler.queries.waiting + scheduler.views.waiting,
             spawned=fleet.spawned,
             ended=dict(fleet.ended),
@@ -224,12 +224,12 @@ class Readers:
 
     async def _look(self) -> None:
         """Check for new data regularly."""
-        known = self._pointer.snapshot()
+        current = self._pointer.snapshot()
         while True:
             await asyncio.sleep(_LOOK_SECONDS)
-            found = self._pointer.snapshot()
-            if found != known:
-                known = found
+            newest = self._pointer.snapshot()
+            if newest != current:
+                current = newest
                 self.moved()
                 self._begin_preparing()
 

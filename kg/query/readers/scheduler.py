@@ -123,7 +123,7 @@ class Run:
         while not await answer.collect(_CHECK_SECONDS, _TURN_BYTES):
             turn = _TURN_SECONDS if self._scheduler.queries.waiting else _LONE_TURN_SECONDS
             late = time.monotonic() - began >= turn * _TURN_ROUNDS
-            if late or process.used() >= turn or answer.held_bytes > _TURN_BYTES:
+            if late or process.used() >= turn or answer.buffered_bytes > _TURN_BYTES:
                 return False
         return True
 
@@ -139,14 +139,14 @@ class Run:
 
     def _is_ready(self) -> bool:
         """Return whether the reader can take another request."""
-        settled = self._answer is not None and self._answer.settled and not self._answer.last
-        return settled and self._job.cause is None and (self.error is None or self.error.code != "KG507")
+        finished = self._answer is not None and self._answer.finished and not self._answer.last
+        return finished and self._job.cause is None and (self.error is None or self.error.code != "KG507")
 
     def _why(self) -> str:
         """Return the cause for replacing the reader."""
         error = self._job.cause or self.error
-        settled = self._answer is not None and self._answer.settled
-        return _CAUSES.get(error.code if error else "", "retired" if settled else "left")
+        finished = self._answer is not None and self._answer.finished
+        return _CAUSES.get(error.code if error else "", "retired" if finished else "left")
 
     def _leave_slot(self) -> None:
         if self._slots is not None:

@@ -41,7 +41,7 @@ class Sharing:
         self._timer: asyncio.TimerHandle | None = None
 
     @property
-    def held(self) -> int:
+    def size(self) -> int:
         """Number of held readers, running and paused."""
         return len(self._clients)
 
@@ -51,8 +51,8 @@ class Sharing:
         Raises:
             QueryError: KG509 if too many are held.
         """
-        if self.held >= self._most:
-            raise QueryError("KG509", f"{self.held} long queries are running", hint="Try again in a few seconds.")
+        if self.size >= self._most:
+            raise QueryError("KG509", f"{self.size} long queries are running", hint="Try again in a few seconds.")
         self._charge()
         self._clients[process] = client
         self._seconds[process] = 0.0
@@ -94,7 +94,7 @@ class Sharing:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        if self.held:
+        if self.size:
             self._timer = asyncio.get_running_loop().call_later(_TURN_SECONDS, self.turn)
 
 

@@ -24,7 +24,7 @@ class Slots:
     """
 
     def __init__(self, slots: int, queue: int) -> None:
-        self.held = 0
+        self.used = 0
         self._slots = slots
         self._queue = queue
         self._newest = False
@@ -41,8 +41,8 @@ class Slots:
         Raises:
             QueryError: KG509 if the queue is full and no other client has more requests in it.
         """
-        if self.held < self._slots and not self._waiting:
-            self.held += 1
+        if self.used < self._slots and not self._waiting:
+            self.used += 1
             return
         if self.waiting >= self._queue:
             self._make_room(client)
@@ -69,7 +69,7 @@ class Slots:
             if not place.done():
                 place.set_result(None)
                 return
-        self.held -= 1
+        self.used -= 1
 
     def _make_room(self, client: str) -> None:
         """Remove the newest request of the client with the most waiting requests; KG509 if that is `client`."""

@@ -45,10 +45,10 @@ def _json_head(variables: tuple[str, ...]) -> bytes:
     return b'{"head":{"vars":' + _encode(variables) + b'},"results":{"bindings":[\n'
 
 
-def _json_rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+def _json_rows(variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
     names = [_encode(name) + b":" for name in variables]
     lines = []
-    for row in found:
+    for row in batch:
         cells = [name + _json_term(term) for name, term in zip(names, row, strict=True) if term is not None]
         lines.append(b"{" + b",".join(cells) + b"}")
     return b",\n".join(lines)
@@ -75,8 +75,8 @@ def _json_mark(mark: str) -> bytes:
     return b',"xml:lang":' + _encode(language) + (b',"its:dir":' + _encode(direction) if direction else b"")
 
 
-def _jsonl_rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
-    return b"".join(_encode(dict(zip(variables, map(plain, row), strict=True))) + b"\n" for row in found)
+def _jsonl_rows(variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
+    return b"".join(_encode(dict(zip(variables, map(plain, row), strict=True))) + b"\n" for row in batch)
 
 
 def _csv_lines(lines: Sequence[Sequence[str]]) -> bytes:
@@ -85,17 +85,17 @@ def _csv_lines(lines: Sequence[Sequence[str]]) -> bytes:
     return output.getvalue().encode()
 
 
-def _csv_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
-    return _csv_lines([["" if term is None else bare(term) for term in row] for row in found])
+def _csv_rows(_variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
+    return _csv_lines([["" if term is None else bare(term) for term in row] for row in batch])
 
 
 def _tsv_head(variables: tuple[str, ...]) -> bytes:
     return ("\t".join(f"?{name}" for name in variables) + "\n").encode()
 
 
-def _tsv_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+def _tsv_rows(_variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
     # The engine's serialization of a term escapes tabs and line ends.
-    lines = ("\t".join(["" if term is None else _short(term) for term in row]) for row in found)
+    lines = ("\t".join(["" if term is None else _short(term) for term in row]) for row in batch)
     return "".join(line + "\n" for line in lines).encode()
 
 
@@ -114,8 +114,8 @@ def _markdown_head(variables: tuple[str, ...]) -> bytes:
     return ("| " + " | ".join(variables) + " |\n|" + " --- |" * len(variables) + "\n").encode()
 
 
-def _markdown_rows(_variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
-    return "".join("| " + " | ".join(map(_cell, row)) + " |\n" for row in found).encode()
+def _markdown_rows(_variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
+    return "".join("| " + " | ".join(map(_cell, row)) + " |\n" for row in batch).encode()
 
 
 def _cell(term: Term | None) -> str:

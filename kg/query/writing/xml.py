@@ -30,11 +30,11 @@ def head(variables: tuple[str, ...]) -> bytes:
     return f'<?xml version="1.0"?>\n<sparql xmlns="{_NAMESPACE}">\n<head>{named}</head>\n<results>\n'.encode()
 
 
-def rows(variables: tuple[str, ...], found: Sequence[Row]) -> bytes:
+def rows(variables: tuple[str, ...], batch: Sequence[Row]) -> bytes:
     """Return rows, one per line; QueryError KG504 for a text that XML cannot represent."""
     opened = [f"<binding name={quoteattr(name)}>" for name in variables]
     lines = []
-    for row in found:
+    for row in batch:
         cells = [
             f"{binding}{_term(term)}</binding>" for binding, term in zip(opened, row, strict=True) if term is not None
         ]

@@ -192,7 +192,7 @@ class BagConnection:
 
     def _report(self, problem: GraphProblem) -> None:
         self._problems[problem] = None
-        self._changes.tell()
+        self._changes.notify()
 
     async def _end(self) -> None:
         """Lose the connection at the end of the recording."""
@@ -221,7 +221,7 @@ class BagConnection:
     async def aclose(self) -> None:
         """Stop playback, and close all subscriptions."""
         self._closed = True
-        self._changes.tell()
+        self._changes.notify()
         for inbox in list(self._playing):
             inbox.end()
         self._tasks.cancel()

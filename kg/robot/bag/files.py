@@ -80,16 +80,18 @@ class Bag:
             with Reader1(self.path) if self.ros == 1 else Reader2(self.path) as reader:
                 yield reader
         except FileNotFoundError as error:
-            told = f"`{self.path}` cannot be read: {error}" if self.path.exists() else f"`{self.path}` does not exist"
-            raise RobotError("KG850", told) from None
+            message = (
+                f"`{self.path}` cannot be read: {error}" if self.path.exists() else f"`{self.path}` does not exist"
+            )
+            raise RobotError("KG850", message) from None
         except RobotError:
             raise
         except Exception as error:  # noqa: BLE001 - the readers raise whatever broken bytes lead them to
             hint = None
             if "index" in str(error).lower():
                 hint = "The recording was not finished. `rosbag reindex` or `ros2 bag reindex` may repair it."
-            told = f"{error}" or type(error).__name__
-            raise RobotError("KG850", f"`{self.path}` cannot be read: {told}", hint=hint) from None
+            message = f"{error}" or type(error).__name__
+            raise RobotError("KG850", f"`{self.path}` cannot be read: {message}", hint=hint) from None
 
     def messages(
         self, sources: Sequence[Source], start: float | None = None, stop: float | None = None
@@ -134,15 +136,15 @@ class Bag:
 
         Logger names have dots instead of slashes, and also for child loggers: only names without dots are certain.
         """
-        found = set()
+        names = set()
         for one in self.sources:
             kind, field = _TELLING.get(one.topic, ("", ""))
             if one.type != kind or one.topic in self.unreadable:
                 continue
             with closing(reader.messages([one.channel])) as messages:
                 for _, _, content in islice(messages, _ENOUGH):
-                    found.add(self.types.decode(kind, content)[field])
-        named = (one if one.startswith("/") else f"/{one}" for one in found)
+                    names.add(self.types.decode(kind, content)[field])
+        named = (one if one.startswith("/") else f"/{one}" for one in names)
         return frozenset(one for one in named if is_name(one))
 
     @property
@@ -151,23 +153,23 @@ class Bag:
         return tuple(GraphProblem(one.code, topic, one.message) for topic, one in sorted(self.unreadable.items()))
 
 
-def _qos(told: Any) -> Qos:
+def _qos(profile: Any) -> Qos:
     def word(value: Any) -> str | None:
         name: str = value.name.lower()
         return None if name in {"unknown", "system_default", "best_available"} else name
 
     return Qos(
-        word(told.reliability),
-        word(told.durability),
-        word(told.history),
-        told.depth or None,
-        _seconds(told.deadline),
-        _seconds(told.lifespan),
-        word(told.liveliness),
-        _seconds(told.liveliness_lease_duration),
+        word(profile.reliability),
+        word(profile.durability),
+        word(profile.history),
+        profile.depth or None,
+        _seconds(profile.deadline),
+        _seconds(profile.lifespan),
+        word(profile.liveliness),
+        _seconds(profile.liveliness_lease_duration),
     )
 
 
-def _seconds(told: QosTime) -> float | None:
-    seconds = told.sec + told.nsec / 1e9
+def _seconds(duration: QosTime) -> float | None:
+    seconds = duration.sec + duration.nsec / 1e9
     return seconds if 0 < seconds < _FOREVER else None

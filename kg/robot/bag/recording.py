@@ -1,6 +1,6 @@
 """Recording of a robot's topics to a file: `.bag` for ROS 1, `.mcap` for ROS 2.
 
-    recorder = Recorder(connection, Path("drive.mcap"), topics=None, tell=print)
+    recorder = Recorder(connection, Path("drive.mcap"), topics=None, begun=print)
     try:
         await recorder.run()               # until it is cancelled or the robot is lost
     finally:
@@ -59,7 +59,7 @@ class Recorder:
         connection: the robot.
         path: the file, which must not exist; it is created with the first message.
         topics: names of topics, or None for all.
-        tell: receives a topic and its type when its recording starts.
+        begun: receives a topic and its type when its recording starts.
         on_problem: receives the reason why a topic is not recorded.
 
     Raises:
@@ -72,20 +72,20 @@ class Recorder:
         path: Path,
         *,
         topics: frozenset[str] | None = None,
-        tell: Callable[[str, str], None] = lambda _topic, _type: None,
+        begun: Callable[[str, str], None] = lambda _topic, _type: None,
         on_problem: Callable[[GraphProblem], None] = lambda _: None,
     ) -> None:
         suffix = SUFFIXES[connection.ros]
         if path.suffix != suffix:
-            told = f"a robot of ROS {connection.ros} is recorded to a file `{suffix}`"
-            raise UsageError("KG003", told, place=Place(str(path)), hint=f"Write {path.with_suffix(suffix)}.")
+            message = f"a robot of ROS {connection.ros} is recorded to a file `{suffix}`"
+            raise UsageError("KG003", message, place=Place(str(path)), hint=f"Write {path.with_suffix(suffix)}.")
         if path.exists():
             raise UsageError("KG003", "the file exists", place=Place(str(path)), hint="Name another file.")
         self.first = self.last = 0.0
         self._connection = connection
         self._path = path
         self._topics = topics
-        self._tell = tell
+        self._begun = begun
         self._on_problem = on_problem
         self._tasks = Tasks()
         self._subscribed: dict[str, Subscription | None] = {}
@@ -132,7 +132,7 @@ class Recorder:
         self._subscribed[topic] = subscription
         self._types[topic] = kind or ""
         self._tasks.spawn(self._write(topic, ends, subscription), f"recording `{topic}`")
-        self._tell(topic, kind or "")
+        self._begun(topic, kind or "")
 
     async def _write(self, topic: str, ends: list[LiveEnd], subscription: Subscription) -> None:
         try:

@@ -37,6 +37,6 @@ async def connect(address: str, name: str, types: Types | None = None) -> Ros2Co
     try:
         wire = DdsMiddleware(read.domain, own, types or Types(2), humble=read.humble, ask_types=read.ask_types)
     except DDSException as error:
-        told = f"the domain {read.domain} of DDS cannot be joined: {error.msg}"
-        raise RobotError("KG817", told, hint="See to the network and to $CYCLONEDDS_URI.") from None
+        message = f"the domain {read.domain} of DDS cannot be joined: {error.msg}"
+        raise RobotError("KG817", message, hint="See to the network and to $CYCLONEDDS_URI.") from None
     return await Ros2Connection.open(wire, read, own)

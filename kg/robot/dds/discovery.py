@@ -61,10 +61,10 @@ def encode_info(
     def spelt(identity: bytes) -> dict[str, bytes]:
         return {"data": identity.ljust(length, b"\0")}
 
-    told = []
+    announced = []
     for name, readers, writers in nodes:
         namespace, _, own = name.rpartition("/")
-        told.append(
+        announced.append(
             {
                 "node_namespace": namespace or "/",
                 "node_name": own,
@@ -72,11 +72,11 @@ def encode_info(
                 "writer_gid_seq": [spelt(one) for one in writers],
             }
         )
-    return types.encode(_kind(types, length), {"gid": spelt(gid), "node_entities_info_seq": told})
+    return types.encode(_kind(types, length), {"gid": spelt(gid), "node_entities_info_seq": announced})
 
 
 def _kind(types: Types, length: int) -> str:
-    if length == LONG and not types.knows(_KINDS[LONG]):
+    if length == LONG and not types.has(_KINDS[LONG]):
         for name, text in _OLD_TYPES.items():
             types.define(f"{_OLD}/{name}", text)
     return _KINDS[length]
@@ -89,9 +89,9 @@ _PARTICIPANT: Final = b"\x00\x00\x01\xc1"
 _MOST: Final = 100_000  # maximum number of entities of one kind; beyond any robot
 
 
-def gid(told: Any) -> bytes:
+def gid(identifier: Any) -> bytes:
     """Return the 16 bytes of an identifier from its ROS form: a list of characters, of 24 bytes before Iron."""
-    return bytes(told["data"])[:16]
+    return bytes(identifier["data"])[:16]
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +124,7 @@ class Discovery:
 
     def __init__(self) -> None:
         self._participants: dict[bytes, _Participant] = {}
-        self._told: dict[bytes, tuple[Any, int]] = {}
+        self._early: dict[bytes, tuple[Any, int]] = {}
         self._ends: dict[bytes, Endpoint] = {}
         self._handles: dict[int, bytes] = {}
         self._owners: dict[bytes, str] = {}
@@ -139,8 +139,8 @@ class Discovery:
         if key[:PREFIX] == self._own or len(self._participants) >= _MOST:
             return
         self._participants.setdefault(key[:PREFIX], _Participant(address, ours=ours))
-        if key[:PREFIX] in self._told:
-            self.told(*self._told.pop(key[:PREFIX]))
+        if key[:PREFIX] in self._early:
+            self.announce(*self._early.pop(key[:PREFIX]))
 
     def end(self, key: bytes, endpoint: Endpoint) -> None:
         """Add a reader or writer."""
@@ -161,22 +161,22 @@ class Discovery:
         """Return the lengths of the identifiers of others; participants of kg adapt theirs to others."""
         return {one.length for one in self._participants.values() if one.length is not None and not one.ours}
 
-    def told(self, value: Any, length: int) -> None:
+    def announce(self, value: Any, length: int) -> None:
         """Set the nodes that a participant announces; invalid ones are reported."""
         key = gid(value["gid"])[:PREFIX]
         if key == self._own:
             return
-        found = self._participants.get(key)
-        if found is None:
-            if len(self._told) < _MOST:
-                self._told[key] = value, length  # its participant arrives in another message
+        participant = self._participants.get(key)
+        if participant is None:
+            if len(self._early) < _MOST:
+                self._early[key] = value, length  # its participant arrives in another message
             return
-        found.length = length
-        for each in found.nodes.values():
+        participant.length = length
+        for each in participant.nodes.values():
             for one in (*each[0], *each[1]):
                 self._owners.pop(one, None)
-        found.nodes, found.problems = _nodes(value["node_entities_info_seq"], found.address)
-        for name, each in found.nodes.items():
+        participant.nodes, participant.problems = _nodes(value["node_entities_info_seq"], participant.address)
+        for name, each in participant.nodes.items():
             for one in (*each[0], *each[1]):
                 if one[:PREFIX] == key:  # nobody can claim the ends of another participant
                     self._owners[one] = name
@@ -220,10 +220,10 @@ class Discovery:
         return Neighbourhood(tuple(nodes), tuple(ends), tuple(problems))
 
 
-def _nodes(told: Iterable[Any], address: str) -> tuple[dict[str, Ends], tuple[GraphProblem, ...]]:
+def _nodes(announced: Iterable[Any], address: str) -> tuple[dict[str, Ends], tuple[GraphProblem, ...]]:
     nodes: dict[str, Ends] = {}
     problems = []
-    for one in told:
+    for one in announced:
         name = f"{one['node_namespace'].rstrip('/')}/{one['node_name']}"
         if not is_name(name):
             problems.append(GraphProblem("KG816", address, f"`{name[:80]}` is not a node name"))

@@ -41,14 +41,14 @@ def discovery_settings(environment: Mapping[str, str]) -> str:
     if reach == "SYSTEM_DEFAULT" or not (reach or peers):
         return ""
     if reach == "OFF":
-        found = f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
+        discovery = f"<ParticipantIndex>none</ParticipantIndex><Tag>ros_discovery_off_{os.getpid()}</Tag>"
     else:
         hosts = (["localhost"] if reach == "LOCALHOST" else []) + peers
         listed = "".join(f"<Peer address={quoteattr(one)}/>" for one in hosts)
-        found = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
-        found += f"<Peers>{listed}</Peers>" if listed else ""
+        discovery = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
+        discovery += f"<Peers>{listed}</Peers>" if listed else ""
     quiet = "<General><AllowMulticast>false</AllowMulticast></General>" if reach in {"LOCALHOST", "OFF"} else ""
-    return f"<CycloneDDS><Domain>{quiet}<Discovery>{found}</Discovery></Domain></CycloneDDS>"
+    return f"<CycloneDDS><Domain>{quiet}<Discovery>{discovery}</Discovery></Domain></CycloneDDS>"
 
 
 _BY_NAME: Final = (

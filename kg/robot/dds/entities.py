@@ -57,7 +57,7 @@ class Bell:
         self._stop = GuardCondition(participant)
         self._set.attach(self._stop)
         self._calls: dict[int, tuple[Entity, int, Callable[[], None]]] = {}
-        self._heard = threading.Event()
+        self._handled = threading.Event()
         self._closed = False
         self._thread = threading.Thread(target=self._wait, name="kg-dds", daemon=True)
         self._thread.start()
@@ -77,12 +77,12 @@ class Bell:
         """Wait, notify the event loop, and wait until it is done: a status stays set until it is taken."""
         while not self._closed:
             self._set.wait(_EVER)
-            self._heard.clear()
+            self._handled.clear()
             try:
                 self._loop.call_soon_threadsafe(self._ring)
             except RuntimeError:
                 return  # the event loop was closed without closing the connection
-            self._heard.wait()
+            self._handled.wait()
 
     def _ring(self) -> None:
         try:
@@ -90,14 +90,14 @@ class Bell:
                 if not self._closed and id(entity) in self._calls and entity.take_status(mask):
                     call()
         finally:
-            self._heard.set()
+            self._handled.set()
 
     def close(self) -> None:
         """End the thread."""
         self._closed = True
         self._stop.set(True)
         while self._thread.is_alive():
-            self._heard.set()
+            self._handled.set()
             self._thread.join(0.01)
         delete(self._set)
 
@@ -189,19 +189,19 @@ class DdsReader(_End):
 
     def origin(self, handle: int) -> bytes | None:
         """Return the participant whose writer has a handle, None if it is gone."""
-        found = None if self._closed else self._entity.get_matched_publication_data(handle)
-        return found.key.bytes[:PREFIX] if found else None
+        publication = None if self._closed else self._entity.get_matched_publication_data(handle)
+        return publication.key.bytes[:PREFIX] if publication else None
 
     def _drain(self) -> None:
         """Take all messages; later ones trigger another notification."""
         while not self._closed:
-            found = _clayer.ddspy_take(self._entity._ref, _ANY, _BATCH)  # noqa: SLF001 - the library has no public way to bytes
-            if isinstance(found, int):
+            messages = _clayer.ddspy_take(self._entity._ref, _ANY, _BATCH)  # noqa: SLF001 - the library has no public way to bytes
+            if isinstance(messages, int):
                 return
-            for content, info in found:
+            for content, info in messages:
                 if info.valid_data:
                     self._deliver(content, info.publication_handle)
-            if len(found) < _BATCH:
+            if len(messages) < _BATCH:
                 return
 
 
@@ -223,8 +223,8 @@ class DdsWriter(_End):
     def reaches(self, participant: bytes) -> bool:
         """Return whether a reader of a participant is matched."""
         handles = [] if self._closed else _matched(self._entity.get_matched_subscriptions)
-        found = (self._entity.get_matched_subscription_data(handle) for handle in handles)
-        return any(one.key.bytes[:PREFIX] == participant for one in found if one)
+        subscriptions = (self._entity.get_matched_subscription_data(handle) for handle in handles)
+        return any(one.key.bytes[:PREFIX] == participant for one in subscriptions if one)
 
     @property
     def confirmed(self) -> bool:

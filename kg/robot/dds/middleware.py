@@ -22,7 +22,7 @@ from kg.robot.connection import GraphProblem
 from kg.robot.dds.discovery import INFO, LONG, SHORT, Discovery, Endpoint, decode_info, encode_info
 from kg.robot.dds.domains import join, leave
 from kg.robot.dds.entities import Bell, DdsCaller, DdsReader, DdsServer, DdsWriter
-from kg.robot.dds.qos import from_dds, to_dds, told, user_data, written
+from kg.robot.dds.qos import from_dds, policies_at, to_dds, user_data, written
 from kg.robot.dds.types import Classes, learned
 from kg.robot.ros2.middleware import ANSWERS, Deliver, Neighbourhood
 from kg.robot.ros2.names import dds_topic, is_name, replies, ros_end
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from kg.robot.ros2.graph import Watch
 
 _TOPIC: Final = "ros_discovery_info"
-_TOLD: Final = Qos("reliable", "transient_local", "keep_last", 1)
-_HEARD: Final = Qos("reliable", "transient_local", "keep_all")
+_OWN_QOS: Final = Qos("reliable", "transient_local", "keep_last", 1)
+_PEER_QOS: Final = Qos("reliable", "transient_local", "keep_all")
 _SAMPLES: Final = 1000
 _ALIVE: Final = InstanceState.Alive
 _CYCLONE: Final = b"\x01\x10"  # the first bytes of an identifier are those of its vendor (DDSI-RTPS 2.5, 9.3.1.5)
@@ -78,34 +78,34 @@ class DdsMiddleware:
         ]
         self._builtin = [self._watching(topic, take) for topic, take in takes]
         topic = self._topic(_TOPIC, INFO)
-        self._info = DdsWriter(self._bell, topic, to_dds(_TOLD, {}), watch.changed)
-        self._heard = DdsReader(self._bell, topic, to_dds(_HEARD, {}), self._hear, watch.changed)
-        self._tell()
+        self._info = DdsWriter(self._bell, topic, to_dds(_OWN_QOS, {}), watch.changed)
+        self._announcements = DdsReader(self._bell, topic, to_dds(_PEER_QOS, {}), self._hear, watch.changed)
+        self._announce()
         for _, take in takes:
             take()
 
     def _watching(self, topic: Any, take: Callable[[], None]) -> BuiltinDataReader:
         reader = BuiltinDataReader(self._participant, topic)
-        reader._cqos_conv = told  # noqa: SLF001 - the library's own takes 0.7 ms for each end, ours a third of that
+        reader._cqos_conv = policies_at  # noqa: SLF001 - the library's own takes 0.7 ms for each end, ours a third of that
         self._bell.add(reader, DDSStatus.DataAvailable, take)
         return reader
 
     def _taken(self, index: int) -> list[Any]:
-        found: list[Any] = [] if self._closed else self._builtin[index].take(N=_SAMPLES)
-        for sample in found:
+        samples: list[Any] = [] if self._closed else self._builtin[index].take(N=_SAMPLES)
+        for sample in samples:
             if sample.sample_info.instance_state != _ALIVE:
                 self._discovery.gone(sample.key.bytes)
-        if found:
+        if samples:
             self._watch.changed()
-        if len(found) == _SAMPLES:
-            found += self._taken(index)
-        return [sample for sample in found if sample.sample_info.instance_state == _ALIVE]
+        if len(samples) == _SAMPLES:
+            samples += self._taken(index)
+        return [sample for sample in samples if sample.sample_info.instance_state == _ALIVE]
 
     def _participants(self) -> None:
         for sample in self._taken(0):
-            told = {one.key: one.value for one in sample.qos if isinstance(one, Policy.Property)}
-            host = told.get("__Hostname") or sample.key.hex
-            process = f" process {told['__Pid']}" if "__Pid" in told else ""
+            properties = {one.key: one.value for one in sample.qos if isinstance(one, Policy.Property)}
+            host = properties.get("__Hostname") or sample.key.hex
+            process = f" process {properties['__Pid']}" if "__Pid" in properties else ""
             self._discovery.participant(sample.key.bytes, host + process, ours=_OURS in user_data(sample.qos))
         self._adapt_length()
 
@@ -134,11 +134,11 @@ class DdsMiddleware:
                 GraphProblem("KG816", _TOPIC, f"a participant sent invalid discovery data: {error.message}")
             )
             return
-        self._discovery.told(value, length)
+        self._discovery.announce(value, length)
         self._adapt_length()
         self._watch.changed()
 
-    def _tell(self) -> None:
+    def _announce(self) -> None:
         """Announce the readers and writers of our node."""
         node = (self._name, sorted(self._readers), sorted(self._writers))
         self._info.write(encode_info(self.types, self._gid, [node], self._length))
@@ -148,7 +148,7 @@ class DdsMiddleware:
         length = LONG if self._humble or LONG in self._discovery.lengths() else SHORT
         if length != self._length:
             self._length = length
-            self._tell()
+            self._announce()
 
     def _topic(self, name: str, kind: str, *, header: bool = False) -> Any:
         if (name, kind, header) not in self._topics:
@@ -159,14 +159,14 @@ class DdsMiddleware:
     def _reader(
         self, topic: str, kind: str, qos: Qos, deliver: Callable[[bytes, int], None], mark: dict[str, str] | None = None
     ) -> DdsReader:
-        made = self._topic(topic, kind, header=mark is not None)
-        reader = DdsReader(self._bell, made, self._policies(kind, qos, mark), deliver, self._watch.changed)
+        of_kind = self._topic(topic, kind, header=mark is not None)
+        reader = DdsReader(self._bell, of_kind, self._policies(kind, qos, mark), deliver, self._watch.changed)
         self._opened(reader, self._readers)
         return reader
 
     def _writer(self, topic: str, kind: str, qos: Qos, mark: dict[str, str] | None = None) -> DdsWriter:
-        made = self._topic(topic, kind, header=mark is not None)
-        writer = DdsWriter(self._bell, made, self._policies(kind, qos, mark), self._watch.changed)
+        of_kind = self._topic(topic, kind, header=mark is not None)
+        writer = DdsWriter(self._bell, of_kind, self._policies(kind, qos, mark), self._watch.changed)
         self._opened(writer, self._writers)
         return writer
 
@@ -177,11 +177,11 @@ class DdsMiddleware:
         def closed() -> None:
             side.discard(end.identity)
             if not self._closed:
-                self._tell()
+                self._announce()
 
         side.add(end.identity)
         end.on_close = closed
-        self._tell()
+        self._announce()
 
     def neighbourhood(self) -> Neighbourhood:
         """Return the nodes and ends of other participants."""
@@ -224,13 +224,13 @@ class DdsMiddleware:
         A service has two, of the request and of the response. Only participants that send type information can answer,
         such as Cyclone DDS for Python, but not ROS 2 before Kilted. Without `ask_types` no request is sent.
         """
-        told = False
+        learned_any = False
         for end in list(self._discovery.endpoints(name)):
-            if self.types.knows(kind):
+            if self.types.has(kind):
                 break
             if end.type_id is not None:
-                told |= await learned(self._participant, end.type_id, self.types)
-        return told
+                learned_any |= await learned(self._participant, end.type_id, self.types)
+        return learned_any
 
     def close(self) -> None:
         """Leave the domain."""

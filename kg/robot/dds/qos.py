@@ -61,18 +61,18 @@ def written(data: Mapping[str, str]) -> bytes:
 
 def user_data(qos: DdsQos) -> dict[str, str]:
     """Return announced user data; parts not of the form `key=value;` are ignored."""
-    found = _policy(qos, Policy.Userdata)
-    if found is None:
+    policy = _policy(qos, Policy.Userdata)
+    if policy is None:
         return {}
-    parts = (part.partition("=") for part in found.data.decode("utf-8", "replace").split(";"))
+    parts = (part.partition("=") for part in policy.data.decode("utf-8", "replace").split(";"))
     return {key: value for key, sign, value in parts if sign}
 
 
-def told(pointer: int) -> DdsQos:
+def policies_at(pointer: int) -> DdsQos:
     """Return the policies that we use from the library's description of another end."""
     structure = ctypes.cast(pointer, _STRUCTURE)
-    found = (getattr(_POLICIES, f"_get_p_{name}")(structure) for name in _READ)
-    policies = (one if isinstance(one, list) else [one] for one in found if one is not None)
+    read = (getattr(_POLICIES, f"_get_p_{name}")(structure) for name in _READ)
+    policies = (one if isinstance(one, list) else [one] for one in read if one is not None)
     return DdsQos(*(policy for each in policies for policy in each))
 
 
@@ -103,5 +103,5 @@ def _policy(qos: DdsQos, policy: Any) -> Any:
 
 
 def _seconds(policy: Any, field: str) -> float | None:
-    found = getattr(policy, field, None)
-    return None if found is None or found >= _INFINITE else found / 1e9
+    nanoseconds = getattr(policy, field, None)
+    return None if nanoseconds is None or nanoseconds >= _INFINITE else nanoseconds / 1e9

@@ -55,19 +55,19 @@ class Classes:
 
     def __init__(self, types: Types) -> None:
         self._types = types
-        self._made: dict[tuple[str, bool], Any] = {}
+        self._classes: dict[tuple[str, bool], Any] = {}
 
     def of(self, kind: str, *, header: bool = False) -> Any:
         """Return the class of a message, optionally with a service header before it; RobotError KG804."""
-        if (kind, header) not in self._made:
+        if (kind, header) not in self._classes:
             fields = {one.name: self._sort(kind, one) for one in self._types.fields(kind)}
             fields = fields or {"structure_needs_at_least_one_member": idl.uint8}
             name = kind.partition("/")[2] + "_"
             typename = dds_type(kind).replace("::", ".")
             before = {one + "_" * (one in fields): sort for one, sort in HEADER.items()} if header else {}
-            made = make_idl_struct(name, typename, {**before, **fields}, dataclassify=False)
-            self._made[kind, header] = made
-        return self._made[kind, header]
+            struct = make_idl_struct(name, typename, {**before, **fields}, dataclassify=False)
+            self._classes[kind, header] = struct
+        return self._classes[kind, header]
 
     def _sort(self, kind: str, field: Field) -> Any:
         if field.is_message:
@@ -91,8 +91,8 @@ async def learned(participant: DomainParticipant, type_id: Any, types: Types) ->
     The library blocks until peers answer, so it is called in a thread.
     """
     try:
-        _, found = await asyncio.to_thread(get_types_for_typeid, participant, type_id, _WAIT)
-        learn_all(types, dict(map(definition, found.values())))
+        _, descriptions = await asyncio.to_thread(get_types_for_typeid, participant, type_id, _WAIT)
+        learn_all(types, dict(map(definition, descriptions.values())))
     except (DDSException, RobotError, TypeError, ValueError):
         return False
     return True

@@ -36,14 +36,14 @@ def given(capability: Capability, arguments: Mapping[str, Any]) -> dict[str, Giv
         RobotError: KG823 an unknown parameter, a value of another kind or unit, outside of the limits (it is never
             clamped), or not one of the choices.
     """
-    known = {one.name: one for one in capability.parameters}
+    parameters = {one.name: one for one in capability.parameters}
     for name in arguments:
-        if name not in known:
-            hint = did_you_mean(name, known) or f"`{capability.name}` takes: {', '.join(known) or 'nothing'}."
+        if name not in parameters:
+            hint = did_you_mean(name, parameters) or f"`{capability.name}` takes: {', '.join(parameters) or 'nothing'}."
             raise RobotError("KG823", f"`{capability.name}` has no parameter `{name}`", hint=hint)
-    defaults = {name: one.default for name, one in known.items() if one.default is not None}
+    defaults = {name: one.default for name, one in parameters.items() if one.default is not None}
     values = {**defaults, **arguments}
-    return {name: _value(one, values[name]) for name, one in known.items() if name in values}
+    return {name: _value(one, values[name]) for name, one in parameters.items() if name in values}
 
 
 def missing(parameter: Parameter) -> RobotError:
@@ -84,10 +84,10 @@ def _scalar(text: str) -> float | str:
 
 
 def _truth(parameter: Parameter, value: Any) -> bool:
-    found = _TRUTH.get(value.strip().lower()) if isinstance(value, str) else value
-    if not isinstance(found, bool):
+    truth = _TRUTH.get(value.strip().lower()) if isinstance(value, str) else value
+    if not isinstance(truth, bool):
         raise _refused(parameter, f"`{value}` is neither true nor false")
-    return found
+    return truth
 
 
 def _text(parameter: Parameter, value: Any) -> str:
@@ -113,10 +113,10 @@ def _number(parameter: Parameter, value: Any) -> float:
 
 
 def _quantity(parameter: Parameter, text: str) -> float:
-    found = _QUANTITY.fullmatch(text)
-    if found is None:
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
         raise _refused(parameter, f"`{text}` is not a number")
-    number, unit = float(found[1]), found[2]
+    number, unit = float(match[1]), match[2]
     if unit is None:
         return number
     try:

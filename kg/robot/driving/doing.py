@@ -117,14 +117,14 @@ class Channel:
         if earlier is not None:
             earlier.end("taken over")
 
-    async def heard(self, seconds: float) -> None:
+    async def wait_subscriber(self, seconds: float) -> None:
         """Return when a subscriber is connected; RobotError KG824 if there is none within some seconds.
 
         The seconds are wall-clock time: connecting takes as long however fast a simulation runs.
         """
         try:
             async with asyncio.timeout(seconds):
-                while self._publication.peers == 0:  # noqa: ASYNC110 - nothing tells when a peer comes
+                while self._publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
                     await asyncio.sleep(_LOOK)
         except TimeoutError:
             raise RobotError("KG824", f"no node listens to `{self.topic}`") from None
@@ -187,7 +187,7 @@ class Parts:
         self._robots = robots_of(way.node for one in capabilities.capabilities if one.moves for way in one.ways)
 
     @contextmanager
-    def held(self, command: Command, route: Route) -> Iterator[None]:
+    def reserved(self, command: Command, route: Route) -> Iterator[None]:
         """Reserve the part that a command moves, if it moves one.
 
         On the same topic or action the later command takes over, so a movement can be redirected. Over another
@@ -199,8 +199,8 @@ class Parts:
         for other in self._holders.values():
             if self._same(route, other):
                 doing, way = other.capability.name, other.way
-                told = f"`{route.capability.name}` would move what `{doing}` moves (by the {way.kind} {way.name})"
-                raise RobotError("KG827", told, hint=f"Stop `{doing}` first, or wait until it has ended.")
+                message = f"`{route.capability.name}` would move what `{doing}` moves (by the {way.kind} {way.name})"
+                raise RobotError("KG827", message, hint=f"Stop `{doing}` first, or wait until it has ended.")
         self._holders[command] = route
         try:
             yield
@@ -269,7 +269,7 @@ class Doing:
         Raises:
             RobotError: KG827 another command moves the same part of the robot, and those of `Driver.do`.
         """
-        with self._parts.held(command, route):
+        with self._parts.reserved(command, route):
             if plan.kind == "service":
                 seconds = _SERVICE if plan.seconds is None else plan.seconds
                 command.sent = 1
@@ -284,7 +284,7 @@ class Doing:
             channel = await self._open(plan.name, plan.type, latch=route.moves)
         channel.take(command)
         try:
-            await channel.heard(self._listen)
+            await channel.wait_subscriber(self._listen)
             await (self._move if route.moves else self._once)(command, channel, route, plan)
         finally:
             try:
@@ -396,7 +396,7 @@ class Doing:
         with suppress(RobotError):  # nobody listens, or the robot is lost
             async with self._opening:
                 channel = await self._open(released.topic, released.kind, latch=True)
-            await channel.heard(self._listen)
+            await channel.wait_subscriber(self._listen)
             if not channel.taken:
                 await channel.still(again=True)
 

@@ -49,7 +49,7 @@ class Driver:
         graph: the computation graph of the capabilities, to avoid reading it again at once.
     """
 
-    def __init__(  # noqa: PLR0913 - what a driver can be told
+    def __init__(  # noqa: PLR0913 - the options of a driver
         self,
         connection: Connection,
         capabilities: Capabilities,
@@ -111,11 +111,11 @@ class Driver:
         self._routes.clear()
         self._parts.know(capabilities)
         ending = []
-        for command, found in self._commands.items():
-            if found is not None and not self._is_offered(found):
-                command.end(_vanished(found))
+        for command, chosen in self._commands.items():
+            if chosen is not None and not self._is_offered(chosen):
+                command.end(_vanished(chosen))
                 ending.append(command.ended())
-        readings = [one for one, found in self._readings.items() if not self._is_offered(found)]
+        readings = [one for one, chosen in self._readings.items() if not self._is_offered(chosen)]
         topics = {way.name for one in capabilities.capabilities if one.modality == "read" for way in one.ways}
         await asyncio.gather(*ending, *(one.aclose() for one in readings), self._newest.keep(topics))
 
@@ -142,27 +142,27 @@ class Driver:
             RobotError: KG819 no node of the interface is active, KG821 or KG822 no such capability or interface, KG803
                 the connection is lost, KG804 or KG826 its messages cannot be decoded, and those of a service.
         """
-        found = await self._route(capability, "read", way)
-        if found.way.kind == "service":
-            yield await self._ask(found)
+        chosen = await self._route(capability, "read", way)
+        if chosen.way.kind == "service":
+            yield await self._ask(chosen)
             while rate:
                 await self.connection.clock.sleep(1 / rate)
-                yield await self._ask(found)
+                yield await self._ask(chosen)
             return
-        subscription = await self.connection.subscribe(found.way.name, found.way.type, queue=_QUEUE)
+        subscription = await self.connection.subscribe(chosen.way.name, chosen.way.type, queue=_QUEUE)
         throttle = Throttle(rate)
-        self._readings[subscription] = found
+        self._readings[subscription] = chosen
         try:
-            if self._closed or not self._is_offered(found):  # it came too late for `take` to end it
+            if self._closed or not self._is_offered(chosen):  # it came too late for `take` to end it
                 await subscription.aclose()
             async for received in subscription:
                 if throttle.takes(received.at):
-                    yield found.values(received.value)
+                    yield chosen.values(received.value)
         finally:
             del self._readings[subscription]
             await subscription.aclose()
         if not self._closed and not is_recording(self.connection.address):
-            raise await self._ended(found)
+            raise await self._ended(chosen)
 
     async def latest(self, capability: str, *, seconds: float = 5.0, way: str | None = None) -> dict[str, Any]:
         """Return the newest values of a capability; the first call waits for a message and subscribes.
@@ -172,48 +172,48 @@ class Driver:
         Raises:
             RobotError: those of `read`; KG825 no message in time.
         """
-        found = await self._route(capability, "read", way)
-        if found.way.kind == "service":
-            return await self._ask(found)
+        chosen = await self._route(capability, "read", way)
+        if chosen.way.kind == "service":
+            return await self._ask(chosen)
         try:
             async with asyncio.timeout(seconds):
-                following = await self._newest.of(found.way.name, found.way.type)
+                following = await self._newest.of(chosen.way.name, chosen.way.type)
                 newest = await following.first()
         except TimeoutError:
-            raise RobotError("KG825", f"no message from `{found.way.name}` within {seconds:g} s") from None
+            raise RobotError("KG825", f"no message from `{chosen.way.name}` within {seconds:g} s") from None
         if newest is None or following.ended:
-            raise await self._ended(found)
-        return found.values(newest.value)
+            raise await self._ended(chosen)
+        return chosen.values(newest.value)
 
-    async def changes(self, capability: str, *, asked: float) -> AsyncGenerator[None, None]:
+    async def changes(self, capability: str, *, rate: float) -> AsyncGenerator[None, None]:
         """Yield whenever `latest` may return another value: with the first message and each later one.
 
-        A service is called `asked` times per second. RobotError as `read`.
+        A service is called `rate` times per second. RobotError as `read`.
         """
-        found = await self._route(capability, "read", None)
-        while found.way.kind == "service":
+        chosen = await self._route(capability, "read", None)
+        while chosen.way.kind == "service":
             yield
-            await self.connection.clock.sleep(1 / asked)
-        following = await self._newest.of(found.way.name, found.way.type)
-        told = None
-        while self._is_offered(found) and not following.ended:
-            if following.newest is told:
+            await self.connection.clock.sleep(1 / rate)
+        following = await self._newest.of(chosen.way.name, chosen.way.type)
+        last = None
+        while self._is_offered(chosen) and not following.ended:
+            if following.newest is last:
                 await following.news()
             else:
-                told = following.newest
+                last = following.newest
                 yield
         if not self._closed:
-            raise await self._ended(found)
+            raise await self._ended(chosen)
 
-    async def _ask(self, found: Route) -> dict[str, Any]:
-        request = found.message({}, self.connection.clock.now())
-        return found.answer(await self.connection.call(found.way.name, found.way.type, request, seconds=_ANSWER))
+    async def _ask(self, chosen: Route) -> dict[str, Any]:
+        request = chosen.message({}, self.connection.clock.now())
+        return chosen.answer(await self.connection.call(chosen.way.name, chosen.way.type, request, seconds=_ANSWER))
 
-    async def _ended(self, found: Route) -> RobotError:
-        await asyncio.sleep(0)  # the watcher of the connection might know why in a moment
-        if self._lost is None and not self._is_offered(found):
-            return _vanished(found)
-        return self._lost_error(f"`{found.way.name}` has ended")
+    async def _ended(self, chosen: Route) -> RobotError:
+        await asyncio.sleep(0)  # the watcher of the connection may report the reason
+        if self._lost is None and not self._is_offered(chosen):
+            return _vanished(chosen)
+        return self._lost_error(f"`{chosen.way.name}` has ended")
 
     async def doubts(
         self, capability: str, modality: Literal["read", "write"], *, way: str | None = None
@@ -223,9 +223,9 @@ class Driver:
         For example, nodes are dead but registered, or a topic has no subscriber. Callers report this before they send
         or wait. RobotError KG821 or KG822 if there is no such capability or interface.
         """
-        found = await self._route(capability, modality, way)
+        chosen = await self._route(capability, modality, way)
         graph = await self._recent_graph()
-        return () if graph is None else tuple(doubts_of(found.way, graph, reads=modality == "read"))
+        return () if graph is None else tuple(doubts_of(chosen.way, graph, reads=modality == "read"))
 
     async def plan(
         self,
@@ -236,8 +236,8 @@ class Driver:
         way: str | None = None,
     ) -> Plan:
         """Return what `do` would send; errors as those of `do` that need no robot."""
-        found = await self._route(capability, "write", way, arguments or ())
-        return self._plan(found, given(found.capability, arguments or {}), seconds)
+        chosen = await self._route(capability, "write", way, arguments or ())
+        return self._plan(chosen, given(chosen.capability, arguments or {}), seconds)
 
     async def do(  # noqa: PLR0913 - what a command can say
         self,
@@ -271,28 +271,28 @@ class Driver:
         command = Command()
         self._commands[command] = None
         try:
-            found = self._commands[command] = await self._route(capability, "write", way, arguments or ())
-            values = given(found.capability, arguments or {})
-            plan = self._plan(found, values, seconds)
+            chosen = self._commands[command] = await self._route(capability, "write", way, arguments or ())
+            values = given(chosen.capability, arguments or {})
+            plan = self._plan(chosen, values, seconds)
             if dry_run or self._dry_run:
                 return Outcome(plan=plan, ended="planned")
-            return await self._carry_out(command, found, plan, values, on_feedback)
+            return await self._carry_out(command, chosen, plan, values, on_feedback)
         finally:
             del self._commands[command]
 
     async def _carry_out(
-        self, command: Command, found: Route, plan: Plan, commanded: Mapping[str, Any], on_feedback: Feedback | None
+        self, command: Command, chosen: Route, plan: Plan, commanded: Mapping[str, Any], on_feedback: Feedback | None
     ) -> Outcome:
         if self._lost is not None or self._closed:
             raise self._lost_error("the driver is closed")
-        if found.moves:
+        if chosen.moves:
             graph = await self.connection.graph() if self._exclusive else self._whole
-            if graph is not None and (error := self._contested(found, graph)) is not None:
+            if graph is not None and (error := self._contested(chosen, graph)) is not None:
                 raise error
         observation = Observation(commanded)
-        observing = list(self._observe(observation, found)) if found.moves else []
+        observing = list(self._observe(observation, chosen)) if chosen.moves else []
         try:
-            values = await command.begin(self._doing.carry_out(command, found, plan, on_feedback))
+            values = await command.begin(self._doing.carry_out(command, chosen, plan, on_feedback))
         except (asyncio.CancelledError, RobotError):
             task, ending = asyncio.current_task(), command.ending
             if ending is None or (task is not None and task.cancelling()):
@@ -305,28 +305,28 @@ class Driver:
                 one.cancel()
         return Outcome(plan=plan, ended="done", values=values, sent=command.sent, moved=observation.moved)
 
-    def _observe(self, observation: Observation, found: Route) -> Iterator[asyncio.Task[None]]:
+    def _observe(self, observation: Observation, chosen: Route) -> Iterator[asyncio.Task[None]]:
         """Compare the commanded with the measured movement, by all capabilities that measure it."""
         for one in self.capabilities.capabilities:
             for way in one.ways if one.name in MEASURED and one.modality == "read" else ():
-                if way.kind == "topic" and self._parts.may_be_one_robot(way.node, found.way.node):
+                if way.kind == "topic" and self._parts.may_be_one_robot(way.node, chosen.way.node):
                     with suppress(RobotError):  # a path that does not fit is an error of its reader
                         watching = observation.watch(self._ready(one, way), self._newest, self.connection.clock)
                         yield spawn(watching, "watching whether the robot moves")
 
-    def _plan(self, found: Route, values: Mapping[str, Any], seconds: float | None) -> Plan:
+    def _plan(self, chosen: Route, values: Mapping[str, Any], seconds: float | None) -> Plan:
         now, types = self.connection.clock.now(), self.connection.types
-        timed = found.moves or found.way.kind != "topic"
+        timed = chosen.moves or chosen.way.kind != "topic"
         return Plan(
-            capability=found.capability.name,
-            kind=found.way.kind,
-            name=found.way.name,
-            type=found.way.type,
-            node=found.way.node,
-            message=types.complete(found.sends, found.message(values, now)),
-            rate=found.way.rate if found.moves else 0,
+            capability=chosen.capability.name,
+            kind=chosen.way.kind,
+            name=chosen.way.name,
+            type=chosen.way.type,
+            node=chosen.way.node,
+            message=types.complete(chosen.sends, chosen.message(values, now)),
+            rate=chosen.way.rate if chosen.moves else 0,
             seconds=seconds if timed else None,
-            afterwards=types.complete(found.sends, found.zero(now)) if found.moves else None,
+            afterwards=types.complete(chosen.sends, chosen.zero(now)) if chosen.moves else None,
         )
 
     async def stop(self, *, released: bool = False) -> None:
@@ -355,16 +355,16 @@ class Driver:
     def saw(self, graph: ComputationGraph) -> None:
         """Set the current computation graph: other controllers are reported, or end the movement."""
         self._whole = graph
-        for command, found in self._commands.items():
-            if found is not None and found.moves and (error := self._contested(found, graph)) is not None:
+        for command, chosen in self._commands.items():
+            if chosen is not None and chosen.moves and (error := self._contested(chosen, graph)) is not None:
                 command.end(error)
 
-    def _contested(self, found: Route, graph: ComputationGraph) -> RobotError | None:
+    def _contested(self, chosen: Route, graph: ComputationGraph) -> RobotError | None:
         """Report new nodes that publish to the topic of a movement; if it is exclusive, return them as an error."""
-        others = set(other_controllers(found.way.name, graph))
+        others = set(other_controllers(chosen.way.name, graph))
         if others and self._exclusive:
             names = ", ".join(f"`{one.subject}`" for one in sorted(others))
-            return RobotError("KG829", f"{names} publishes to `{found.way.name}`, which was to be driven exclusively")
+            return RobotError("KG829", f"{names} publishes to `{chosen.way.name}`, which was to be driven exclusively")
         for one in sorted(others - self._others):
             self.log("warning", f"[{one.code}] {one.subject}: {one.message}")
             self._on_problem(one)
@@ -378,8 +378,8 @@ class Driver:
         """
         self._interruption.set_result(error)
         self._interruption = asyncio.get_running_loop().create_future()
-        for command, found in self._commands.items():
-            if found is not None and (found.moves or found.way.kind == "action"):
+        for command, chosen in self._commands.items():
+            if chosen is not None and (chosen.moves or chosen.way.kind == "action"):
                 command.end(error)
 
     async def wait_interrupted(self) -> RobotError:
@@ -391,10 +391,10 @@ class Driver:
     ) -> Route:
         if modality == "write" and is_recording(self.connection.address):
             raise not_commanded(self.connection.address)
-        known = None
-        while known is not self.capabilities:  # others may take over while the graph is read
-            known = self.capabilities
-            capability = find(known, name, modality)
+        current = None
+        while current is not self.capabilities:  # others may take over while the graph is read
+            current = self.capabilities
+            capability = find(current, name, modality)
             ways = named(capability, way)
             if modality == "read":
                 ways = [one for one in ways if one.kind != "action"]
@@ -413,9 +413,9 @@ class Driver:
             self._routes[key] = route(capability, way, self.connection.types)
         return self._routes[key]
 
-    def _is_offered(self, found: Route) -> bool:
+    def _is_offered(self, chosen: Route) -> bool:
         """Return whether the robot still has a capability over an interface."""
-        key = _key(found.capability, found.way)
+        key = _key(chosen.capability, chosen.way)
         return any(key == _key(one, way) for one in self.capabilities.capabilities for way in one.ways)
 
     async def _recent_graph(self) -> ComputationGraph | None:
@@ -433,8 +433,8 @@ def _key(capability: Capability, way: Way) -> _Key:
     return capability.iri, way.kind, way.name, way.type
 
 
-def _vanished(found: Route) -> RobotError:
+def _vanished(chosen: Route) -> RobotError:
     """Return the error KG822 for a command or reading over an interface that is gone."""
-    does = "provides" if found.capability.modality == "write" else "reports"
-    message = f"no node of the robot {does} `{found.capability.name}` through `{found.way.name}` any more"
-    return RobotError("KG822", message, hint=f"`{found.way.node}` did; start it again.")
+    does = "provides" if chosen.capability.modality == "write" else "reports"
+    message = f"no node of the robot {does} `{chosen.capability.name}` through `{chosen.way.name}` any more"
+    return RobotError("KG822", message, hint=f"`{chosen.way.node}` did; start it again.")

@@ -96,13 +96,13 @@ class NewestMessages:
         Raises:
             RobotError: KG803 closed at the same time, and those of subscribing.
         """
-        known = self._by_topic.get(topic)
-        if known is None or (known.done() and (known.cancelled() or known.exception() or known.result().ended)):
-            known = self._by_topic[topic] = asyncio.ensure_future(self._subscribe(topic, kind))
-        await asyncio.wait((known,))  # other waiters might not be cancelled
-        if known.cancelled():
+        entry = self._by_topic.get(topic)
+        if entry is None or (entry.done() and (entry.cancelled() or entry.exception() or entry.result().ended)):
+            entry = self._by_topic[topic] = asyncio.ensure_future(self._subscribe(topic, kind))
+        await asyncio.wait((entry,))  # other waiters might not be cancelled
+        if entry.cancelled():
             raise RobotError("KG803", f"the subscription to `{topic}` was closed")
-        return known.result()
+        return entry.result()
 
     async def _subscribe(self, topic: str, kind: str) -> Newest:
         return Newest(await self._connection.subscribe(topic, kind, queue=1))
@@ -119,12 +119,12 @@ class NewestMessages:
         tasks = [self._by_topic.pop(topic) for topic in set(self._by_topic) if topic not in topics]
         for task in tasks:
             task.cancel()
-        for found in await asyncio.gather(*tasks, return_exceptions=True):
-            if isinstance(found, Newest):
-                await found.aclose()
-        for known in self._by_topic.values():
-            if known.done() and not known.cancelled() and known.exception() is None:
-                known.result().ring()
+        for closing in await asyncio.gather(*tasks, return_exceptions=True):
+            if isinstance(closing, Newest):
+                await closing.aclose()
+        for pending in self._by_topic.values():
+            if pending.done() and not pending.cancelled() and pending.exception() is None:
+                pending.result().ring()
 
 
 _VELOCITY: Final = "sensingVelocity"
@@ -182,7 +182,7 @@ class Observation:
 
     def _take_speeds(self, measured: Mapping[str, Any]) -> None:
         speeds = [(self._commanded[name], measured[name]) for name in self._commanded if measured.get(name) is not None]
-        if any(abs(speed) >= _SLOWEST * abs(told) for told, speed in speeds):
+        if any(abs(speed) >= _SLOWEST * abs(commanded) for commanded, speed in speeds):
             self._moved = True
         elif speeds:
             self._still += 1

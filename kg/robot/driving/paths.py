@@ -99,34 +99,34 @@ class _Parser:
         name = self._take("name")
         if name is None:
             raise self._wrong("the name of a field or function")
-        found: Path = Field(None, name)
+        path: Path = Field(None, name)
         if self._sign("("):
             arguments = [self._argument(depth + 1)]
             while self._sign(","):
                 arguments.append(self._argument(depth + 1))
             if not self._sign(")"):
                 raise self._wrong("`,` or `)`")
-            found = Call(name, tuple(arguments))
+            path = Call(name, tuple(arguments))
         while True:
             if self._sign("."):
                 following = self._take("name")
                 if following is None:
                     raise self._wrong("the name of a field")
-                found = Field(found, following)
+                path = Field(path, following)
             elif self._sign("["):
-                found = self._list(found)
+                path = self._list(path)
             else:
-                return found
+                return path
 
-    def _list(self, found: Path) -> Path:
+    def _list(self, path: Path) -> Path:
         index = self._take("number")
         if not self._sign("]"):
             raise self._wrong("`]`")
         if index is None:
-            return Each(found)
+            return Each(path)
         if not index.lstrip("+-").isdecimal():
             raise self._wrong("a whole number as an index")
-        return Element(found, int(index))
+        return Element(path, int(index))
 
     def _argument(self, depth: int) -> Argument:
         number = self._take("number")
@@ -138,22 +138,22 @@ class _Parser:
             raise self._wrong("the end")
 
     def _take(self, group: str) -> str | None:
-        found = _TOKEN.match(self._text, self._at)
-        if found is None or found[group] is None:
+        match = _TOKEN.match(self._text, self._at)
+        if match is None or match[group] is None:
             return None
-        self._at = found.end()
-        return str(found[group])
+        self._at = match.end()
+        return str(match[group])
 
     def _sign(self, sign: str) -> bool:
-        found = _TOKEN.match(self._text, self._at)
-        if found is None or found["sign"] != sign:
+        match = _TOKEN.match(self._text, self._at)
+        if match is None or match["sign"] != sign:
             return False
-        self._at = found.end()
+        self._at = match.end()
         return True
 
     def _wrong(self, expected: str) -> RobotError:
-        rest = self._text[self._at :].strip()[:20]
-        where = f"before `{rest}`" if rest else "at the end"
+        following = self._text[self._at :].strip()[:20]
+        where = f"before `{following}`" if following else "at the end"
         return RobotError("KG826", f"the path `{self._text[:200]}` lacks {expected} {where}")
 
 
@@ -189,8 +189,8 @@ def numbers(value: Any) -> list[float]:
 
 def _of_one(function: Callable[[Any], Any]) -> Read:
     def read(look: Look, value: Any, arguments: tuple[Argument, ...]) -> Any:
-        found = look(arguments[0], value)
-        return None if found is None else function(found)
+        operand = look(arguments[0], value)
+        return None if operand is None else function(operand)
 
     return read
 
@@ -218,12 +218,12 @@ def _distance(of: dict[str, float]) -> float:
     return math.hypot(of["x"], of["y"], of.get("z", 0.0))
 
 
-def _beside(look: Look, value: Any, path: Argument) -> dict[str, Any]:
+def _containing(look: Look, value: Any, path: Argument) -> dict[str, Any]:
     """Return the message that a list is a field of."""
     if not isinstance(path, Field):
         return {}
-    found = value if path.of is None else look(path.of, value)
-    return found if isinstance(found, dict) else {}
+    message = value if path.of is None else look(path.of, value)
+    return message if isinstance(message, dict) else {}
 
 
 def _counts(reading: float, scan: dict[str, Any]) -> bool:
@@ -232,12 +232,12 @@ def _counts(reading: float, scan: dict[str, Any]) -> bool:
 
 
 def _minimum(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None:
-    scan = _beside(look, value, arguments[0])
+    scan = _containing(look, value, arguments[0])
     return min((one for one in numbers(look(arguments[0], value)) if _counts(one, scan)), default=None)
 
 
 def _at(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None:
-    ranges, scan = look(arguments[0], value), _beside(look, value, arguments[0])
+    ranges, scan = look(arguments[0], value), _containing(look, value, arguments[0])
     angle, width = arguments[1], arguments[2] if len(arguments) > 2 else 0.0  # noqa: PLR2004 - the third of three
     step = scan.get("angle_increment") or 0.0
     if not ranges or not step or not isinstance(angle, float) or not isinstance(width, float):
@@ -260,8 +260,8 @@ def _nearest(look: Look, value: Any, arguments: tuple[Argument, ...]) -> Any:
 
 
 def _scaled(look: Look, value: Any, arguments: tuple[Argument, ...]) -> float | None:
-    found = look(arguments[0], value)
-    return None if found is None or not isinstance(arguments[1], float) else found * arguments[1]
+    number = look(arguments[0], value)
+    return None if number is None or not isinstance(arguments[1], float) else number * arguments[1]
 
 
 FUNCTIONS: Final = {
@@ -290,16 +290,16 @@ def look(path: Argument, value: Any) -> Any:
         return path
     if isinstance(path, Call):
         try:
-            found = _function(path).read(look, value, path.arguments)
+            result = _function(path).read(look, value, path.arguments)
         except (TypeError, KeyError, AttributeError, ArithmeticError):
             raise RobotError("KG826", f"`{path}` is of a field of another kind") from None
     elif isinstance(path, Field):
-        found = _field(value if path.of is None else look(path.of, value), path.name, many=_many(path.of))
+        result = _field(value if path.of is None else look(path.of, value), path.name, many=_many(path.of))
     elif isinstance(path, Each):
-        found = _elements(look(path.of, value), many=_many(path.of))
+        result = _elements(look(path.of, value), many=_many(path.of))
     else:
-        found = _element(look(path.of, value), path.index, many=_many(path.of))
-    return None if isinstance(found, float) and math.isnan(found) else found
+        result = _element(look(path.of, value), path.index, many=_many(path.of))
+    return None if isinstance(result, float) and math.isnan(result) else result
 
 
 def _many(path: Path | None) -> bool:
@@ -362,9 +362,7 @@ def _inner(path: Path | None, message: Value, whole: Path) -> Value:
 def _function(call: Call) -> Function:
     function = FUNCTIONS.get(call.function)
     if function is None:
-        raise RobotError(
-            "KG826", f"`{call}` uses no function that there is", hint=did_you_mean(call.function, FUNCTIONS)
-        )
+        raise RobotError("KG826", f"`{call}`: unknown function", hint=did_you_mean(call.function, FUNCTIONS))
     return function
 
 
@@ -395,12 +393,12 @@ def type_at(path: Argument, types: Types, kind: str, whole: str = "") -> str | N
     if inner is None:
         return None
     if "/" not in inner:
-        raise RobotError("KG826", f"`{whole}`: `{path.of}` has no fields, for it is a {inner}")
-    found = {one.name: one for one in types.fields(inner)}
-    if path.name not in found:
-        hint = did_you_mean(path.name, found) or f"Its fields are: {', '.join(found)}."
+        raise RobotError("KG826", f"`{whole}`: `{path.of}` has no fields: it is a {inner}")
+    fields = {one.name: one for one in types.fields(inner)}
+    if path.name not in fields:
+        hint = did_you_mean(path.name, fields) or f"Its fields are: {', '.join(fields)}."
         raise RobotError("KG826", f"`{whole}`: {inner} has no field `{path.name}`", hint=hint)
-    return found[path.name].type
+    return fields[path.name].type
 
 
 def _returned(call: Call, types: Types, kind: str, whole: str) -> str | None:

@@ -58,8 +58,10 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
         """The error KG820 if the robot was commanded to move and did not."""
         if self.moved is not False:
             return None
-        told = f"{self.sent} messages were sent to `{self.plan.name}`, but the robot measured no speed: it did not move"
-        return RobotError("KG820", told)
+        message = (
+            f"{self.sent} messages were sent to `{self.plan.name}`, but the robot measured no speed: it did not move"
+        )
+        return RobotError("KG820", message)
 
 
 _GIVEN: Final = {"topic": "", "service": "_Request", "action": "_Goal"}
@@ -93,20 +95,20 @@ class Route:
         Raises:
             RobotError: KG823 a parameter without a value, or without a field in this message.
         """
-        known = {one.name: one for one in self.capability.parameters}
+        parameters = {one.name: one for one in self.capability.parameters}
         for name, value in values.items():
-            if name not in self.arguments and value != known[name].default:
+            if name not in self.arguments and value != parameters[name].default:
                 raise RobotError("KG823", f"`{name}` cannot be given by {self.way.kind} `{self.way.name}`")
         for name in self.arguments:
             if name not in values:
-                raise missing(known[name])
+                raise missing(parameters[name])
         return self._message({name: values[name] for name in self.arguments}, now)
 
     def zero(self, now: float) -> Value:
         """Return the message that ends a movement: all numbers zero."""
-        known = {one.name: one for one in self.capability.parameters}
+        parameters = {one.name: one for one in self.capability.parameters}
         still = {"number": 0.0, "integer": 0, "boolean": False}
-        values = {name: still.get(known[name].type, known[name].default) for name in self.arguments}
+        values = {name: still.get(parameters[name].type, parameters[name].default) for name in self.arguments}
         return self._message({name: value for name, value in values.items() if value is not None}, now)
 
     def _message(self, values: Mapping[str, Any], now: float) -> Value:
@@ -136,8 +138,8 @@ class Route:
         if self.way.kind == "service" and message.get("success") is False:
             why = message.get("message") or message.get("status_message") or "no reason given"
             raise RobotError("KG808", f"`{self.way.name}` did not succeed: {why}")
-        told = {name: path for name, path in self.answers.items() if set(roots(path)) <= message.keys()}
-        return {name: look(path, message) for name, path in told.items()} or message
+        reported = {name: path for name, path in self.answers.items() if set(roots(path)) <= message.keys()}
+        return {name: look(path, message) for name, path in reported.items()} or message
 
 
 def route(capability: Capability, way: Way, types: Types) -> Route:
@@ -147,7 +149,7 @@ def route(capability: Capability, way: Way, types: Types) -> Route:
         RobotError: KG826 paths that do not fit the message, KG804 its type is unknown.
     """
     sends = way.type + _GIVEN[way.kind]
-    told = [way.type + part for part in _TOLD[way.kind]]
+    parts = [way.type + part for part in _TOLD[way.kind]]
     ordered = [one.name for one in capability.parameters if one.name in way.fields]
     paths = {name: parse(way.fields[name]) for name in ordered}
     own = {one.name for one in types.fields(sends)}
@@ -160,7 +162,7 @@ def route(capability: Capability, way: Way, types: Types) -> Route:
     for path in [*arguments.values(), *(path for path, _ in constants)]:
         type_at(path, types, sends)  # raises if it does not fit
     for path in answers.values():
-        fitting = [kind for kind in told if set(roots(path)) <= {one.name for one in types.fields(kind)}]
-        type_at(path, types, (fitting or told)[0])
+        fitting = [kind for kind in parts if set(roots(path)) <= {one.name for one in types.fields(kind)}]
+        type_at(path, types, (fitting or parts)[0])
     stamped = way.kind == "topic" and any(one.type == "std_msgs/Header" for one in types.fields(sends)[:1])
     return Route(capability, way, sends, stamped, arguments, answers, constants)

@@ -41,7 +41,7 @@ _BEATS: Final = 5  # heartbeats within that time
 _IDLE: Final = 5.0  # seconds that the controller may be blocked without movement before its commands end
 _TIMES: Final = 5  # how often zero is sent: the controller's last command may still be in transit
 _PAUSE: Final = 0.1
-_HEARD: Final = (
+_PEERS: Final = (
     3.0  # seconds to wait for a subscriber of a topic, or the server of a goal, that was in use a moment ago
 )
 _ENDS: Final = 5.0  # seconds for the watchdog to leave the graph
@@ -233,7 +233,7 @@ class _Watching:
     def __init__(self, connection: Connection, silence: float) -> None:
         self._connection = connection
         self._silence = silence
-        self._heard = 0.0
+        self._last_beat = 0.0
         self._released = False
         self.owed: list[_Order] = []
         """The orders of the topics that are to be stopped when the robot can be reached again."""
@@ -251,7 +251,7 @@ class _Watching:
         reading = asyncio.ensure_future(self._read())
         while not reading.done():
             await asyncio.wait((reading,), timeout=self._silence / (2 * _BEATS))
-            silent = loop.time() - self._heard
+            silent = loop.time() - self._last_beat
             if (self._zeros or self._goals) and silent > self._silence and not reading.done():
                 with suppress(OSError):
                     os.write(sys.stdout.fileno(), f"{silent}\n".encode())
@@ -264,7 +264,7 @@ class _Watching:
         reader = asyncio.StreamReader(limit=1 << 24)
         await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
         while (line := await reader.readline()).endswith(b"\n"):  # ignore a truncated order
-            self._heard = loop.time()
+            self._last_beat = loop.time()
             self._take(json.loads(line))
             if self._released:
                 return
@@ -319,8 +319,8 @@ class _Watching:
     async def _still(self, topic: str, zero: Value) -> None:
         publication = await self._publications[topic]
         with suppress(TimeoutError):
-            async with asyncio.timeout(_HEARD):
-                while not publication.peers:  # noqa: ASYNC110 - nothing tells of peers
+            async with asyncio.timeout(_PEERS):
+                while not publication.peers:  # noqa: ASYNC110 - no event reports new peers
                     await asyncio.sleep(_PAUSE)
         for _ in range(_TIMES):
             if topic in self._zeros:  # the controller is back and moves it with a new command
@@ -331,7 +331,7 @@ class _Watching:
             await asyncio.sleep(_PAUSE)
 
     async def _cancelled(self, identity: str, action: str) -> None:
-        async with asyncio.timeout(_HEARD):
+        async with asyncio.timeout(_PEERS):
             await (await self._cancellers[action]).cancel(identity)
             await asyncio.sleep(_PAUSE)  # messages leave before the node does
 

@@ -19,23 +19,23 @@ def find(capabilities: Capabilities, name: str, modality: Literal["read", "write
     Raises:
         RobotError: KG821 unknown, with suggestions; KG822 it can only be used the other way, or is not available.
     """
-    found = called(capabilities, name)
-    if not found:
+    matches = called(capabilities, name)
+    if not matches:
         raise _unknown(capabilities, name, modality)
-    fitting = [one for one in found if modality in {None, one.modality}]
+    fitting = [one for one in matches if modality in {None, one.modality}]
     if not fitting:
-        can, command = ("done", "do") if found[0].modality == "write" else ("read", "read")
-        hint = f"Use `kg robot {command} {found[0].name}`."
-        raise RobotError("KG822", f"`{found[0].name}` can only be {can}", hint=hint)
+        can, command = ("done", "do") if matches[0].modality == "write" else ("read", "read")
+        hint = f"Use `kg robot {command} {matches[0].name}`."
+        raise RobotError("KG822", f"`{matches[0].name}` can only be {can}", hint=hint)
     return min(fitting, key=lambda one: not one.ways)
 
 
 def _unknown(capabilities: Capabilities, name: str, modality: str | None) -> RobotError:
-    known = [one for one in capabilities.capabilities if modality in {None, one.modality} and one.ways]
-    words = {each: one.name for one in reversed(known) for each in (one.name, one.label, *one.alternatives)}
+    candidates = [one for one in capabilities.capabilities if modality in {None, one.modality} and one.ways]
+    words = {each: one.name for one in reversed(candidates) for each in (one.name, one.label, *one.alternatives)}
     hint = did_you_mean(name, words)
     if hint is None:
-        listed = ", ".join(f"`{one.name}`" for one in known)
+        listed = ", ".join(f"`{one.name}`" for one in candidates)
         hint = f"It can: {listed}." if listed else "No capabilities of it are known."
     return RobotError("KG821", f"{capabilities.of} has no capability `{name}`", hint=hint)
 
@@ -51,12 +51,12 @@ def named(capability: Capability, name: str | None) -> list[Way]:
         raise RobotError("KG822", f"`{capability.name}` cannot be reached: no node of the robot provides it{because}")
     if name is None:
         return list(capability.ways)
-    found = [one for one in capability.ways if name in {one.name, one.name.lstrip("/"), one.node, one.type}]
-    if not found:
+    matches = [one for one in capability.ways if name in {one.name, one.name.lstrip("/"), one.node, one.type}]
+    if not matches:
         names = {one.name for one in capability.ways}
         hint = did_you_mean(name, names) or f"Its ways are: {', '.join(sorted(names))}."
         raise RobotError("KG822", f"`{capability.name}` has no way `{name}`", hint=hint)
-    return found
+    return matches
 
 
 def choose(ways: list[Way], arguments: Collection[str], graph: ComputationGraph | None, *, reads: bool) -> Way:

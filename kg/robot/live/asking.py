@@ -102,8 +102,8 @@ def _stored(snapshot: EmbeddedSnapshot, settings: Settings, iri: str, of: str) -
 
 def _in_memory(system: System, settings: Settings, of: str, records: Mapping[Any, Any] | None = None) -> Subject:
     own = system.configuration
-    known = knowledge(settings)
-    world = world_of(system, settings, known, records, whole=True)
+    read_knowledge = knowledge(settings)
+    world = world_of(system, settings, read_knowledge, records, whole=True)
     iri = Iris(settings.base).configuration(own.repository, own.path)
-    view = View(world, explained_vocabulary(settings), known.rules.rules)
-    return Subject(read(world, iri, of, known.definitions), view, world, iri, known.rules.rules)
+    view = View(world, explained_vocabulary(settings), read_knowledge.rules.rules)
+    return Subject(read(world, iri, of, read_knowledge.definitions), view, world, iri, read_knowledge.rules.rules)

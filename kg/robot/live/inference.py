@@ -24,7 +24,7 @@ from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.systems import system_triples
-from kg.pipeline.kept import installations, states
+from kg.pipeline.filecache import installations, states
 from kg.pipeline.reasoning import digest, rule_folders, schema_of
 from kg.robot.capabilities import Definition, definitions, read
 from kg.robot.capability import Capabilities
@@ -81,9 +81,9 @@ def remembered(name: str, make: Callable[[], Capabilities]) -> Capabilities:
     """
     place = cache_folder() / f"{name}.json"
     with suppress(OSError, msgspec.MsgspecError):
-        found = msgspec.json.decode(place.read_bytes(), type=Capabilities)
+        capabilities = msgspec.json.decode(place.read_bytes(), type=Capabilities)
         place.touch()
-        return found
+        return capabilities
     content = msgspec.json.encode(make())
     if len(content) <= _MOST_BYTES:
         with suppress(OSError):
@@ -109,13 +109,13 @@ _LABEL: Final = v.LABEL.encode()
 class Knowledge:
     """Knowledge independent of any robot: rules, and the ontologies as triples and as columns.
 
-    `told` has the triples of the ontologies as N-Triples, `short` only the modalities and labels of capabilities.
+    `full` has the triples of the ontologies as N-Triples, `short` only the modalities and labels of capabilities.
     """
 
     program: Program
     dictionary: Dictionary
     ontology: Facts
-    told: bytes
+    full: bytes
     short: bytes
     definitions: Mapping[str, Definition]
     rules: RuleSet
@@ -131,10 +131,10 @@ class Knowledge:
         store = Store()
         bulk.load(lambda: store, DefaultGraph(), [content])
         own = read_columns(MemorySnapshot(store), wanted(self.program.rules), [None], self.dictionary)
-        found = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
-        shown = stored(found, self.dictionary)
+        conclusions = evaluate(self.program, self.dictionary, union_of([self.ontology, own])).inferred
+        shown = stored(conclusions, self.dictionary)
         bulk.load(lambda: store, self.inferred, lines(shown, self.dictionary))
-        bulk.load(lambda: store, DefaultGraph(), [self.told if whole else self.short])
+        bulk.load(lambda: store, DefaultGraph(), [self.full if whole else self.short])
         return MemorySnapshot(store)
 
 
@@ -143,7 +143,7 @@ def knowledge(settings: Settings) -> Knowledge:
 
     Unusable rule files are left out. Raises as `kg.pipeline.reasoning.digest`.
     """
-    return _known(_Same(f"{settings.base} {rule_folders(settings)} {digest(settings)}", settings))
+    return _cached_knowledge(_Same(f"{settings.base} {rule_folders(settings)} {digest(settings)}", settings))
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ class _Same:
 
 
 @lru_cache(maxsize=2)
-def _known(same: _Same) -> Knowledge:
+def _cached_knowledge(same: _Same) -> Knowledge:
     content = ontology_triples([path for path in ontologies_in_force(same.settings) if path.name not in _LEFT_OUT])
     store = Store()
     bulk.load(lambda: store, DefaultGraph(), [content])
@@ -165,15 +165,22 @@ def _known(same: _Same) -> Knowledge:
     dictionary = Dictionary()
     triples = [quad.triple for quad in parse(content, RdfFormat.N_TRIPLES)]
     ontology = stated([*triples, *rules.data], dictionary)
-    told = [line for line in content.splitlines(keepends=True) if _MODALITY in line]
-    subjects = {line.partition(b" ")[0] for line in told}
-    told += [
+    short = [line for line in content.splitlines(keepends=True) if _MODALITY in line]
+    subjects = {line.partition(b" ")[0] for line in short}
+    short += [
         line for line in content.splitlines(keepends=True) if _LABEL in line and line.split(b" ", 1)[0] in subjects
     ]
     program = Program(rules.rules)
     inferred = NamedNode(Iris(same.settings.base).graph("inferred"))
     return Knowledge(
-        program, dictionary, ontology, content, b"".join(told), definitions(MemorySnapshot(store)), rules, inferred
+        program,
+        dictionary,
+        ontology,
+        content,
+        b"".join(short),
+        definitions(MemorySnapshot(store)),
+        rules,
+        inferred,
     )
 
 
@@ -197,11 +204,11 @@ def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", nam
     """
     called = name or name_of(address) or "robot"
     of = name or address or called
-    found = remembered(
+    capabilities = remembered(
         cache_key(graph, settings, (called, of)),
         lambda: infer_system(system_of(graph, Seen(address, called, now())), settings, of=of),
     )
-    return available(found, graph)
+    return available(capabilities, graph)
 
 
 def infer_system(
@@ -217,21 +224,21 @@ def infer_system(
     """
     own = system.configuration
     iri = Iris(settings.base).configuration(own.repository, own.path)
-    known = knowledge(settings)
-    return read(world_of(system, settings, known, records), iri, of, known.definitions)
+    shared = knowledge(settings)
+    return read(world_of(system, settings, shared, records), iri, of, shared.definitions)
 
 
 def world_of(
     system: System,
     settings: Settings,
-    known: Knowledge,
+    shared: Knowledge,
     records: Mapping[NodeReference, NodeRecord] | None = None,
     *,
     whole: bool = False,
 ) -> MemorySnapshot:
     """Return a snapshot of a system with its inferences; `whole` as in `Knowledge.world`."""
     content = system_triples(system, records or {}, Iris(settings.base), whole=True)
-    return known.world(content, whole=whole)
+    return shared.world(content, whole=whole)
 
 
 _OF: Final = "the ontology"
@@ -239,5 +246,5 @@ _OF: Final = "the ontology"
 
 def general(settings: Settings) -> Capabilities:
     """Return every capability of the ontologies, without interfaces; raises as `knowledge`."""
-    found = [one.capability() for one in knowledge(settings).definitions.values()]
-    return Capabilities(of=_OF, capabilities=tuple(sorted(found, key=lambda each: (each.kinds, each.label))))
+    capabilities = [one.capability() for one in knowledge(settings).definitions.values()]
+    return Capabilities(of=_OF, capabilities=tuple(sorted(capabilities, key=lambda each: (each.kinds, each.label))))

@@ -16,7 +16,7 @@ from kg.graph.shared import SHARED, split
 from kg.graph.systems import system_parts
 from kg.launch.wiring.near_misses import near_misses
 from kg.pipeline.inferring import Inference
-from kg.robot.capabilities import held
+from kg.robot.capabilities import capability_labels
 from kg.robot.live.inference import now
 from kg.robot.live.recognizing import Recognizer
 from kg.robot.live.systems import Instances, Match, Seen, system_of
@@ -99,15 +99,15 @@ _NONE: Final = -1  # no generation: the content of the store is unknown
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class StoredState:
     """The state of the store after a change.
 
-    `generation` is None if nothing had to be written. `held` has the IRIs of the system's capabilities, with labels;
+    `generation` is None if nothing had to be written. `capabilities` maps their IRIs to labels;
     `matches` the node types of its nodes; `problems` are rules that could not run.
     """
 
     generation: int | None
-    held: Mapping[str, str]
+    capabilities: Mapping[str, str]
     matches: Mapping[str, Match] = field(default_factory=dict)
     problems: tuple[KgError, ...] = ()
 
@@ -141,7 +141,7 @@ class Keeper:
         """The IRI of the system."""
         return self._iris.configuration(RUNNING, self._name)
 
-    def keep(self, graph: ComputationGraph, *, until: str | None = None) -> Kept:
+    def keep(self, graph: ComputationGraph, *, until: str | None = None) -> StoredState:
         """Store the current state of the system; with `until` (ISO 8601, UTC), as seen for the last time.
 
         Raises StoreError: KG302 another process is writing, KG304 the disk is full; and as `Inference.run`.
@@ -156,20 +156,20 @@ class Keeper:
             moment = now()
             self._nodes = {node.name: self._nodes.get(node.name, moment) for node in graph.nodes}
             seen = Seen(self._address, self._name, self._since, until, self._nodes)
-            system = system_of(graph, seen, matches, similar=near_misses, made=self._instances)
+            system = system_of(graph, seen, matches, similar=near_misses, previous=self._instances)
             written = self._write(transaction, system)
             problems = self._inference.run(transaction).problems if written else ()
-            found = held(transaction, self.iri)
+            labels = capability_labels(transaction, self.iri)
             if not written:
                 transaction.roll_back()
             generation = transaction.commit()
             self._generation = generation or transaction.base
         if generation is not None:
             self._inference.remember(generation, save=False)
-        return Kept(generation, found, matches, problems)
+        return StoredState(generation, labels, matches, problems)
 
     def save(self) -> None:
-        """Save the state that lets the next process start its rules quickly."""
+        """Save the state with which the next process starts its rules quickly."""
         self._inference.save()
 
     def _write(self, transaction: EmbeddedTransaction, system: System) -> bool:

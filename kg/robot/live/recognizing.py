@@ -40,11 +40,11 @@ class Recognizer:
     def __init__(self, base: str) -> None:
         self.records: dict[NodeReference, NodeRecord] = {}
         self._iris = Iris(base)
-        self._known: dict[tuple[str, tuple[LiveEnd, ...]], Match | None] = {}
+        self._cache: dict[tuple[str, tuple[LiveEnd, ...]], Match | None] = {}
 
     def forget(self) -> None:
         """Clear the cache, because the node types of the store changed."""
-        self._known.clear()
+        self._cache.clear()
         self.records.clear()
 
     def matches(self, store: Queryable, graph: ComputationGraph) -> dict[str, Match]:
@@ -54,16 +54,16 @@ class Recognizer:
             if not is_implicit(end.role, end.name, end.node, graph.ros):
                 ends[end.node].append(end)
         keys = {node.name: (node.name, tuple(ends[node.name])) for node in graph.nodes}
-        self._known = {key: self._known[key] for key in keys.values() if key in self._known}
-        self._recognize(store, [key for key in keys.values() if key not in self._known])
-        found = {name: self._known[key] for name, key in keys.items()}
-        return {name: match for name, match in found.items() if match is not None}
+        self._cache = {key: self._cache[key] for key in keys.values() if key in self._cache}
+        self._recognize(store, [key for key in keys.values() if key not in self._cache])
+        best = {name: self._cache[key] for name, key in keys.items()}
+        return {name: match for name, match in best.items() if match is not None}
 
     def _recognize(self, store: Queryable, fresh: Sequence[tuple[str, tuple[LiveEnd, ...]]]) -> None:
         names = {_base(name) for name, _ in fresh}
         channels = {self._channel(end) for _, ends in fresh for end in ends}
-        named = _asked(store, "node-types-by-name", [Literal(name) for name in sorted(names)])
-        wired = _asked(store, "node-types-by-channel", [NamedNode(iri) for iri in sorted(channels)])
+        named = _query_values(store, "node-types-by-name", [Literal(name) for name in sorted(names)])
+        wired = _query_values(store, "node-types-by-channel", [NamedNode(iri) for iri in sorted(channels)])
         wanted = {iri for iris in (*named.values(), *wired.values()) for iri in iris}
         records = {one.iri: one for one in node_records(store, iris=wanted)} if wanted else {}
         for name, ends in fresh:
@@ -71,7 +71,7 @@ class Recognizer:
             sharing = {iri for end in ends for iri in wired.get(self._channel(end), ())}
             others = [records[iri] for iri in sorted(sharing) if iri in records]
             match = _best(name, ends, alike, same_name=True) or _best(name, ends, others, same_name=False)
-            self._known[name, ends] = match
+            self._cache[name, ends] = match
             if match is not None:
                 self.records.update((one.reference, one) for one in (*alike, *others) if one.reference == match.type)
 
@@ -79,15 +79,15 @@ class Recognizer:
         return self._iris.channel(end.role.channel, end.name)
 
 
-def _asked(store: Queryable, name: str, values: Sequence[Literal | NamedNode]) -> dict[str, set[str]]:
+def _query_values(store: Queryable, name: str, values: Sequence[Literal | NamedNode]) -> dict[str, set[str]]:
     """Return the second column of a stored query by its first, for several values of its parameter."""
-    found: defaultdict[str, set[str]] = defaultdict(set)
+    values_by_key: defaultdict[str, set[str]] = defaultdict(set)
     if values:
         text = _BLOCK.sub(lambda block: f"VALUES ?{block[1]} {{ {' '.join(map(str, values))} }}", internal(name))
         rows: Any = store.query(text, prefixes=dict(PREFIXES))
         for row in rows:
-            found[row[0].value].add(row[1].value)
-    return dict(found)
+            values_by_key[row[0].value].add(row[1].value)
+    return dict(values_by_key)
 
 
 def _base(name: str) -> str:
@@ -96,18 +96,18 @@ def _base(name: str) -> str:
 
 def _best(name: str, ends: Sequence[LiveEnd], records: Iterable[NodeRecord], *, same_name: bool) -> Match | None:
     """Return the best of some node types; None if none fits, or several fit equally."""
-    found: list[tuple[tuple[int, int, int], Match]] = []
+    ranked: list[tuple[tuple[int, int, int], Match]] = []
     for record in records:
         exact, moved = _paired(name, ends, record)
         half, whole = 2 * len(exact | moved) >= len(ends), len(exact) == len(ends) >= _FEW
         if half if same_name else whole:
             declared = sum(not one.implicit for one in record.node.interfaces)
             match = Match(record.reference, {**moved, **exact})
-            found.append(((len(exact), len(moved), -declared), match))
-    found.sort(key=lambda pair: pair[0], reverse=True)
-    if not found or (len(found) > 1 and found[0][0] == found[1][0]):
+            ranked.append(((len(exact), len(moved), -declared), match))
+    ranked.sort(key=lambda pair: pair[0], reverse=True)
+    if not ranked or (len(ranked) > 1 and ranked[0][0] == ranked[1][0]):
         return None
-    return found[0][1]
+    return ranked[0][1]
 
 
 def _paired(

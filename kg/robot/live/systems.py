@@ -85,23 +85,23 @@ class Instances:
     """The facts about nodes; an unchanged node keeps the same (`is`) facts."""
 
     def __init__(self) -> None:
-        self._known: dict[LiveNode, tuple[object, NodeInstance]] = {}
+        self._facts: dict[LiveNode, tuple[object, NodeInstance]] = {}
 
     def of(self, graph: ComputationGraph, seen: Seen, matches: Mapping[str, Match]) -> tuple[NodeInstance, ...]:
         """Return the facts about the nodes of a graph, in their order; parameters as `system_of`."""
         ends: defaultdict[str, list[LiveEnd]] = defaultdict(list)
         for end in graph.ends:
             ends[end.node].append(end)
-        before, self._known = self._known, {}
-        found = []
+        before, self._facts = self._facts, {}
+        facts = []
         for node in graph.nodes:
             given = (ends[node.name], matches.get(node.name), graph.ros, seen.address, seen.of(node.name))
             same = before.get(node)
             if same is None or same[0] != given:
                 same = given, _instance(node, ends[node.name], graph.ros, seen, matches.get(node.name))
-            self._known[node] = same
-            found.append(same[1])
-        return tuple(found)
+            self._facts[node] = same
+            facts.append(same[1])
+        return tuple(facts)
 
 
 def system_of(
@@ -109,14 +109,14 @@ def system_of(
     seen: Seen,
     matches: Mapping[str, Match] | None = None,
     similar: Similar | None = None,
-    made: Instances | None = None,
+    previous: Instances | None = None,
 ) -> System:
     """Return the facts about a graph.
 
     `matches` are the node types of running nodes, by the name of the node. `similar`, if given, finds names that were
-    probably meant to be equal, as `near_misses` of `kg.launch.wiring`. `made` has the facts of nodes seen before.
+    probably meant to be equal, as `near_misses` of `kg.launch.wiring`. `previous` has the facts of nodes seen before.
     """
-    instances = (made or Instances()).of(graph, seen, matches or {})
+    instances = (previous or Instances()).of(graph, seen, matches or {})
     return System(
         _configuration(graph, seen),
         instances,
@@ -156,8 +156,8 @@ def _instance(node: LiveNode, ends: Sequence[LiveEnd], ros: int, seen: Seen, mat
 
 
 def _interface(end: LiveEnd, peer: Location, ros: int, match: Match | None) -> InstanceInterface:
-    known = match.ends.get(end) if match else None
-    declared = known or Interface(
+    matched = match.ends.get(end) if match else None
+    declared = matched or Interface(
         role=end.role,
         name=end.name,
         type=end.type,
@@ -168,7 +168,7 @@ def _interface(end: LiveEnd, peer: Location, ros: int, match: Match | None) -> I
     )
     return InstanceInterface(
         declared=declared,
-        owner=match.type if match and known else NOWHERE,
+        owner=match.type if match and matched else NOWHERE,
         resolved=end.name,
         resolution=Resolution.LITERAL,
         qos=end.qos,
@@ -178,11 +178,11 @@ def _interface(end: LiveEnd, peer: Location, ros: int, match: Match | None) -> I
 def is_implicit(role: Role, name: str, node: str, ros: int) -> bool:
     """Return whether ROS itself creates an end in every node, according to `ontology/implicit.toml`."""
     own = f"{node}/"
-    return (role, f"~/{name.removeprefix(own)}" if name.startswith(own) else name) in _made_by_ros(ros)
+    return (role, f"~/{name.removeprefix(own)}" if name.startswith(own) else name) in _implicit_names(ros)
 
 
 @cache
-def _made_by_ros(ros: int) -> frozenset[tuple[str, str]]:
+def _implicit_names(ros: int) -> frozenset[tuple[str, str]]:
     table = load_table(folder("ontology") / "implicit.toml")
     return frozenset(
         (row["role"], row["name"]) for use in table if use.mark == f"ros{ros}.node" for row in use.interfaces

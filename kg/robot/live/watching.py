@@ -20,7 +20,7 @@ from kg.robot.clock import WallClock
 from kg.robot.connecting import connected, of_robot
 from kg.robot.connection import ComputationGraph, Connection
 from kg.robot.live.inference import now
-from kg.robot.live.keeping import Keeper, Kept
+from kg.robot.live.keeping import Keeper, StoredState
 from kg.robot.live.systems import is_implicit, name_of
 from kg.robot.tasks import first
 
@@ -74,8 +74,8 @@ class Watching:
         self.name = name or name_of(address)
         self._keeper = Keeper(store, settings, address=address, name=self.name)
         self._graph: ComputationGraph | None = None
-        self._kept: Kept | None = None
-        self._keeping: asyncio.Future[Kept] | None = None
+        self._stored: StoredState | None = None
+        self._keeping: asyncio.Future[StoredState] | None = None
         self._clock = WallClock()
 
     async def once(self) -> list[Event]:
@@ -117,11 +117,11 @@ class Watching:
                 await asyncio.to_thread(self._keeper.keep, self._graph, until=now())
             await asyncio.to_thread(self._keeper.save)
 
-    async def _keep(self, graph: ComputationGraph) -> Kept:
+    async def _keep(self, graph: ComputationGraph) -> StoredState:
         """Store a graph completely: a caller that stops early does not interrupt the write."""
-        kept = await asyncio.to_thread(self._keeper.keep, graph)
-        self._graph, self._kept = graph, kept
-        return kept
+        state = await asyncio.to_thread(self._keeper.keep, graph)
+        self._graph, self._stored = graph, state
+        return state
 
     async def _connected(self, connection: Connection) -> AsyncIterator[Event]:
         """Yield events until the robot is lost."""
@@ -139,14 +139,14 @@ class Watching:
     async def _step(self, graph: ComputationGraph) -> AsyncIterator[Event]:
         """Yield what was added and removed, and store a graph; the ends come first, since writing can take seconds."""
         began = self._clock.now()
-        before, known = self._graph or ComputationGraph(graph.ros), self._kept
+        before, previous = self._graph or ComputationGraph(graph.ros), self._stored
         for event in _changed("end", _explicit(before), _explicit(graph)):
             yield event
         busy = False
         while True:
             try:
                 self._keeping = asyncio.ensure_future(self._keep(graph))
-                kept = await asyncio.shield(self._keeping)
+                state = await asyncio.shield(self._keeping)
                 break
             except StoreError as error:
                 if error.code != "KG302":
@@ -155,23 +155,25 @@ class Watching:
                     yield _event("busy", detail=error.message)
                 busy = True
                 await self._clock.sleep(_AGAIN)
-        for event in _differences(before, graph, known, kept):
+        for event in _differences(before, graph, previous, state):
             yield event
-        for problem in kept.problems if known is None else ():
+        for problem in state.problems if previous is None else ():
             yield _event("problem", name=problem.code, detail=problem.message)
-        if kept.generation is not None:
-            yield _event("kept", generation=kept.generation, seconds=round(self._clock.now() - began, 3))
+        if state.generation is not None:
+            yield _event("kept", generation=state.generation, seconds=round(self._clock.now() - began, 3))
 
 
 def _event(event: _Kind, **more: Any) -> Event:
     return Event(event=event, at=now(), **more)
 
 
-def _differences(before: ComputationGraph, graph: ComputationGraph, known: Kept | None, kept: Kept) -> Iterator[Event]:
-    types = {name: str(match.type) for name, match in kept.matches.items()}
+def _differences(
+    before: ComputationGraph, graph: ComputationGraph, previous: StoredState | None, state: StoredState
+) -> Iterator[Event]:
+    types = {name: str(match.type) for name, match in state.matches.items()}
     nodes = {one.name: types.get(one.name, one.problem or one.address or "") for one in graph.nodes}
     yield from _changed("node", {one.name: "" for one in before.nodes}, nodes)
-    yield from _changed("capability", _names(known.held if known else {}), _names(kept.held))
+    yield from _changed("capability", _names(previous.capabilities if previous else {}), _names(state.capabilities))
     states = {one.name: one.state for one in before.nodes}
     for node in graph.nodes:
         if node.state is not None and node.state != states.get(node.name):
@@ -194,5 +196,5 @@ def _explicit(graph: ComputationGraph) -> dict[str, str]:
     return {f"{end.node} {_VERBS[end.role]} {end.name}": end.type or "" for end in ends}
 
 
-def _names(held: Mapping[str, str]) -> dict[str, str]:
-    return {iri.rpartition("#")[2]: label for iri, label in held.items()}
+def _names(labels: Mapping[str, str]) -> dict[str, str]:
+    return {iri.rpartition("#")[2]: label for iri, label in labels.items()}

@@ -103,10 +103,10 @@ def split(name: str, text: str) -> Iterator[tuple[str, str]]:
     yield name, first
     for other in others:
         heading, _, body = other.strip("\r\n").partition("\n")
-        told = heading.removeprefix("MSG:").strip()
-        if not heading.startswith("MSG:") or not is_type(told):
+        type_name = heading.removeprefix("MSG:").strip()
+        if not heading.startswith("MSG:") or not is_type(type_name):
             raise ValueError(f"`{heading[:60]}` is not a heading of a definition")
-        yield told, body
+        yield type_name, body
 
 
 def read(name: str, text: str) -> Definition:
@@ -130,10 +130,10 @@ def read(name: str, text: str) -> Definition:
 
 
 def _field(owner: str, line: str) -> Line:
-    found = _FIELD.fullmatch(line)
-    if found is None:
+    match = _FIELD.fullmatch(line)
+    if match is None:
         raise ValueError(f"`{line[:60]}` is not a field")
-    kind, characters, bound, length, name = found.groups()
+    kind, characters, bound, length, name = match.groups()
     if characters and kind != "string":
         raise ValueError(f"`{line[:60]}` is not a field")
     if length and int(length) > _MOST_ELEMENTS:
@@ -236,8 +236,8 @@ _DEEPEST: Final = 32
 _NUMBERS_OF_A_PART: Final = 1024
 
 
-def check_size(store: Typestore, new: Mapping[str, Definition], known: Callable[[str], str]) -> None:
-    """Raise ValueError for definitions whose values would exhaust memory; `known` has the known types.
+def check_size(store: Typestore, new: Mapping[str, Definition], resolve: Callable[[str], str]) -> None:
+    """Raise ValueError for definitions whose values would exhaust memory; `resolve` returns the full name of a type.
 
     Lists of messages without fields are refused too: four bytes could declare billions of elements.
     """
@@ -249,7 +249,7 @@ def check_size(store: Typestore, new: Mapping[str, Definition], known: Callable[
             raise ValueError(f"`{name}` contains itself" if name in within else "its messages are nested too deeply")
         if name not in sizes:
             own: list[Any] = [field.kind for field in new[name].fields] if name in new else []
-            kinds = own if name in new else [kind for _, kind in store.fielddefs[known(name)][1]]
+            kinds = own if name in new else [kind for _, kind in store.fielddefs[resolve(name)][1]]
             sizes[name] = sum(of_field(kind, (*within, name)) for kind in kinds)
             if sizes[name] > _MOST_PARTS:
                 raise ValueError(f"a `{name}` has more than {_MOST_PARTS} values")

@@ -34,7 +34,7 @@ class Installed:
 
     def __init__(self, prefixes: tuple[Path, ...]) -> None:
         self._prefixes = prefixes
-        self._found: dict[str, Mapping[str, Definition]] = {}
+        self._definitions: dict[str, Mapping[str, Definition]] = {}
 
     def get(self, name: str) -> Definition | None:
         """Return the definition of a message, or of a part of a service or action; None if no valid one is installed.
@@ -46,20 +46,20 @@ class Installed:
         package, _, own = name.partition("/")
         whole = own.partition("_")[0]  # names of types have no underscores, except before their parts
         key = f"{package}/{whole}"
-        if key not in self._found:
-            self._found[key] = self._read(package, whole)
-        return self._found[key].get(name)
+        if key not in self._definitions:
+            self._definitions[key] = self._read(package, whole)
+        return self._definitions[key].get(name)
 
     def _read(self, package: str, whole: str) -> Mapping[str, Definition]:
         shares = (prefix / "share" / package for prefix in self._prefixes)
         share = next((one for one in shares if one.is_dir()), None)
-        found: dict[str, Definition] = {}
+        definitions_by_name: dict[str, Definition] = {}
         if share is None:
-            return found
+            return definitions_by_name
         for sort in _SORTS:
             with suppress(OSError, ValueError):  # no such file, or a type that kg does not support
                 with (share / sort / f"{whole}.{sort}").open(encoding="utf-8") as file:
                     text = file.read(_LONGEST)
-                told = parts(f"{package}/{whole}", sort, text, _ROS)
-                found |= {name: definitions.read(name, part) for name, part in told}
-        return found
+                texts = parts(f"{package}/{whole}", sort, text, _ROS)
+                definitions_by_name |= {name: definitions.read(name, part) for name, part in texts}
+        return definitions_by_name

@@ -66,13 +66,13 @@ class Types:
         self._installed = installed(os.environ.get("AMENT_PREFIX_PATH", "") if ros == 2 else "")  # noqa: PLR2004 - ROS 2
         self._looked: set[str] = set()
         self._read: dict[str, Definition] = {}
-        self._told: set[str] = set()
+        self._defined: set[str] = set()
 
-    def knows(self, name: str) -> bool:
+    def has(self, name: str) -> bool:
         """Return whether a message type is known."""
-        found = self._message(name)
-        known = _full(found) in self._store.fielddefs or found in self._library
-        return known or self._installed.get(found) is not None
+        message = self._message(name)
+        loaded = _full(message) in self._store.fielddefs or message in self._library
+        return loaded or self._installed.get(message) is not None
 
     def names(self) -> list[str]:
         """Return the sorted names of the message types that come with kg, including parts of services and actions."""
@@ -80,10 +80,10 @@ class Types:
 
     def sort(self, name: str) -> str | None:
         """Return `msg`, `srv` or `action`, or None for an unknown type."""
-        if self.knows(name):
+        if self.has(name):
             return "msg"
         for sort, suffixes in PARTS.items():
-            if all(self.knows(name + suffix) for suffix in suffixes):
+            if all(self.has(name + suffix) for suffix in suffixes):
                 return sort
         return None
 
@@ -93,8 +93,8 @@ class Types:
 
     def fields(self, name: str) -> tuple[Field, ...]:
         """Return the fields of a type in order; RobotError KG804 if it is unknown."""
-        known = self._store.fielddefs[self._known(name)][1]
-        return tuple(_field(one, kind) for one, kind in known if one != MEMBER_OF_NOTHING)
+        members = self._store.fielddefs[self._resolved(name)][1]
+        return tuple(_field(one, kind) for one, kind in members if one != MEMBER_OF_NOTHING)
 
     def define(self, name: str, text: str, sort: str = "msg") -> None:
         """Define a type from a text, with nested types after lines of `=` (the text of a connection header).
@@ -107,12 +107,12 @@ class Types:
                 from an earlier one.
         """
         try:
-            found = [
+            read = [
                 definitions.read(self._message(one), part)
                 for full, whole in definitions.split(name, text)
                 for one, part in parts(full, sort if full == name else "msg", whole, self.ros)
             ]
-            self._learn(found, told=True)
+            self._learn(read, from_peer=True)
         except (TypesysError, ValueError) as error:
             raise RobotError("KG810", f"the definition of `{name[:80]}` cannot be read: {error}") from None
 
@@ -124,7 +124,7 @@ class Types:
 
     def definition(self, name: str) -> str:
         """Return the text of a definition with those of nested types; RobotError KG804 for an unknown type."""
-        self._known(name)
+        self._resolved(name)
         used = self._used(self._message(name), {})
         first, *others = used
         return used[first] + "".join(f"{'=' * 80}\nMSG: {one}\n{used[one]}" for one in others)
@@ -135,17 +135,19 @@ class Types:
         Raises:
             RobotError: KG804 an unknown type, KG805 a value that does not fit, with the field.
         """
-        kind = self._known(name)
-        made = shaped(self._store, kind, value)
+        kind = self._resolved(name)
+        shape = shaped(self._store, kind, value)
         try:
-            written = self._store.serialize_ros1(made, kind) if self.ros == 1 else self._store.serialize_cdr(made, kind)
+            written = (
+                self._store.serialize_ros1(shape, kind) if self.ros == 1 else self._store.serialize_cdr(shape, kind)
+            )
         except (struct.error, UnicodeEncodeError, SerdeError, OverflowError) as error:
             raise RobotError("KG805", f"the value is not a {name}: {error}") from None
         return bytes(written)
 
     def decode(self, name: str, content: bytes) -> Value:
         """Return the decoded value; RobotError KG810 for invalid bytes, KG804 for an unknown type."""
-        kind = self._known(name)
+        kind = self._resolved(name)
         try:
             read = self._store.deserialize_ros1 if self.ros == 1 else self._store.deserialize_cdr
             return plain(self._store, kind, read(content, kind))
@@ -154,17 +156,17 @@ class Types:
 
     def trimmed(self, name: str, content: bytes) -> bytes:
         """Return a value in CDR without the bytes that a library left behind it; errors as `decode`."""
-        kind = self._known(name)
-        known = self._store.get_msgdef(kind)
+        kind = self._resolved(name)
+        message = self._store.get_msgdef(kind)
         try:
-            read = known.deserialize_cdr_le if content[1] else known.deserialize_cdr_be
-            return content[: _ENCAPSULATION + read(content[_ENCAPSULATION:], 0, known.cls, self._store)[1]]
+            read = message.deserialize_cdr_le if content[1] else message.deserialize_cdr_be
+            return content[: _ENCAPSULATION + read(content[_ENCAPSULATION:], 0, message.cls, self._store)[1]]
         except Exception as error:  # noqa: BLE001 - the generated code of rosbags raises whatever the bytes lead it to
             raise RobotError("KG810", f"{len(content)} bytes are not a {name}: {error}") from None
 
     def complete(self, name: str, value: Value) -> Value:
         """Return the value with defaults for missing fields; errors as those of `encode`."""
-        kind = self._known(name)
+        kind = self._resolved(name)
         return plain(self._store, kind, shaped(self._store, kind, value))
 
     def _message(self, name: str) -> str:
@@ -174,28 +176,28 @@ class Types:
                 return name.removesuffix(suffix) + suffix[1:]
         return name
 
-    def _known(self, name: str) -> str:
-        found = self._message(name)
-        full = _full(found)
+    def _resolved(self, name: str) -> str:
+        message = self._message(name)
+        full = _full(message)
         if full not in self._looked:
             self._looked.add(full)
-            self._take_installed(found, full)
+            self._take_installed(message, full)
         if full not in self._store.fielddefs:
-            if found.rpartition("/")[2].startswith("wstring"):
-                told = "strings of 16-bit characters (`wstring`) are not supported"
-                raise RobotError("KG804", told, hint="Leave such topics out; no library that kg uses has them.")
-            if found not in self._library:
+            if message.rpartition("/")[2].startswith("wstring"):
+                why = "strings of 16-bit characters (`wstring`) are not supported"
+                raise RobotError("KG804", why, hint="Leave such topics out; no library that kg uses has them.")
+            if message not in self._library:
                 raise RobotError("KG804", f"the message type `{name[:80]}` is not known")
-            self._learn([definitions.read(found, self._library[found])], told=False)
+            self._learn([definitions.read(message, self._library[message])], from_peer=False)
         return full
 
     def _take_installed(self, name: str, full: str) -> None:
         """Learn a type from the installed ROS 2, unless a peer has defined it; raises if nothing else defines it."""
-        own = None if name in self._told else self._installed.get(name)
+        own = None if name in self._defined else self._installed.get(name)
         if own is None:
             return
         try:
-            self._learn([own], told=False)
+            self._learn([own], from_peer=False)
         except (RobotError, ValueError) as error:  # a nested type is unknown, or it is too large
             if full in self._store.fielddefs or name in self._library:
                 return
@@ -203,31 +205,31 @@ class Types:
             why = error.message if isinstance(error, RobotError) else str(error)
             raise RobotError("KG804", f"the installed definition of `{name}` cannot be used: {why}") from None
 
-    def _learn(self, found: Iterable[Definition], *, told: bool) -> None:
-        new = {one.name: one for one in found}
+    def _learn(self, learned: Iterable[Definition], *, from_peer: bool) -> None:
+        new = {one.name: one for one in learned}
         for one in list(new.values()):
             if not definitions.is_type(one.name):
                 raise ValueError(f"`{one.name[:80]}` is not a type name")
-            if told and self._is_known_so(one):
+            if from_peer and self._is_registered(one):
                 del new[one.name]
         self._derive(new)
-        check_size(self._store, new, self._known)
+        check_size(self._store, new, self._resolved)
         # The store refuses to redefine a type, and caches the code that encodes those that contain it.
         for full in [_full(name) for name in new if _full(name) in self._store.fielddefs]:
             del self._store.fielddefs[full], self._store.types[full]
             self._store.cache.clear()
         self._store.register({_full(one.name): ([], [(f.name, f.kind) for f in one.fields]) for one in new.values()})
         self._read |= new
-        self._told.update(new if told else ())
+        self._defined.update(new if from_peer else ())
 
-    def _is_known_so(self, one: Definition) -> bool:
+    def _is_registered(self, one: Definition) -> bool:
         """Return whether a type is known with exactly this definition."""
         if _full(one.name) not in self._store.fielddefs:
             return False
-        known = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]
-        same = known == [(field.name, field.kind) for field in one.fields]
+        fields = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]
+        same = fields == [(field.name, field.kind) for field in one.fields]
         given = one.name in self._library or _full(one.name) not in self._standard
-        if not same and (one.name in self._told or not given):
+        if not same and (one.name in self._defined or not given):
             raise RobotError("KG806", f"`{one.name}` is defined with fields that differ from the known definition")
         return same and self._definition(one.name).constants == one.constants
 
@@ -237,27 +239,27 @@ class Types:
         for name in sorted({one.removesuffix(part) for one in new for part in suffixes if one.endswith(part)}):
             if self.ros == 1 and name.endswith("Action"):
                 continue  # `TypeActionGoal` is derived from an action, not a part of one
-            if all(self._message(name + part) in new or self.knows(name + part) for part in PARTS["action"]):
+            if all(self._message(name + part) in new or self.has(name + part) for part in PARTS["action"]):
                 for one, text in derived(name, self.ros):
-                    if not self.knows(one):
+                    if not self.has(one):
                         new.setdefault(one, definitions.read(one, text))
 
     def _definition(self, name: str) -> Definition:
-        full = self._known(name)
-        found = self._message(name)
-        if found not in self._read:
+        full = self._resolved(name)
+        message = self._message(name)
+        if message not in self._read:
             text = self._store.generate_msgdef(full, ros_version=self.ros)[0]
-            self._read[found] = definitions.read(found, text.partition("=" * 80)[0])
-        return self._read[found]
+            self._read[message] = definitions.read(message, text.partition("=" * 80)[0])
+        return self._read[message]
 
-    def _used(self, name: str, found: dict[str, str]) -> dict[str, str]:
+    def _used(self, name: str, texts: dict[str, str]) -> dict[str, str]:
         one = self._definition(name)
-        found[one.name] = one.text
+        texts[one.name] = one.text
         for field in one.fields:
-            told = self.ros == 1 and field.type.startswith("builtin_interfaces/")
-            if "/" in field.type and field.type not in found and not told:
-                self._used(field.type, found)
-        return found
+            builtin = self.ros == 1 and field.type.startswith("builtin_interfaces/")
+            if "/" in field.type and field.type not in texts and not builtin:
+                self._used(field.type, texts)
+        return texts
 
 
 def _full(name: str) -> str:
@@ -294,7 +296,7 @@ def learn_all(types: Types, texts: Mapping[str, str]) -> None:
 
     Raises as `Types.define`.
     """
-    new = {name: text for name, text in texts.items() if not types.knows(name)}
+    new = {name: text for name, text in texts.items() if not types.has(name)}
     for name, own in new.items():
         others = (f"{_SEPARATOR}MSG: {one}\n{text}" for one, text in new.items() if one != name)
         types.define(name, own + "".join(others))

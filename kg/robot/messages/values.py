@@ -53,14 +53,14 @@ def shaped(store: Typestore, kind: str, value: Any, path: str = "") -> Any:
         raise _misfit(path, value, kind)
     unknown = set(value) - {name for name, _ in fields}
     if unknown:
-        known = ", ".join(name for name, _ in fields) or "none"
+        listed = ", ".join(name for name, _ in fields) or "none"
         raise RobotError(
             "KG805",
             f"`{kind.replace('/msg/', '/')}` has no field `{min(map(str, unknown))}`",
-            hint=f"Its fields are: {known}.",
+            hint=f"Its fields are: {listed}.",
         )
-    made = {name: _shaped(store, sort, value.get(name), f"{path}.{name}" if path else name) for name, sort in fields}
-    return store.types[kind](**{_attribute(name): one for name, one in made.items()})
+    members = {name: _shaped(store, sort, value.get(name), f"{path}.{name}" if path else name) for name, sort in fields}
+    return store.types[kind](**{_attribute(name): one for name, one in members.items()})
 
 
 def _shaped(store: Typestore, kind: Any, value: Any, path: str) -> Any:
@@ -97,13 +97,13 @@ def _array(kind: str, given: Any, path: str) -> Any:
             raise _misfit(path, given, f"list of {kind}")
         return np.frombuffer(bytes(given), dtype=wanted)
     try:
-        found = np.asarray(given, dtype=_exact(wanted, given))
-        fits = not len(given) or (found.ndim == 1 and _fits(found, wanted))
+        array = np.asarray(given, dtype=_exact(wanted, given))
+        fits = not len(given) or (array.ndim == 1 and _fits(array, wanted))
     except (ValueError, TypeError, OverflowError):
         fits = False
     if not fits:
         raise _misfit(path, given, f"list of {kind}")
-    return found.astype(wanted)
+    return array.astype(wanted)
 
 
 def _exact(wanted: np.dtype[Any], given: Any) -> np.dtype[Any] | None:
@@ -111,13 +111,13 @@ def _exact(wanted: np.dtype[Any], given: Any) -> np.dtype[Any] | None:
     return wanted if wanted == np.uint64 and all(type(one) is int for one in given) else None
 
 
-def _fits(found: Any, wanted: np.dtype[Any]) -> bool:
-    if wanted.kind == "b" or found.dtype.kind == "b":
-        return bool(wanted.kind == found.dtype.kind)
+def _fits(array: Any, wanted: np.dtype[Any]) -> bool:
+    if wanted.kind == "b" or array.dtype.kind == "b":
+        return bool(wanted.kind == array.dtype.kind)
     if wanted.kind == "f":
-        return found.dtype.kind in "iuf"
+        return array.dtype.kind in "iuf"
     limits = np.iinfo(wanted)
-    return bool(found.dtype.kind in "iu" and limits.min <= found.min() and found.max() <= limits.max)
+    return bool(array.dtype.kind in "iu" and limits.min <= array.min() and array.max() <= limits.max)
 
 
 def _base(kind: str, value: Any, path: str) -> Any:

@@ -18,7 +18,7 @@ from kg.robot.driving.ways import choose, doubts_of
 from kg.robot.programs import kinds, tree, values
 from kg.robot.programs.events import Problem
 from kg.robot.programs.kinds import ANY, BOOLEAN, PLACE, TIME, Kind, Kinds
-from kg.robot.programs.names import AT, Known, takes_place
+from kg.robot.programs.names import AT, CapabilityIndex, takes_place
 from kg.robot.programs.units import PLAIN
 from kg.robot.programs.write import written
 from kg.similar import did_you_mean
@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from kg.robot.connection import ComputationGraph, GraphProblem
 
 
-def collisions(statement: tree.Parallel | tree.OnEvent, path: str, known: Known) -> Iterator[tuple[str, str, bool]]:
+def collisions(
+    statement: tree.Parallel | tree.OnEvent, path: str, index: CapabilityIndex
+) -> Iterator[tuple[str, str, bool]]:
     """Yield conflicts of parallel parts over one target: path of the later one, description, whether it is certain."""
     parts: list[list[tuple[str, Capability]]] = []
     for part, body in tree.sequences_of(statement):
@@ -39,19 +41,19 @@ def collisions(statement: tree.Parallel | tree.OnEvent, path: str, known: Known)
         for where, inner in tree.statements(body, f"{path}/{part}"):
             with suppress(RobotError):
                 if isinstance(inner, tree.Do):
-                    parts[-1].append((where, known.write(inner.capability)))
+                    parts[-1].append((where, index.write(inner.capability)))
 
     def ends(capability: Capability) -> set[tuple[str, str]]:
         return {(way.kind, way.name) for way in capability.ways}
 
-    told = set()
+    reported = set()
     for earlier, later in combinations(parts, 2):
         for _, one in earlier:
             for where, other in later:
                 same = one.name == other.name or not ends(one).isdisjoint(ends(other))
                 one_part = one.moves is not None and one.moves == other.moves
-                if (same or one_part) and where not in told:
-                    told.add(where)
+                if (same or one_part) and where not in reported:
+                    reported.add(where)
                     both = f"`{one.label}`" if one.name == other.name else f"`{one.label}` and `{other.label}`"
                     what = "is" if one.name == other.name else "are"
                     yield where, f"{both} {what} done in two parts that run at the same time", same
@@ -100,7 +102,7 @@ class _Loop:
 class _Flow:
     """The control flow: variables that have a value, the enclosing loop, and whether movements are bounded."""
 
-    known: frozenset[str] = frozenset()
+    assigned: frozenset[str] = frozenset()
     loop: _Loop | None = None
     ended: bool = False
     """Whether an enclosing statement ends an endless movement."""
@@ -112,9 +114,9 @@ class _Checker:
     def __init__(self, capabilities: Capabilities, places: Iterable[str] = ()) -> None:
         self._places = tuple(places)
         self.problems: list[Problem] = []
-        self._known = Known(capabilities)
+        self._index = CapabilityIndex(capabilities)
         self._variables: dict[str, Kind] = {}
-        self.kinds = Kinds(self._known, self._variables, self.report)
+        self.kinds = Kinds(self._index, self._variables, self.report)
         self._ids: dict[str, str | None] = {}
         self._met: set[str] = set()
 
@@ -144,13 +146,13 @@ class _Checker:
 
     def sequence(self, body: tuple[tree.Statement, ...], path: str, flow: _Flow) -> _Flow:
         """Check a sequence of statements; return the flow after it."""
-        told = flow.over
+        reported = flow.over
         for number, statement in enumerate(body):
             here = f"{path}/{number}"
             self._ids[here] = statement.id
-            if flow.over and not told:
+            if flow.over and not reported:
                 self._warn(here, "this is never reached", "The statement before it ends the program or never ends.")
-                told = True
+                reported = True
             after = self._statement(statement, here, replace(flow, over=False))
             flow = replace(after, over=flow.over or after.over)
         return flow
@@ -162,7 +164,7 @@ class _Checker:
                 return self._do(statement, path, flow)
             case tree.Set():
                 self._gets(statement.variable, self.kinds.of(statement.value, f"{path}/value"), path)
-                return replace(flow, known=flow.known | {statement.variable})
+                return replace(flow, assigned=flow.assigned | {statement.variable})
             case tree.If():
                 return self._if(statement, path, flow)
             case tree.While() | tree.Forever() | tree.Repeat() | tree.For():
@@ -191,7 +193,7 @@ class _Checker:
         """Report variables that have a value only on another path of the control flow."""
         for part, expression in tree.expressions_of(statement):
             for name in tree.variables_of(expression):
-                if name not in self._variables or name in flow.known:
+                if name not in self._variables or name in flow.assigned:
                     continue
                 hint = f"Give it one on every way to here: `set {written(tree.Variable(name=name))} to ...`."
                 if name in self._met:
@@ -234,7 +236,7 @@ class _Checker:
         self._time(statement.seconds, f"{path}/seconds", above_zero=True)
         self._time(statement.within, f"{path}/within", above_zero=True)
         try:
-            capability = self._known.write(statement.capability)
+            capability = self._index.write(statement.capability)
         except RobotError as error:
             self.report(path, error)
             for name, value in statement.arguments.items():
@@ -271,8 +273,8 @@ class _Checker:
                     f"Say where it is: `set {written(value)} to (x: 2 m, y: 1.5 m)`, or in a file (`--places`), "
                     "or name the robot that defines it (`--robot`)."
                 )
-                meant = did_you_mean(value.name, [*self._variables, *self._places])
-                self._wrong(here, f"no place is called `{value.name}`", meant or hint)
+                suggestion = did_you_mean(value.name, [*self._variables, *self._places])
+                self._wrong(here, f"no place is called `{value.name}`", suggestion or hint)
                 placed = {"x", "y"}
                 continue
             kind = self.kinds.of(value, here)
@@ -284,7 +286,7 @@ class _Checker:
                 self._place(capability, value, here)
                 continue
             try:
-                parameter = self._known.parameter(capability, name)
+                parameter = self._index.parameter(capability, name)
             except RobotError as error:
                 self.report(here, error)
                 continue
@@ -301,10 +303,10 @@ class _Checker:
     def _place(self, capability: Capability, value: tree.Expression, path: str) -> None:
         """Report a place outside of the limits of its parameters."""
         always = kinds.constant(value)
-        said = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
+        components = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
         for parameter in capability.parameters:
-            if parameter.name in said:
-                self._limits(parameter, values.for_parameter(parameter, said[parameter.name]), path)
+            if parameter.name in components:
+                self._limits(parameter, values.for_parameter(parameter, components[parameter.name]), path)
 
     def _argument(self, parameter: Parameter, kind: Kind, value: tree.Expression, path: str) -> None:
         wanted = kinds.of_parameter(parameter)
@@ -338,9 +340,9 @@ class _Checker:
         then = self.sequence(statement.then, f"{path}/then", flow)
         otherwise = self.sequence(statement.otherwise, f"{path}/otherwise", flow)
         # A branch that ends the program says nothing about the statements after the condition.
-        known = {(False, False): then.known & otherwise.known, (True, False): otherwise.known}
-        both = known.get((then.over, otherwise.over), then.known)
-        return replace(flow, known=both, over=then.over and otherwise.over)
+        assigned = {(False, False): then.assigned & otherwise.assigned, (True, False): otherwise.assigned}
+        both = assigned.get((then.over, otherwise.over), then.assigned)
+        return replace(flow, assigned=both, over=then.over and otherwise.over)
 
     def _loop(self, statement: tree.Loop, path: str, flow: _Flow) -> _Flow:
         loop = _Loop()
@@ -360,12 +362,12 @@ class _Checker:
                 runs = self._times(statement, path)
             case tree.For():
                 self._for(statement, path)
-                inside = replace(inside, known=inside.known | {statement.variable})
+                inside = replace(inside, assigned=inside.assigned | {statement.variable})
         self._met |= _given(statement.body)
         after = self.sequence(statement.body, f"{path}/body", inside)
-        known = after.known if runs and not loop.left else flow.known
+        assigned = after.assigned if runs and not loop.left else flow.assigned
         stuck = (forever and not loop.left) or (runs and after.over and not loop.left)
-        return replace(flow, known=known, over=stuck)
+        return replace(flow, assigned=assigned, over=stuck)
 
     def _times(self, statement: tree.Repeat, path: str) -> bool:
         """Check the number of repetitions; return whether the body certainly runs."""
@@ -435,10 +437,10 @@ class _Checker:
             branches.append(self.sequence(branch, f"{path}/{part}", replace(flow, loop=None)))
         if len(statement.branches) <= 1:
             self._warn(path, "no blocks to run at the same time", "Put `also` between what runs together.")
-        for where, message, surely in collisions(statement, path, self._known):
+        for where, message, surely in collisions(statement, path, self._index):
             (self._wrong if surely else self._warn)(where, message, "A robot can follow one command at a time.")
-        known = flow.known.union(*(branch.known for branch in branches))
-        return replace(flow, known=known, over=any(branch.over for branch in branches))
+        assigned = flow.assigned.union(*(branch.assigned for branch in branches))
+        return replace(flow, assigned=assigned, over=any(branch.over for branch in branches))
 
     def _on_event(self, statement: tree.OnEvent, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
@@ -447,9 +449,9 @@ class _Checker:
         body = self.sequence(statement.body, f"{path}/body", replace(around, ended=flow.ended or statement.end))
         then = self.sequence(statement.then, f"{path}/then", around)
         if not statement.end:
-            for where, message, _ in collisions(statement, path, self._known):
+            for where, message, _ in collisions(statement, path, self._index):
                 self._warn(where, message, "Use `as soon as`, which ends the one before it does the other.")
-            return replace(flow, known=body.known, over=body.over)
+            return replace(flow, assigned=body.assigned, over=body.over)
         return replace(flow, over=then.over and body.over)
 
 
@@ -467,25 +469,25 @@ def doubts(program: tree.Program, capabilities: Capabilities, graph: Computation
 
     Each is reported once, at the first block that uses it. Missing capabilities are reported by `check`.
     """
-    known = Known(capabilities)
-    told: set[GraphProblem] = set()
-    found = []
+    index = CapabilityIndex(capabilities)
+    reported: set[GraphProblem] = set()
+    problems = []
     for path, statement in tree.statements(program.body):
-        used = [(path, known.write, statement.capability)] if isinstance(statement, tree.Do) else []
+        used = [(path, index.write, statement.capability)] if isinstance(statement, tree.Do) else []
         for part, expression in tree.expressions_of(statement):
-            used += [(f"{path}/{part}", known.read, read.capability) for read in tree.reads_of(expression)]
+            used += [(f"{path}/{part}", index.read, read.capability) for read in tree.reads_of(expression)]
         for where, look_up, name in used:
             with suppress(RobotError):
                 capability = look_up(name)
                 for doubt in _of(capability, graph):
-                    if doubt not in told:
-                        told.add(doubt)
+                    if doubt not in reported:
+                        reported.add(doubt)
                         message = f"`{capability.label}` may have no effect: {doubt.subject}: {doubt.message}"
                         problem = Problem(
                             id=statement.id, path=where, message=message, code=doubt.code, severity="warning"
                         )
-                        found.append(problem)
-    return found
+                        problems.append(problem)
+    return problems
 
 
 def _of(capability: Capability, graph: ComputationGraph) -> Iterator[GraphProblem]:

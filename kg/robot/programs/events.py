@@ -82,43 +82,43 @@ class Events:
 
     def __init__(
         self,
-        tell: Callable[[dict[str, Any]], None] | None,
+        send: Callable[[dict[str, Any]], None] | None,
         clock: Clock,
         log: Callable[[Level, str], None] = lambda _level, _message: None,
     ) -> None:
         """Create an emitter.
 
-        `tell` is called in the event loop of the program and must return at once. `log` receives messages and errors.
+        `send` is called in the event loop of the program and must return at once. `log` receives messages and errors.
         """
-        self._tell = tell
+        self._send = send
         self._log = log
         self._clock = clock
         self._begun = clock.now()
-        self._told: dict[tuple[str, str], tuple[float, Any]] = {}
+        self._last: dict[tuple[str, str], tuple[float, Any]] = {}
 
     @property
     def seconds(self) -> float:
         """Seconds on the robot's clock since the start of the program."""
         return max(self._clock.now() - self._begun, 0.0)
 
-    def tell(self, event: str, path: str = "", statement: Statement | None = None, **more: Any) -> None:
+    def emit(self, event: str, path: str = "", statement: Statement | None = None, **more: Any) -> None:
         """Emit an event of a statement, or of the program."""
         if event == "log":
             self._log("info", more["message"])
         elif event == "error":
             self._log("error", f"[{more['code']}] {more['message']}")
-        if self._tell is None:
+        if self._send is None:
             return
         identifier = None if statement is None else statement.id
-        told: dict[str, Any] = {"event": event, "at": round(self.seconds, 3), "id": identifier}
-        self._tell(told | ({"path": path} if path else {}) | more)
+        emitted: dict[str, Any] = {"event": event, "at": round(self.seconds, 3), "id": identifier}
+        self._send(emitted | ({"path": path} if path else {}) | more)
 
     def value(self, path: str, statement: Statement, capability: Capability, parameter: Parameter, value: Any) -> None:
         """Emit a value that was read, if it has changed and the last one was not emitted just now."""
         key = capability.name, parameter.name
-        then, before = self._told.get(key, (float("-inf"), None))
+        then, before = self._last.get(key, (float("-inf"), None))
         if value == before or self.seconds - then < _VALUES_EVERY:
             return
-        self._told[key] = self.seconds, value
+        self._last[key] = self.seconds, value
         unit = {"unit": parameter.unit} if parameter.unit else {}
-        self.tell("value", path, statement, capability=capability.name, parameter=parameter.name, value=value, **unit)
+        self.emit("value", path, statement, capability=capability.name, parameter=parameter.name, value=value, **unit)

@@ -24,8 +24,8 @@ _ID: Final = "https://w3id.org/rnkg/program.schema.json"
 
 def encode(program: Program) -> bytes:
     """Return a program as indented JSON; defaults are omitted, except for the version."""
-    made = {"version": program.version, **msgspec.to_builtins(program)}
-    return msgspec.json.format(msgspec.json.encode(made), indent=2) + b"\n"
+    content = {"version": program.version, **msgspec.to_builtins(program)}
+    return msgspec.json.format(msgspec.json.encode(content), indent=2) + b"\n"
 
 
 def decode(data: bytes | str, path: str = "program") -> Program:
@@ -48,12 +48,12 @@ def decode(data: bytes | str, path: str = "program") -> Program:
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of programs."""
-    made = msgspec.json.decode(msgspec.json.encode(msgspec.json.schema(Program)))
-    for kind in made["$defs"].values():
+    content = msgspec.json.decode(msgspec.json.encode(msgspec.json.schema(Program)))
+    for kind in content["$defs"].values():
         if "description" in kind:
             kind["description"] = cleandoc(kind["description"])  # msgspec before 0.23 leaves it indented
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": _ID, "title": "A program for a robot"}
-    return {**head, **made}
+    return {**head, **content}
 
 
 SUFFIX: Final = ".kgp"

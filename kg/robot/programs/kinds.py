@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.robot.capability import Parameter
-    from kg.robot.programs.names import Known
+    from kg.robot.programs.names import CapabilityIndex
 
 Report: TypeAlias = "Callable[[str, RobotError], None]"
 """Receives the path of a part and its error."""
@@ -64,8 +64,8 @@ def constant(expression: Expression | None) -> values.Quantity | None:
                 left, right = constant(expression.left), constant(expression.right)
                 return values.binary(expression.operator, left, right) if left and right else None
             case Position():
-                said = {name: constant(one) for name, one in expression.parts().items()}
-                return values.place({name: one for name, one in said.items() if one}) if all(said.values()) else None
+                parts = {name: constant(one) for name, one in expression.parts().items()}
+                return values.place({name: one for name, one in parts.items() if one}) if all(parts.values()) else None
     except RobotError:
         return None
     return None
@@ -74,9 +74,9 @@ def constant(expression: Expression | None) -> values.Quantity | None:
 class Kinds:
     """The kinds of expressions, given those of variables; errors are reported at their path."""
 
-    def __init__(self, known: Known, variables: Mapping[str, Kind], report: Report) -> None:
+    def __init__(self, index: CapabilityIndex, variables: Mapping[str, Kind], report: Report) -> None:
         """Create the type checker; `variables` may grow while it is used."""
-        self._known = known
+        self._index = index
         self._variables = variables
         self._report = report
 
@@ -93,8 +93,8 @@ class Kinds:
                 return self._of_variable(expression.name, path)
             case Read():
                 try:
-                    capability = self._known.read(expression.capability)
-                    return of_parameter(self._known.parameter(capability, expression.parameter))
+                    capability = self._index.read(expression.capability)
+                    return of_parameter(self._index.parameter(capability, expression.parameter))
                 except RobotError as error:
                     self._report(path, error)
                     return ANY
@@ -110,14 +110,14 @@ class Kinds:
         return ANY
 
     def _of_variable(self, name: str, path: str) -> Kind:
-        found = self._variables.get(name)
-        if found is None:
+        kind = self._variables.get(name)
+        if kind is None:
             hint = (
                 did_you_mean(name, self._variables)
                 or f"Give it one before: `set {written(Variable(name=name))} to ...`; put text in quotes."
             )
             return self._wrong(path, f"the variable `{name}` has no value here", hint, "KG836")
-        return found
+        return kind
 
     def _of_place(self, place: Position, path: str) -> Kind:
         for name, part in place.parts().items():

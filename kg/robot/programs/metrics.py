@@ -77,13 +77,13 @@ def metrics(program: Program, capabilities: Capabilities | None = None) -> Progr
 def code_metrics(text: str) -> CodeMetrics:
     """Return the metrics of code; SyntaxError if it is not Python."""
     tree = ast.parse(text)
-    found = dict.fromkeys(_COMPONENTS.values(), 0)
+    counts = dict.fromkeys(_COMPONENTS.values(), 0)
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
             name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
             if name in _COMPONENTS:
-                found[_COMPONENTS[name]] += 1
-    return CodeMetrics(lines=_lines(text, tree), message_types=len(set(_imported(tree))), **found)
+                counts[_COMPONENTS[name]] += 1
+    return CodeMetrics(lines=_lines(text, tree), message_types=len(set(_imported(tree))), **counts)
 
 
 def foreign_types(text: str, ros: int) -> list[str]:
@@ -105,12 +105,12 @@ def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
 def _lines(text: str, tree: ast.Module) -> int:
     """Count the lines that contain code."""
     blank = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
-    held: set[int] = set()
+    lines: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
         if token.type not in blank:
-            held.update(range(token.start[0], token.end[0] + 1))
+            lines.update(range(token.start[0], token.end[0] + 1))
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
             first = node.body[0]
-            held.difference_update(range(first.lineno, (first.end_lineno or first.lineno) + 1))
-    return len(held)
+            lines.difference_update(range(first.lineno, (first.end_lineno or first.lineno) + 1))
+    return len(lines)

@@ -19,13 +19,13 @@ AT: Final = "at"
 """The argument for a place, which sets x, y and the capability's other position parameters."""
 
 
-class Known:
+class CapabilityIndex:
     """The capabilities that a program may use, found by name or label."""
 
     def __init__(self, capabilities: Capabilities) -> None:
         """Create an index, built on first use."""
         self._capabilities = capabilities
-        self._found: dict[tuple[str, str], Capability] = {}
+        self._cache: dict[tuple[str, str], Capability] = {}
 
     def read(self, name: str) -> Capability:
         """Return a readable capability; RobotError KG832 if it is missing, KG834 if it can only be executed."""
@@ -36,9 +36,9 @@ class Known:
         return self._one(name, "write")
 
     def _one(self, name: str, modality: Literal["read", "write"]) -> Capability:
-        if (name, modality) not in self._found:
+        if (name, modality) not in self._cache:
             try:
-                self._found[name, modality] = find(self._capabilities, name, modality)
+                self._cache[name, modality] = find(self._capabilities, name, modality)
             except RobotError as error:
                 if error.code != "KG821":
                     raise _other_way(find(self._capabilities, name)) from error
@@ -46,7 +46,7 @@ class Known:
                 reached = [one for one in fitting if one.ways] or fitting
                 words = [word for one in reached for word in (one.name, one.label, *one.alternatives)]
                 raise RobotError("KG832", error.message, hint=did_you_mean(name, words)) from error
-        return self._found[name, modality]
+        return self._cache[name, modality]
 
     def argument(self, capability: Capability, name: str) -> str:
         """Return the name of an argument's parameter, or that of the place; RobotError KG832 if it is missing."""
@@ -60,8 +60,7 @@ class Known:
             if wanted in {folded(parameter.name), folded(parameter.label)}:
                 return parameter
         names = [parameter.name for parameter in capability.parameters]
-        verb = "is given" if capability.modality == "write" else "tells"
-        hint = did_you_mean(name, names) or f"`{capability.label}` {verb}: {', '.join(names) or 'nothing'}."
+        hint = did_you_mean(name, names) or f"`{capability.label}` has: {', '.join(names) or 'no parameters'}."
         raise RobotError("KG832", f"`{capability.label}` has no `{name}`", hint=hint)
 
 
@@ -71,13 +70,13 @@ def takes_place(capability: Capability, name: str) -> bool:
     return name == AT and AT not in names and {"x", "y"} <= names
 
 
-def _other_way(found: Capability) -> RobotError:
+def _other_way(capability: Capability) -> RobotError:
     """Return the error for a capability that can only be read, or only be executed, and is used the other way."""
-    if found.modality == "read":
-        hint = f"Use its reading in a condition or a value: `... of {found.name}`."
-        return RobotError("KG834", f"`{found.label}` is something to sense, not to do", hint=hint)
-    hint = f"Write `{found.label}` as a statement of its own."
-    return RobotError("KG834", f"`{found.label}` is an action, not a reading", hint=hint)
+    if capability.modality == "read":
+        hint = f"Use its reading in a condition or a value: `... of {capability.name}`."
+        return RobotError("KG834", f"`{capability.label}` is something to sense, not to do", hint=hint)
+    hint = f"Write `{capability.label}` as a statement of its own."
+    return RobotError("KG834", f"`{capability.label}` is an action, not a reading", hint=hint)
 
 
 def named(program: Program, capabilities: Capabilities) -> Program:
@@ -91,19 +90,19 @@ def labelled(program: Program, capabilities: Capabilities) -> Program:
 
 
 def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Capability], str]) -> Program:
-    known = Known(capabilities)
+    index = CapabilityIndex(capabilities)
 
     def change(part: dict[str, Any]) -> dict[str, Any]:
         if "capability" not in part:
             return part
         with suppress(RobotError):
             if part.get("expression") == "read":
-                capability = known.read(part["capability"])
-                part["parameter"] = known.parameter(capability, part["parameter"]).name
+                capability = index.read(part["capability"])
+                part["parameter"] = index.parameter(capability, part["parameter"]).name
             else:
-                capability = known.write(part["capability"])
+                capability = index.write(part["capability"])
                 arguments = part.get("arguments", {})
-                part["arguments"] = {known.argument(capability, name): value for name, value in arguments.items()}
+                part["arguments"] = {index.argument(capability, name): value for name, value in arguments.items()}
             part["capability"] = called(capability)
         return part
 

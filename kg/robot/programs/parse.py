@@ -117,26 +117,26 @@ def _in_parentheses(cursor: Cursor, path: str, depth: int) -> tree.Expression:
 
 def _place(cursor: Cursor, path: str, depth: int) -> tree.Position:
     begin = cursor.take()
-    said: dict[str, tree.Expression] = {}
-    while not said or cursor.sign(","):
-        if said:
+    components: dict[str, tree.Expression] = {}
+    while not components or cursor.sign(","):
+        if components:
             cursor.take()
             cursor.skip()
         name = cursor.token
         part = name.value.lower()
-        if part in said or not cursor.word(*tree.Position.__struct_fields__):
+        if part in components or not cursor.word(*tree.Position.__struct_fields__):
             raise cursor.refused(name, f"{name} is not allowed here", "A place has an x, a y, and maybe z and heading.")
         cursor.take()
         if not cursor.sign(":"):
             raise cursor.expected(f"`:` after `{part}`")
         cursor.take()
-        said[part] = _level(cursor, f"{path}/{part}", depth + 1, 0)
+        components[part] = _level(cursor, f"{path}/{part}", depth + 1, 0)
     if not cursor.sign(")"):
         raise cursor.expected("`)`")
     cursor.take()
-    if not {"x", "y"} <= said.keys():
+    if not {"x", "y"} <= components.keys():
         raise cursor.refused(begin, "a place needs its x and its y", "Write `(x: 2 m, y: 1.5 m, heading: 90 deg)`.")
-    return tree.Position(x=said["x"], y=said["y"], z=said.get("z"), heading=said.get("heading"))
+    return tree.Position(x=components["x"], y=components["y"], z=components.get("z"), heading=components.get("heading"))
 
 
 def _with_unit(cursor: Cursor) -> tree.Written:
@@ -204,15 +204,15 @@ def parse_with_places(text: str, path: str = "program") -> Parsed:
     program = tree.Program()
     if cursor.word("program"):
         program = _head(cursor)
-    body, rest = _sequence(cursor, "/body", 0)
+    body, behind = _sequence(cursor, "/body", 0)
     if not cursor.kind("end of the program"):
         raise cursor.expected("a statement", hint=f"No open block for {cursor.token}.")
-    comment = "\n".join(filter(None, (program.comment, rest)))
+    comment = "\n".join(filter(None, (program.comment, behind)))
     return Parsed(msgspec.structs.replace(program, body=body, comment=comment), cursor.places)
 
 
 def _head(cursor: Cursor) -> tree.Program:
-    comment = cursor.told()
+    comment = cursor.take_comments()
     cursor.take()
     if not cursor.kind("text", "name"):
         raise cursor.expected("the name of the program in quotes")
@@ -240,11 +240,11 @@ def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Stateme
     while not cursor.kind("end of the program") and not cursor.word(*ENDINGS):
         body.append(_statement(cursor, f"{path}/{len(body)}", depth))
         cursor.skip()
-    rest = cursor.told()
-    if body and rest:
-        body[-1] = _commented(body[-1], rest)
-        rest = ""
-    return tuple(body), rest
+    behind = cursor.take_comments()
+    if body and behind:
+        body[-1] = _commented(body[-1], behind)
+        behind = ""
+    return tuple(body), behind
 
 
 def _commented(statement: tree.Statement, *comments: str) -> tree.Statement:
@@ -254,16 +254,18 @@ def _commented(statement: tree.Statement, *comments: str) -> tree.Statement:
 
 
 def _statement(cursor: Cursor, path: str, depth: int) -> tree.Statement:
-    comment = cursor.told()
+    comment = cursor.take_comments()
     cursor.note(path)
     cursor.begun.append(cursor.token.line)
     _own(cursor)
     read = _KEYWORDS.get(cursor.token.value.lower()) if cursor.kind("word") else None
     statement = (read and read(cursor, path, depth)) or _do(cursor, path)
     cursor.begun.pop()
-    behind = cursor.told()
+    behind = cursor.take_comments()
     _line_end(cursor)
-    return _commented(msgspec.structs.replace(statement, comment=comment), statement.comment, behind, cursor.told())
+    return _commented(
+        msgspec.structs.replace(statement, comment=comment), statement.comment, behind, cursor.take_comments()
+    )
 
 
 def _own(cursor: Cursor) -> None:
@@ -299,9 +301,9 @@ def _end(cursor: Cursor, what: str) -> None:
 
 
 def _block(cursor: Cursor, path: str, what: str, depth: int) -> tuple[tuple[tree.Statement, ...], str]:
-    body, rest = _sequence(cursor, path, depth + 1)
+    body, behind = _sequence(cursor, path, depth + 1)
     _end(cursor, what)
-    return body, rest
+    return body, behind
 
 
 def _if(cursor: Cursor, path: str, depth: int) -> tree.If:
@@ -318,8 +320,8 @@ def _if(cursor: Cursor, path: str, depth: int) -> tree.If:
                 raise cursor.refused(cursor.token, f"blocks are nested more than {tree.BLOCKS_DEEP} deep")
             otherwise = (_if(cursor, f"{path}/otherwise/0", depth + 1),)
             return tree.If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
-        otherwise, rest = _sequence(cursor, f"{path}/otherwise", depth + 1)
-        comment = "\n".join(filter(None, (comment, rest)))
+        otherwise, behind = _sequence(cursor, f"{path}/otherwise", depth + 1)
+        comment = "\n".join(filter(None, (comment, behind)))
     _end(cursor, "if")
     return tree.If(id=identifier, comment=comment, condition=condition, then=then, otherwise=otherwise)
 
@@ -422,8 +424,8 @@ def _parallel(cursor: Cursor, path: str, depth: int) -> tree.Parallel | None:
         branches.append(body)
         comments.append(comment)
     _end(cursor, "at the same time")
-    kept = tuple(branches) if len(branches) > 1 or branches[0] else ()
-    return tree.Parallel(id=identifier, comment="\n".join(filter(None, comments)), branches=kept)
+    nonempty = tuple(branches) if len(branches) > 1 or branches[0] else ()
+    return tree.Parallel(id=identifier, comment="\n".join(filter(None, comments)), branches=nonempty)
 
 
 def _on_event(cursor: Cursor, path: str, depth: int) -> tree.OnEvent | None:
@@ -436,8 +438,8 @@ def _on_event(cursor: Cursor, path: str, depth: int) -> tree.OnEvent | None:
     then, comment = _sequence(cursor, f"{path}/then", depth + 1)
     if not cursor.phrase("during"):
         raise cursor.expected("`during`", hint="After `during`, write the statements to run.")
-    body, rest = _block(cursor, f"{path}/body", "as soon as" if end else "whenever", depth)
-    comment = "\n".join(filter(None, (comment, rest)))
+    body, behind = _block(cursor, f"{path}/body", "as soon as" if end else "whenever", depth)
+    comment = "\n".join(filter(None, (comment, behind)))
     return tree.OnEvent(id=identifier, comment=comment, condition=condition, then=then, body=body, end=end)
 
 

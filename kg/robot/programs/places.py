@@ -35,7 +35,7 @@ _KIND: Final = "std_msgs/String"
 _FIRST: Final = 3.0  # seconds to wait for the places of a robot
 
 
-class _Told(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class _Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     x: float
     y: float
     z: float | None = None
@@ -45,18 +45,18 @@ class _Told(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 def places_of(text: str | bytes) -> dict[str, Position]:
     """Return the places in the text of a file; ValueError with the reason if it is invalid."""
     try:
-        found = msgspec.toml.decode(text, type=dict[str, Any])
+        table = msgspec.toml.decode(text, type=dict[str, Any])
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise ValueError(str(error)) from None
     places: dict[str, Position] = {}
-    for name, said in found.items():
+    for name, given in table.items():
         try:
-            told = msgspec.convert(said, _Told)
+            read = msgspec.convert(given, _Place)
             places[name] = Position(
-                x=Written(value=told.x, unit="m"),
-                y=Written(value=told.y, unit="m"),
-                z=None if told.z is None else Written(value=told.z, unit="m"),
-                heading=None if told.heading is None else Written(value=told.heading, unit="deg"),
+                x=Written(value=read.x, unit="m"),
+                y=Written(value=read.y, unit="m"),
+                z=None if read.z is None else Written(value=read.z, unit="m"),
+                heading=None if read.heading is None else Written(value=read.heading, unit="deg"),
             )
         except ValueError as error:
             raise ValueError(f"`{name}`: {error}") from None
@@ -102,12 +102,12 @@ async def offered(connection: Connection, graph: ComputationGraph) -> dict[str, 
 def placed(program: Program, places: Places) -> Program:
     """Return a program with places instead of their names, except for names that it assigns itself."""
     own = {one.variable for _, one in statements(program.body) if isinstance(one, Set | For)}
-    known = {name: msgspec.to_builtins(place) for name, place in places.items() if name not in own}
-    if not known:
+    by_name = {name: msgspec.to_builtins(place) for name, place in places.items() if name not in own}
+    if not by_name:
         return program
 
     def change(part: dict[str, Any]) -> Any:
-        return known.get(part["name"], part) if part.get("expression") == "variable" else part
+        return by_name.get(part["name"], part) if part.get("expression") == "variable" else part
 
     return rewritten(program, change)
 
@@ -124,10 +124,10 @@ def at_place(capability: Capability, arguments: Mapping[str, Any], places: Place
         return dict(arguments)
     name = str(arguments[AT])
     if name not in places:
-        known = f"It is one of: {', '.join(places)}." if places else "Name a file that defines it (`--places`)."
-        raise RobotError("KG823", f"no place is called `{name}`", hint=did_you_mean(name, places) or known)
-    said = {part: values.written(one) for part, one in places[name].parts().items() if isinstance(one, Written)}
-    of_place = values.of_place(values.place(said))
+        hint = f"It is one of: {', '.join(places)}." if places else "Name a file that defines it (`--places`)."
+        raise RobotError("KG823", f"no place is called `{name}`", hint=did_you_mean(name, places) or hint)
+    components = {part: values.written(one) for part, one in places[name].parts().items() if isinstance(one, Written)}
+    of_place = values.of_place(values.place(components))
     there = {
         one.name: values.for_parameter(one, of_place[one.name]) for one in capability.parameters if one.name in of_place
     }

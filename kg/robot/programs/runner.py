@@ -18,7 +18,7 @@ from kg.robot.live import infer
 from kg.robot.programs import values
 from kg.robot.programs.check import check, doubts
 from kg.robot.programs.events import Ended, Events, Problem
-from kg.robot.programs.names import Known
+from kg.robot.programs.names import CapabilityIndex
 from kg.robot.programs.places import Places, offered, placed, read_places
 from kg.robot.programs.statements import Evaluation, Failed, Pace, Statements, Stopped
 from kg.robot.tasks import ended, finished, first, spawn
@@ -48,7 +48,7 @@ class Runner:
         self._clock = driver.connection.clock
         self._pace = Pace(self._clock)
         self.events = Events(on_event, self._clock, driver.log)
-        evaluation = Evaluation(driver, Known(driver.capabilities), self.events)
+        evaluation = Evaluation(driver, CapabilityIndex(driver.capabilities), self.events)
         self._statements = Statements(driver, evaluation, self._pace, self.events)
         self._task: asyncio.Task[None] | None = None
         self._cancelled = False
@@ -62,12 +62,12 @@ class Runner:
         """Stop all movements, and pause."""
         if not self.paused:
             self._pace.pause()
-            self.events.tell("paused")
+            self.events.emit("paused")
 
     def resume(self) -> None:
         """Resume the program."""
         if self.paused:
-            self.events.tell("resumed")
+            self.events.emit("resumed")
             self._pace.resume()
 
     def cancel(self) -> None:
@@ -105,13 +105,13 @@ class Runner:
         try:
             await self._driver.stop()
         except RobotError as error:
-            self.events.tell("error", code=error.code, message=error.message, hint=error.hint)
+            self.events.emit("error", code=error.code, message=error.message, hint=error.hint)
             left_moving = Problem.of(error, "", None)
         how, problem = self._how(task)
         problem = problem or left_moving
         if problem is not None and how != "cancelled":
             how = "failed"
-        self.events.tell(how, seconds=round(self.events.seconds, 3), statements=self._statements.count)
+        self.events.emit(how, seconds=round(self.events.seconds, 3), statements=self._statements.count)
         return how, problem
 
     def _how(self, task: asyncio.Task[None]) -> tuple[str, Problem | None]:
@@ -127,7 +127,7 @@ class Runner:
                 return "failed", error.problem
             case RobotError():
                 problem = Problem.of(error, "", None)
-                self.events.tell("error", code=error.code, message=error.message, hint=error.hint)
+                self.events.emit("error", code=error.code, message=error.message, hint=error.hint)
                 return "failed", problem
             case _:
                 raise error
@@ -195,7 +195,7 @@ async def execute(  # noqa: PLR0913 - what a run can say
 
     def warn(problem: GraphProblem) -> None:
         message, hint = f"{problem.subject}: {problem.message}", CATALOGUE[problem.code].way_out
-        runner.events.tell("warning", code=problem.code, message=message, hint=hint)
+        runner.events.emit("warning", code=problem.code, message=message, hint=hint)
 
     async with connected(address) as connection:
         graph = await inhabited(connection)
@@ -230,6 +230,6 @@ async def _follow(driver: Driver, settings: Settings) -> None:
     """Keep the program's capabilities up to date while nodes start and exit."""
     async for graph in driver.connection.changes():
         driver.saw(graph)
-        found = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)
-        if found != driver.capabilities:
-            await driver.take(found)
+        capabilities = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)
+        if capabilities != driver.capabilities:
+            await driver.take(capabilities)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from kg.errors import RobotError
 from kg.robot.programs import tree, values
 from kg.robot.programs.events import Events, Problem
-from kg.robot.programs.names import Known, takes_place
+from kg.robot.programs.names import CapabilityIndex, takes_place
 from kg.robot.tasks import ended, first
 
 if TYPE_CHECKING:
@@ -100,16 +100,16 @@ async def together(*work: Coroutine[Any, Any, None]) -> None:
 
 
 _FIRST: Final = 10.0  # seconds to wait for the first message of a capability
-_ASKED: Final = 5.0  # calls per second of a service that a condition depends on
+_RATE: Final = 5.0  # calls per second of a service that a condition depends on
 
 
 class Evaluation:
     """Evaluator of expressions: variables, which all parts of a program share, and the robot's readings."""
 
-    def __init__(self, driver: Driver, known: Known, events: Events) -> None:
+    def __init__(self, driver: Driver, index: CapabilityIndex, events: Events) -> None:
         """Create an evaluator without variables."""
         self._driver = driver
-        self.known = known
+        self.index = index
         self._events = events
         self._variables: dict[str, values.Quantity] = {}
         self._watchers: set[asyncio.Event] = set()
@@ -134,8 +134,8 @@ class Evaluation:
                     raise RobotError("KG836", f"the variable `{expression.name}` has no value")
                 return self._variables[expression.name]
             case tree.Read():
-                capability = self.known.read(expression.capability)
-                parameter = self.known.parameter(capability, expression.parameter)
+                capability = self.index.read(expression.capability)
+                parameter = self.index.parameter(capability, expression.parameter)
                 value = (await self._driver.latest(capability.name, seconds=_FIRST)).get(parameter.name)
                 self._events.value(path, statement, capability, parameter, value)
                 return values.of_parameter(parameter, value)
@@ -149,8 +149,8 @@ class Evaluation:
                     return left  # the other side is not evaluated
                 return values.Quantity(await self.truth(expression.right, path, statement))
             case tree.Position():
-                said = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
-                return values.place(said)
+                components = {name: await self.of(one, path, statement) for name, one in expression.parts().items()}
+                return values.place(components)
 
     async def truth(self, expression: tree.Expression, path: str, statement: tree.Statement) -> bool:
         """Return whether a condition holds; RobotError as `of`."""
@@ -164,7 +164,7 @@ class Evaluation:
     async def watching(self, condition: tree.Expression) -> AsyncIterator[asyncio.Event]:
         """Yield an event that is set whenever an input of a condition changes, or becomes unreadable."""
         news = asyncio.Event()
-        names = {self.known.read(read.capability).name for read in tree.reads_of(condition)}
+        names = {self.index.read(read.capability).name for read in tree.reads_of(condition)}
         listening = [asyncio.ensure_future(self._listen(name, news)) for name in names]
         self._watchers.add(news)
         try:
@@ -178,8 +178,8 @@ class Evaluation:
 
     async def _listen(self, name: str, news: asyncio.Event) -> None:
         try:
-            async with aclosing(self._driver.changes(name, asked=_ASKED)) as told:
-                async for _ in told:
+            async with aclosing(self._driver.changes(name, rate=_RATE)) as changes:
+                async for _ in changes:
                     news.set()
         finally:
             news.set()
@@ -231,13 +231,13 @@ class Statements:
             try:
                 await self._pace.step()
                 self.count += 1
-                self._events.tell("enter", here, statement)
+                self._events.emit("enter", here, statement)
                 await self._carry_out(statement, here)
             except RobotError as error:
-                self._events.tell("error", here, statement, code=error.code, message=error.message, hint=error.hint)
+                self._events.emit("error", here, statement, code=error.code, message=error.message, hint=error.hint)
                 raise Failed(Problem.of(error, here, statement.id)) from error
             finally:
-                self._events.tell("leave", here, statement)
+                self._events.emit("leave", here, statement)
 
     async def _carry_out(self, statement: tree.Statement, path: str) -> None:
         match statement:
@@ -265,30 +265,30 @@ class Statements:
                 await self._on_event(statement, path)
             case tree.Log():
                 message = values.shown(await self._evaluation.of(statement.message, path, statement))
-                self._events.tell("log", path, statement, message=message)
+                self._events.emit("log", path, statement, message=message)
             case tree.Stop():
                 raise Stopped
 
     def _give(self, statement: tree.Statement, name: str, value: values.Quantity, path: str) -> None:
         self._evaluation.give(name, value)
-        self._events.tell("set", path, statement, variable=name, value=value.value, shown=values.shown(value))
+        self._events.emit("set", path, statement, variable=name, value=value.value, shown=values.shown(value))
 
     async def _do(self, statement: tree.Do, path: str) -> None:
-        known = self._evaluation.known
-        capability = known.write(statement.capability)
+        index = self._evaluation.index
+        capability = index.write(statement.capability)
         arguments = await self._arguments(capability, statement, path)
-        kept_up = await self._evaluation.seconds(statement.seconds, path, statement)
+        duration = await self._evaluation.seconds(statement.seconds, path, statement)
         within = await self._evaluation.seconds(statement.within, path, statement)
         plan = await self._driver.plan(capability.name, arguments)
         moves = plan.rate > 0
 
-        def feedback(told: dict[str, Any]) -> None:
-            self._events.tell("feedback", path, statement, capability=capability.name, values=told)
+        def feedback(reported: dict[str, Any]) -> None:
+            self._events.emit("feedback", path, statement, capability=capability.name, values=reported)
 
         def work(seconds: float | None) -> Any:
             return self._driver.do(capability.name, arguments, seconds=seconds, on_feedback=feedback)
 
-        left = kept_up if moves or within is None else within
+        left = duration if moves or within is None else within
         if moves or plan.kind == "action":
             outcome = await self._with_pauses(work, left, moves=moves)
             if outcome is not None:
@@ -299,17 +299,17 @@ class Statements:
 
     async def _arguments(self, capability: Capability, statement: tree.Do, path: str) -> dict[str, Any]:
         """Return the values of parameters; explicit arguments override those of a place."""
-        known = self._evaluation.known
+        index = self._evaluation.index
         placed, given = {}, {}
         for name, expression in statement.arguments.items():
             value = await self._evaluation.of(expression, path, statement)
             if takes_place(capability, name):
                 placed = values.of_place(value)
             else:
-                given[known.parameter(capability, name).name] = value
-        found = {**placed, **given}
+                given[index.parameter(capability, name).name] = value
+        inputs = {**placed, **given}
         return {
-            one.name: values.for_parameter(one, found[one.name]) for one in capability.parameters if one.name in found
+            one.name: values.for_parameter(one, inputs[one.name]) for one in capability.parameters if one.name in inputs
         }
 
     def _came(self, outcome: Outcome, path: str, statement: tree.Statement) -> None:
@@ -319,10 +319,10 @@ class Statements:
             raise RobotError("KG838", f"`{plan.capability}` was stopped from outside")
         if outcome.ended == "planned":
             where = {"capability": plan.capability, "kind": plan.kind, "name": plan.name, "type": plan.type}
-            self._events.tell("planned", path, statement, **where, value=plan.message, seconds=plan.seconds)
+            self._events.emit("planned", path, statement, **where, value=plan.message, seconds=plan.seconds)
         if (problem := outcome.problem) is not None:
-            told = {"code": problem.code, "message": problem.message, "hint": problem.hint}
-            self._events.tell("warning", path, statement, **told)
+            details = {"code": problem.code, "message": problem.message, "hint": problem.hint}
+            self._events.emit("warning", path, statement, **details)
 
     async def _with_pauses(self, work: Any, left: float | None, *, moves: bool) -> Outcome | None:
         """Run a long action; a pause stops it, and it is restarted for the remaining time."""
@@ -412,7 +412,7 @@ class Statements:
         body = self.sequence(statement.body, f"{path}/body")
         if statement.end:
             if await first(body, self._until(statement.condition, path, statement)) is None:
-                self._events.tell("event", path, statement)
+                self._events.emit("event", path, statement)
                 await self.sequence(statement.then, f"{path}/then")
             return
         handling = asyncio.Lock()
@@ -433,7 +433,7 @@ class Statements:
         while True:
             await self._until(statement.condition, path, statement)
             async with handling:
-                self._events.tell("event", path, statement)
+                self._events.emit("event", path, statement)
                 await self.sequence(statement.then, f"{path}/then")
             await self._until(statement.condition, path, statement, holds=False)
 

@@ -101,25 +101,25 @@ def tokens(text: str, path: str) -> Iterator[Token]:
     position, line, begin = 0, 1, 0
     while position < len(text):
         column = position - begin + 1
-        found = _TOKEN.match(text, position)
-        if found is None or found.end() == position:
+        match = _TOKEN.match(text, position)
+        if match is None or match.end() == position:
             wrong = Token("sign", text[position], line, column)
             hint = "A text or a name ends with the quote it began with, on the same line."
             raise refusal(text, path, wrong, f"{wrong} is not allowed here", hint if wrong.value in "\"'“" else None)
-        position = found.end()
-        if not found["blank"]:
-            yield _token(text, path, found, line, column)
-        if found[0] == "\n":
+        position = match.end()
+        if not match["blank"]:
+            yield _token(text, path, match, line, column)
+        if match[0] == "\n":
             line, begin = line + 1, position
     yield Token("end of the program", "", line, position - begin + 1)
 
 
-def _token(text: str, path: str, found: re.Match[str], line: int, column: int) -> Token:
-    if found["number"]:
-        unit = found["unit"]
-        return Token("number", found["number"], line, column, ALIASES.get(unit, unit))
-    kind: Kind = found.lastgroup  # type: ignore[assignment] # the groups that are left are kinds
-    value = found[0]
+def _token(text: str, path: str, match: re.Match[str], line: int, column: int) -> Token:
+    if match["number"]:
+        unit = match["unit"]
+        return Token("number", match["number"], line, column, ALIASES.get(unit, unit))
+    kind: Kind = match.lastgroup  # type: ignore[assignment] # the groups that are left are kinds
+    value = match[0]
     if kind in {"text", "name"} or (kind == "id" and value[1] == '"'):
         try:
             value = _unquoted(value.removeprefix("@"))
@@ -196,8 +196,8 @@ class Cursor:
     def phrase(self, phrase: str) -> bool:
         """Consume a phrase if it comes next, and return whether it did."""
         words = phrase.split()
-        found = [self.ahead(far) for far in range(len(words))]
-        if [one.value.lower() if one.kind == "word" else "" for one in found] != words:
+        following = [self.ahead(far) for far in range(len(words))]
+        if [one.value.lower() if one.kind == "word" else "" for one in following] != words:
             return False
         self._next += len(words)
         return True
@@ -217,7 +217,7 @@ class Cursor:
             if token.kind == "comment":
                 self.comments.append(token.value)
 
-    def told(self) -> str:
+    def take_comments(self) -> str:
         """Return the pending comments as one."""
         comment = "\n".join(self.comments)
         self.comments.clear()
@@ -229,10 +229,10 @@ class Cursor:
         while begin and self._tokens[begin - 1].kind != "line":
             begin -= 1
         first = self._tokens[begin]
-        meant = None
+        suggestion = None
         if first.kind == "word" and first.value.lower() not in BEGINNINGS | ENDINGS:
-            meant = did_you_mean(first.value, BEGINNINGS | ENDINGS)
-        return refusal(self.text, self.path, self.token, f"expected {what}, found {self.token}", meant or hint)
+            suggestion = did_you_mean(first.value, BEGINNINGS | ENDINGS)
+        return refusal(self.text, self.path, self.token, f"expected {what}, found {self.token}", suggestion or hint)
 
     def refused(self, token: Token, message: str, hint: str | None = None) -> RobotError:
         """Return a syntax error (KG830) at a token."""

@@ -83,8 +83,8 @@ class Position(_Expression, frozen=True, tag_field="expression", tag="place"):
 
     def parts(self) -> dict[str, Expression]:
         """The components that are set, by name."""
-        said = {"x": self.x, "y": self.y, "z": self.z, "heading": self.heading}
-        return {name: one for name, one in said.items() if one is not None}
+        components = {"x": self.x, "y": self.y, "z": self.z, "heading": self.heading}
+        return {name: one for name, one in components.items() if one is not None}
 
 
 Expression: TypeAlias = Written | Variable | Read | Unary | Binary | Position

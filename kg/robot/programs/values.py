@@ -49,17 +49,17 @@ def written(value: Written) -> Quantity:
     return Quantity(value.value * unit.factor, unit.dimension)
 
 
-def place(said: Mapping[str, Quantity]) -> Quantity:
+def place(components: Mapping[str, Quantity]) -> Quantity:
     """Return a place from its components; RobotError KG833 for one that is not a length or an angle."""
-    found = {}
-    for name, quantity in said.items():
+    numbers = {}
+    for name, quantity in components.items():
         wanted = unit_of(PLACES[name]).dimension
         if not quantity.number or quantity.dimension not in {PLAIN, wanted}:
             raise RobotError(
                 "KG833", f"the {name} of a place must be in {described(wanted)}, but this is {shown(quantity)}"
             )
-        found[name] = float(quantity.value)
-    return Quantity(found)
+        numbers[name] = float(quantity.value)
+    return Quantity(numbers)
 
 
 def of_place(quantity: Quantity) -> dict[str, Quantity]:

@@ -36,6 +36,6 @@ async def connect(address: str, name: str, types: Types | None = None) -> Ros2Co
     try:
         wire = RclpyMiddleware(read.domain, own, types or Types(2))
     except RuntimeError as error:  # rclpy's exception for all failures of the layers below
-        told = f"the domain {read.domain} cannot be joined: {error}"
-        raise RobotError("KG817", told, hint="Check the network and $RMW_IMPLEMENTATION.") from None
+        message = f"the domain {read.domain} cannot be joined: {error}"
+        raise RobotError("KG817", message, hint="Check the network and $RMW_IMPLEMENTATION.") from None
     return await Ros2Connection.open(wire, read, own)

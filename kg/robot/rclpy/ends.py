@@ -63,8 +63,8 @@ class RclpyReader(End):
             if not self._closed:
                 deliver(content, None)
 
-        made = node.create_subscription(kind, topic, lambda raw: _passed(loop, take, bytes(raw)), qos, raw=True)
-        super().__init__(lambda: int(node.count_publishers(topic)), lambda: node.destroy_subscription(made))
+        subscription = node.create_subscription(kind, topic, lambda raw: _passed(loop, take, bytes(raw)), qos, raw=True)
+        super().__init__(lambda: int(node.count_publishers(topic)), lambda: node.destroy_subscription(subscription))
 
 
 class RclpyWriter(End):
@@ -134,24 +134,24 @@ class RclpyServer(End):
         self._tasks = Tasks()
         self._service = node.create_service(kind, service, self._ask)
         self._send = self._service.send_response
-        self._service.send_response = lambda asked, header: _passed(loop, self._begin, asked, header)
+        self._service.send_response = lambda request, header: _passed(loop, self._begin, request, header)
         super().__init__(lambda: int(node.count_clients(service)), lambda: node.destroy_service(self._service))
 
     def _ask(self, request: Any, response: Any) -> bytes:
         del response
         return bytes(serialize_message(request))
 
-    def _begin(self, asked: bytes, header: Any) -> None:
+    def _begin(self, request: bytes, header: Any) -> None:
         if not self._closed:
-            self._tasks.spawn(self._respond(asked, header), "answering a service")
+            self._tasks.spawn(self._respond(request, header), "answering a service")
 
-    async def _respond(self, asked: bytes, header: Any) -> None:
-        found = await outcome(self._answered(asked))
-        if isinstance(found, bytes) and not self._closed:
-            self._send(deserialize_message(found, self._kind.Response), header)
+    async def _respond(self, request: bytes, header: Any) -> None:
+        response = await outcome(self._answered(request))
+        if isinstance(response, bytes) and not self._closed:
+            self._send(deserialize_message(response, self._kind.Response), header)
 
-    async def _answered(self, asked: bytes) -> bytes:
-        return await self._answer(self._trimmed(asked))
+    async def _answered(self, request: bytes) -> bytes:
+        return await self._answer(self._trimmed(request))
 
     def close(self) -> None:
         """Stop serving; pending requests get no response."""

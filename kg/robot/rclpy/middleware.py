@@ -91,8 +91,8 @@ class RclpyMiddleware:
                 (Role.PUBLISHES, self._node.get_publishers_info_by_topic(topic)),
                 (Role.SUBSCRIBES, self._node.get_subscriptions_info_by_topic(topic)),
             )
-            for role, found in sides:
-                for one in found:
+            for role, infos in sides:
+                for one in infos:
                     node = _absolute(one.node_name, one.node_namespace)
                     yield LiveEnd(node, role, topic, short(one.topic_type), _from_ros(one.qos_profile))
 
@@ -101,9 +101,9 @@ class RclpyMiddleware:
             (Role.SERVICES, self._node.get_service_names_and_types_by_node),
             (Role.CLIENTS, self._node.get_client_names_and_types_by_node),
         )
-        for role, found in sides:
+        for role, names_and_types in sides:
             with suppress(rclpy.node.NodeNameNonExistentError):  # it has left in the meantime
-                for service, kinds in found(name, namespace):
+                for service, kinds in names_and_types(name, namespace):
                     yield LiveEnd(_absolute(name, namespace), role, service, short(kinds[0]))
 
     def neighbourhood(self) -> Neighbourhood:
@@ -163,7 +163,7 @@ def _absolute(name: str, namespace: str) -> str:
 
 
 @cache
-def _found(kind: str, folder: str) -> Any:
+def _import_class(kind: str, folder: str) -> Any:
     """Return the class of `package/Name` in a folder of its package; None if it is not installed."""
     package, _, name = kind.partition("/")
     try:
@@ -177,64 +177,64 @@ def _part(kind: str) -> Any:
     package, _, name = kind.partition("/")
     own, _, part = name.partition("_")
     whole = f"{package}/{own}"
-    if (service := _found(whole, "srv")) is not None:
+    if (service := _import_class(whole, "srv")) is not None:
         return getattr(service, part, None)
-    action = _found(whole, "action")
+    action = _import_class(whole, "action")
     if action is None:
         return None
     if part == "FeedbackMessage":
         return action.Impl.FeedbackMessage
     outer, _, inner = part.partition("_")
     if outer in {"SendGoal", "GetResult"}:
-        made = getattr(action.Impl, f"{outer}Service")
-        return getattr(made, inner) if inner else made
+        service_type = getattr(action.Impl, f"{outer}Service")
+        return getattr(service_type, inner) if inner else service_type
     return getattr(action, part, None)
 
 
 def _installed(kind: str) -> Any:
-    return _part(kind) if "_" in kind.partition("/")[2] else _found(kind, "msg")
+    return _part(kind) if "_" in kind.partition("/")[2] else _import_class(kind, "msg")
 
 
 def _class(kind: str) -> Any:
     """Return the class of a message; RobotError KG804 if its package is not installed."""
-    found = _installed(kind)
-    if found is None:
+    installed = _installed(kind)
+    if installed is None:
         package = kind.partition("/")[0]
         hint = f"Install `{package}` for ROS 2, or source the workspace that has it."
         raise RobotError("KG804", f"the type `{kind}` is not installed for ROS 2", hint=hint)
-    return found
+    return installed
 
 
 def _service_class(kind: str) -> Any:
     """Return the class of a service, also of one of an action; RobotError KG804 as `_class`."""
-    return _found(kind, "srv") or _class(kind)
+    return _import_class(kind, "srv") or _class(kind)
 
 
 def _describe(kind: str, texts: dict[str, str]) -> None:
     """Add the definition of an installed type, and of those that it uses, in `.msg` form."""
-    found = _installed(kind)
-    if found is None or kind in texts:
+    installed = _installed(kind)
+    if installed is None or kind in texts:
         return
     texts[kind] = ""
-    fields = found.get_fields_and_field_types()
-    for name, told in fields.items():
-        element, array = _written(told)
+    fields = installed.get_fields_and_field_types()
+    for name, field_type in fields.items():
+        element, array = _written(field_type)
         texts[kind] += f"{element}{array} {name}\n"
         if "/" in element:
             _describe(element, texts)
 
 
-def _written(told: str) -> tuple[str, str]:
+def _written(field_type: str) -> tuple[str, str]:
     """Return the type of an element and its array suffix: `sequence<double, 5>` is `float64` and `[<=5]`."""
-    if told.startswith("sequence<"):
-        element, _, most = told[len("sequence<") : -1].partition(", ")
+    if field_type.startswith("sequence<"):
+        element, _, most = field_type[len("sequence<") : -1].partition(", ")
         return _element(element), f"[<={most}]" if most else "[]"
-    element, bracket, length = told.partition("[")
+    element, bracket, length = field_type.partition("[")
     return _element(element), bracket + length
 
 
-def _element(told: str) -> str:
-    return _BASE.get(told) or told.replace("string<", "string<=").rstrip(">")
+def _element(field_type: str) -> str:
+    return _BASE.get(field_type) or field_type.replace("string<", "string<=").rstrip(">")
 
 
 def _to_ros(qos: Qos) -> QoSProfile:
@@ -249,23 +249,23 @@ def _to_ros(qos: Qos) -> QoSProfile:
 
 
 def _from_ros(profile: QoSProfile) -> Qos:
-    def known(policy: Any, *names: str) -> str | None:
+    def recognized(policy: Any, *names: str) -> str | None:
         name = policy.name.lower()
         return name if name in names else None
 
     def seconds(duration: Any) -> float | None:
-        found = float(duration.nanoseconds) / 1e9
-        return found if 0 < found < _FOREVER and math.isfinite(found) else None
+        value = float(duration.nanoseconds) / 1e9
+        return value if 0 < value < _FOREVER and math.isfinite(value) else None
 
-    history = known(profile.history, "keep_last", "keep_all")
+    history = recognized(profile.history, "keep_last", "keep_all")
     return Qos(
-        known(profile.reliability, "reliable", "best_effort"),
-        known(profile.durability, "volatile", "transient_local"),
+        recognized(profile.reliability, "reliable", "best_effort"),
+        recognized(profile.durability, "volatile", "transient_local"),
         history,
         profile.depth if history == "keep_last" else None,
         seconds(profile.deadline),
         seconds(profile.lifespan),
-        known(profile.liveliness, "automatic", "manual_by_topic"),
+        recognized(profile.liveliness, "automatic", "manual_by_topic"),
         seconds(profile.liveliness_lease_duration),
     )
 

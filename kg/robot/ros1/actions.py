@@ -105,7 +105,7 @@ class Ros1Canceller:
 
     async def cancel(self, identity: str) -> None:
         """Request cancellation of a goal, sent once the server is connected."""
-        while self._publication.peers == 0:  # noqa: ASYNC110 - nothing tells when a peer comes
+        while self._publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
             await asyncio.sleep(_POLL)
         await self._publication.publish({"id": identity})
 
@@ -137,7 +137,7 @@ class ActionClient:
 
     async def ready(self) -> None:
         """Return when a server is connected to the topics of goals."""
-        while not self._is_ready():  # noqa: ASYNC110 - five topics have their peers, and none tells when they come
+        while not self._is_ready():  # noqa: ASYNC110 - no event reports new peers of the five topics
             await asyncio.sleep(_POLL)
 
     async def send(self, value: Value, identity: str) -> Ros1Goal:
@@ -184,8 +184,8 @@ class ActionClient:
 
     def _is_ready(self) -> bool:
         # The server is the node that publishes states, feedback and results: others may publish one of these, too.
-        heard = set.intersection(*(set(one.connected.values()) for one in self._reading.values()))
-        return bool(heard) and all(one.peers for one in self._writing.values())
+        servers = set.intersection(*(set(one.connected.values()) for one in self._reading.values()))
+        return bool(servers) and all(one.peers for one in self._writing.values())
 
     def _on_status(self, value: Value) -> None:
         for each in value["status_list"]:
@@ -239,13 +239,13 @@ class _Work:
 
     async def feedback(self, value: Value) -> None:
         """Send feedback to the client."""
-        await self._server.tell("feedback", self, value)
+        await self._server.publish("feedback", self, value)
 
     def abort(self, reason: str) -> None:
         """Record that the goal was aborted."""
         self.failure = reason
 
-    def told(self) -> Value:
+    def status_message(self) -> Value:
         """Return the state as a value of actionlib_msgs/GoalStatus."""
         return {"goal_id": self.identity, "status": int(self.status), "text": self.text}
 
@@ -280,13 +280,13 @@ class ActionServer:
                 self._reading.append(subscription)
                 take = self._on_goal if part.name == "goal" else self._on_cancel
                 self._spawn(self._follow(subscription, take), f"following {topic}")
-        self._spawn(self._tell_status(), f"telling the status of {self._name}")
+        self._spawn(self._repeat_status(), f"telling the status of {self._name}")
         self._spawn(self._work(), f"carrying out {self._name}")
 
-    async def tell(self, name: str, work: _Work, value: Value) -> None:
+    async def publish(self, name: str, work: _Work, value: Value) -> None:
         """Publish feedback or the result of a goal."""
         header = {"stamp": stamp(self._connection.clock.now())}
-        await self._writing[name].publish({"header": header, "status": work.told(), name: value})
+        await self._writing[name].publish({"header": header, "status": work.status_message(), name: value})
 
     async def aclose(self) -> None:
         """Close the server."""
@@ -342,7 +342,7 @@ class ActionServer:
             waiting[0].ended_at = asyncio.get_running_loop().time()
             await self._publish_status()
             if not self._connection.node.lost.done():
-                await self.tell("result", waiting[0], result)
+                await self.publish("result", waiting[0], result)
 
     async def _outcome(self, work: _Work) -> Value:
         if work.cancelled:
@@ -363,7 +363,7 @@ class ActionServer:
             work.status = Status.ABORTED
         return result
 
-    async def _tell_status(self) -> None:
+    async def _repeat_status(self) -> None:
         while True:
             await self._publish_status()
             await asyncio.sleep(_STATUS_EVERY)
@@ -375,6 +375,6 @@ class ActionServer:
     async def _publish_status(self) -> None:
         if self._connection.node.lost.done():
             return  # no client is left to receive it
-        states = [work.told() for work in self._goals.values()]
+        states = [work.status_message() for work in self._goals.values()]
         header = {"stamp": stamp(self._connection.clock.now())}
         await self._writing["status"].publish({"header": header, "status_list": states})

@@ -64,8 +64,8 @@ async def connect(address: str, name: str, types: Types | None) -> Ros1Connectio
 
 def _master(address: str) -> str:
     try:
-        found = urlsplit(address)
-        host, port = found.hostname, found.port or _PORT
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port or _PORT
     except ValueError:
         host, port = None, 0
     if not host:
@@ -123,15 +123,15 @@ class Ros1Connection:
         """Subscribe to a topic; without `kind`, its type is looked up."""
         self.node.present()
         topic = absolute(topic)
-        told = (await topic_types(self.node.master, self.name))[0].get(topic)
-        if kind is not None and told not in {None, kind}:
-            raise RobotError("KG806", f"`{topic}` has the type {told}, not {kind}")
-        kind = kind or told
+        published = (await topic_types(self.node.master, self.name))[0].get(topic)
+        if kind is not None and published not in {None, kind}:
+            raise RobotError("KG806", f"`{topic}` has the type {published}, not {kind}")
+        kind = kind or published
         if kind is None:
             raise RobotError(
                 "KG804", f"no node reports the type of `{topic}`", hint="Start the node that publishes it."
             )
-        if not self.types.knows(kind):
+        if not self.types.has(kind):
             await self._learn(topic, kind)
         subscription = Ros1Subscription(self.node, topic, kind, queue)
         await self.node.join(subscription)
@@ -218,10 +218,10 @@ class Ros1Connection:
 
     async def parameter_names(self) -> list[str]:
         """Return the names of all parameters of the parameter server; RobotError as `http.ask`."""
-        told = await self.node.ask("getParamNames")
-        if not isinstance(told, list):
+        reply = await self.node.ask("getParamNames")
+        if not isinstance(reply, list):
             raise RobotError("KG810", "the master answers `getParamNames` with no list")
-        return [one for one in told if isinstance(one, str)]
+        return [one for one in reply if isinstance(one, str)]
 
     async def parameter(self, name: str) -> Any:
         """Return a parameter of the parameter server, None if it is not set; RobotError as `http.ask`."""

@@ -100,11 +100,11 @@ class StateReader:
         return self._state
 
 
-def _state(master: str, told: Any) -> SystemState:
+def _state(master: str, reply: Any) -> SystemState:
     ends: dict[tuple[Role, str], tuple[str, ...]] = {}
     problems: dict[GraphProblem, None] = {}
     try:
-        for role, rows in zip(_ROLES, told, strict=True):
+        for role, rows in zip(_ROLES, reply, strict=True):
             for name, nodes in rows:
                 for bad in (one for one in (name, *nodes) if not is_name(one)):
                     problems[
@@ -119,9 +119,9 @@ def _state(master: str, told: Any) -> SystemState:
 
 async def topic_types(master: str, caller: str) -> tuple[dict[str, str], tuple[GraphProblem, ...]]:
     """Request the types of topics from a master, and return the valid ones; errors as `system_state`."""
-    told = await ask(master, "getTopicTypes", caller)
+    reply = await ask(master, "getTopicTypes", caller)
     try:
-        rows = {name: kind for name, kind in told if is_name(name)}
+        rows = {name: kind for name, kind in reply if is_name(name)}
     except (TypeError, ValueError):
         raise RobotError("KG810", f"{master} did not report topic types") from None
     odd = tuple(
@@ -137,26 +137,26 @@ async def multicall(master: str, method: str, caller: str, names: list[str]) -> 
 
     The calls are batched by `system.multicall` of XML-RPC, which rosmaster supports; without it, each is sent alone.
     """
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for start in range(0, len(names), _CALLS_AT_ONCE):
         part = names[start : start + _CALLS_AT_ONCE]
         calls = [{"methodName": method, "params": [caller, name]} for name in part]
         try:
-            found |= _values(part, await call(master, "system.multicall", calls))
+            values |= _values(part, await call(master, "system.multicall", calls))
         except RobotError:
             for name in part:
                 try:
-                    found[name] = await ask(master, method, caller, name)
+                    values[name] = await ask(master, method, caller, name)
                 except RobotError as error:
                     if error.code != "KG813":
                         raise
-    return found
+    return values
 
 
-def _values(names: list[str], told: Any) -> Iterator[tuple[str, Any]]:
-    if not isinstance(told, list) or len(told) != len(names):
+def _values(names: list[str], reply: Any) -> Iterator[tuple[str, Any]]:
+    if not isinstance(reply, list) or len(reply) != len(names):
         raise RobotError("KG810", "a master answers many calls with as many answers")
-    for name, answer in zip(names, told, strict=True):
+    for name, answer in zip(names, reply, strict=True):
         match answer:
             case [[1, _, value]]:
                 yield name, value
@@ -177,7 +177,7 @@ _OF_EVERY_NODE: Final = {"get_loggers": "roscpp/GetLoggers", "set_logger_level":
 
 
 @dataclass(slots=True)
-class _Known:
+class _Report:
     """The last report of a node."""
 
     uri: str | None
@@ -202,9 +202,9 @@ class Analyzer:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._reader = StateReader(node.master, node.name)
-        self._nodes: dict[str, _Known] = {}
+        self._nodes: dict[str, _Report] = {}
         self._types: dict[tuple[str, str], str | GraphProblem] = {}
-        self._asked = 0
+        self._polls = 0
         self._took = 0.0
 
     async def changes(self) -> AsyncIterator[ComputationGraph]:
@@ -215,7 +215,7 @@ class Analyzer:
         """
         loop = asyncio.get_running_loop()
         picture: _Picture | None = None
-        told: ComputationGraph | None = None
+        last: ComputationGraph | None = None
         seen: object = None
         asking = self._node.spawn(asyncio.sleep(0), _ASKING)
         try:
@@ -229,11 +229,11 @@ class Analyzer:
                         picture = await self._picture(state, fresh=math.inf)
                 except RobotError as error:
                     self._node.note(error.code, self._node.master, error.message)
-                now = (picture, self._asked, len(self._node.problems))
+                now = (picture, self._polls, len(self._node.problems))
                 if picture is not None and now != seen:
                     seen, graph = now, self._graph(picture)
-                    if graph != told:
-                        told = graph
+                    if graph != last:
+                        last = graph
                         yield graph
                 if picture is not None and asking.done():
                     asking = self._node.spawn(self._ask_again(picture.names), _ASKING)
@@ -249,7 +249,7 @@ class Analyzer:
         """Return the graph of a state, after probing new nodes and services."""
         kinds, odd = await topic_types(self._node.master, self._node.name)
         names = state.nodes - {self._node.name}
-        self._nodes = {name: known for name, known in self._nodes.items() if name in names}
+        self._nodes = {name: report for name, report in self._nodes.items() if name in names}
         self._types = {key: kind for key, kind in self._types.items() if key[0] in names}
         await self._ask_nodes(names, fresh)
         services = [
@@ -269,13 +269,13 @@ class Analyzer:
         return _Picture(state, names, services, ends, odd)
 
     def _graph(self, picture: _Picture) -> ComputationGraph:
-        known = {name: self._nodes[name] for name in picture.names if name in self._nodes}
-        of_nodes = [one.problem for one in known.values()]
+        reports = {name: self._nodes[name] for name in picture.names if name in self._nodes}
+        of_nodes = [one.problem for one in reports.values()]
         of_services = [self._types.get(key) for key in picture.services]
         own = [one for one in (*of_nodes, *of_services) if isinstance(one, GraphProblem)]
         problems = {*picture.state.problems, *picture.odd, *self._node.problems, *own}
         live = sorted(
-            LiveNode(name, one.uri, one.problem.message if one.problem else None) for name, one in known.items()
+            LiveNode(name, one.uri, one.problem.message if one.problem else None) for name, one in reports.items()
         )
         return ComputationGraph(1, tuple(live), picture.ends, tuple(sorted(problems)))
 
@@ -295,7 +295,7 @@ class Analyzer:
             await self._ask_nodes(names, _FRESH, at_once=_AT_ONCE_BESIDE)
         except RobotError as error:
             self._node.note(error.code, self._node.master, error.message)
-        self._asked += 1
+        self._polls += 1
         self._took = loop.time() - began
 
     async def _ask_node(self, name: str, uri: Any) -> None:
@@ -308,11 +308,11 @@ class Analyzer:
             except RobotError as error:
                 code = "KG811" if error.code == "KG803" else error.code
                 problem = GraphProblem(code, name, error.message)
-        known = self._nodes.get(name)
-        if known is not None and known.uri != uri:
+        earlier = self._nodes.get(name)
+        if earlier is not None and earlier.uri != uri:
             self._types = {key: kind for key, kind in self._types.items() if key[0] != name}
         address = shown(uri) if uri is not None else None
-        self._nodes[name] = _Known(address, problem, asyncio.get_running_loop().time())
+        self._nodes[name] = _Report(address, problem, asyncio.get_running_loop().time())
 
     async def _ask_services(self, services: list[tuple[str, str]]) -> None:
         """Request the types of new services of live nodes; the port of a node is requested once."""
@@ -320,7 +320,7 @@ class Analyzer:
             own, _, last = service.rpartition("/")
             if own == node and last in _OF_EVERY_NODE:
                 self._types[node, service] = _OF_EVERY_NODE[last]
-        live = {name for name, known in self._nodes.items() if known.problem is None}
+        live = {name for name, report in self._nodes.items() if report.problem is None}
         new = [key for key in services if not isinstance(self._types.get(key), str) and key[0] in live]
         one_of = dict(new)
         uris = await multicall(self._node.master, "lookupService", self._node.name, sorted(set(one_of.values())))

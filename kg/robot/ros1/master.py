@@ -27,12 +27,12 @@ class Parameters:
 
     def get(self, name: str) -> Any:
         """Return a value, or the content of a namespace."""
-        found: Any = self._tree
+        value: Any = self._tree
         for part in _parts(name):
-            if not isinstance(found, dict):
+            if not isinstance(value, dict):
                 raise KeyError(name)
-            found = found[part]
-        return found
+            value = value[part]
+        return value
 
     def has(self, name: str) -> bool:
         """Tell whether there is a value, or a namespace."""
@@ -76,15 +76,15 @@ class Parameters:
 
     def names(self) -> list[str]:
         """Return the names of all values."""
-        found: list[str] = []
-        rest: list[tuple[str, Any]] = [("", self._tree)]
-        while rest:
-            name, value = rest.pop()
+        names: list[str] = []
+        pending: list[tuple[str, Any]] = [("", self._tree)]
+        while pending:
+            name, value = pending.pop()
             if isinstance(value, dict):
-                rest += [(f"{name}/{part}", inner) for part, inner in value.items()]
+                pending += [(f"{name}/{part}", inner) for part, inner in value.items()]
             else:
-                found.append(name)
-        return found
+                names.append(name)
+        return names
 
 
 def _parts(name: str) -> list[str]:
@@ -219,13 +219,13 @@ class Master:
         if kind != "*" and (self._kinds.get(topic, "*") == "*" or topic not in self._publishers.by_name):
             self._kinds[topic] = kind
         self._publishers.add(topic, caller, uri)
-        self._tell_publishers(topic)
+        self._notify_publishers(topic)
         return list(self._subscribers.by_name.get(topic, {}).values())
 
     def _on_unpublish(self, caller: str, topic: str, uri: str) -> int:
         count = self._publishers.remove(topic, caller, uri)
         if count:
-            self._tell_publishers(topic)
+            self._notify_publishers(topic)
             self._forget([caller], topic)
         return count
 
@@ -256,7 +256,7 @@ class Master:
         self.parameters.set(name, value)
         for watched, nodes in self._watching.by_name.items():
             if f"{name}/".startswith(f"{watched}/"):
-                self._tell([uri for node, uri in nodes.items() if node != caller], "paramUpdate", name, value)
+                self._notify([uri for node, uri in nodes.items() if node != caller], "paramUpdate", name, value)
         return 0
 
     def _on_delete(self, _: str, name: str) -> int:
@@ -271,7 +271,7 @@ class Master:
         """Register a node; another one of the same name at another address is shut down and removed."""
         before = self._nodes.get(caller)
         if before is not None and before != uri:
-            self._tell([before], "shutdown", f"a new node registered as {caller}")
+            self._notify([before], "shutdown", f"a new node registered as {caller}")
             for ends in (self._publishers, self._subscribers, self._services, self._watching):
                 for name in [name for name, nodes in ends.by_name.items() if caller in nodes]:
                     ends.remove(name, caller)
@@ -286,20 +286,20 @@ class Master:
         if topic is not None and not any(topic in one.by_name for one in ends[:2]):
             self._kinds.pop(topic, None)
 
-    def _tell_publishers(self, topic: str) -> None:
+    def _notify_publishers(self, topic: str) -> None:
         publishers = list(self._publishers.by_name.get(topic, {}).values())
-        self._tell(self._subscribers.by_name.get(topic, {}).values(), "publisherUpdate", topic, publishers)
+        self._notify(self._subscribers.by_name.get(topic, {}).values(), "publisherUpdate", topic, publishers)
 
-    def _tell(self, uris: Iterable[str], method: str, *arguments: Any) -> None:
+    def _notify(self, uris: Iterable[str], method: str, *arguments: Any) -> None:
         """Notify nodes without waiting: in order, and only of the newest state of a topic or parameter."""
         for uri in uris:
             if uri not in self._untold:
                 self._untold[uri] = {}
-                self._telling.spawn(self._tell_all(uri), f"telling {uri} of changes")
+                self._telling.spawn(self._send_pending(uri), f"telling {uri} of changes")
             self._untold[uri].pop((method, arguments[0]), None)
             self._untold[uri][method, arguments[0]] = arguments
 
-    async def _tell_all(self, uri: str) -> None:
+    async def _send_pending(self, uri: str) -> None:
         untold = self._untold[uri]
         try:
             while untold:

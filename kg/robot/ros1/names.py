@@ -29,10 +29,10 @@ def is_type(value: object) -> bool:
 
 def absolute(name: str) -> str:
     """Return one of our names as an absolute one; RobotError KG812 if it is invalid."""
-    found = name if name.startswith("/") else f"/{name}"
-    if not is_name(found) or found == "/":
+    full = name if name.startswith("/") else f"/{name}"
+    if not is_name(full) or full == "/":
         raise RobotError("KG812", f"`{shown(name)}` is not a ROS name", hint="Write letters, digits, `_` and `/`.")
-    return found
+    return full
 
 
 def shown(value: object) -> str:
@@ -44,19 +44,19 @@ def shown(value: object) -> str:
 def peer(uri: object, scheme: str = "http") -> tuple[str, int]:
     """Return host and port in the address of a peer; RobotError KG812 for an invalid one."""
     try:
-        found = urlsplit(_bracketed(uri) if isinstance(uri, str) and len(uri) <= _MOST_CHARACTERS else "")
-        host, port = found.hostname, found.port
+        parts = urlsplit(_bracketed(uri) if isinstance(uri, str) and len(uri) <= _MOST_CHARACTERS else "")
+        host, port = parts.hostname, parts.port
     except ValueError:
         host, port = None, None
-    if host is None or not port or found.scheme != scheme or _HOST.fullmatch(host) is None:
+    if host is None or not port or parts.scheme != scheme or _HOST.fullmatch(host) is None:
         raise RobotError("KG812", f"`{shown(uri)}` is not an address of a node: {scheme}://HOST:PORT is one")
     return host, port
 
 
 def _bracketed(uri: str) -> str:
     """Return an address with an IPv6 address in brackets, which rospy leaves out: `http://::1:4711/`."""
-    scheme, sign, rest = uri.partition("://")
-    place, slash, path = rest.partition("/")
+    scheme, sign, behind = uri.partition("://")
+    place, slash, path = behind.partition("/")
     host, _, port = place.rpartition(":")
     return f"{scheme}{sign}{netloc(host, port)}{slash}{path}" if ":" in host and not {"[", "]"} & {*host} else uri
 
@@ -88,8 +88,8 @@ def own_host(master: str, port: int) -> str:
     The order is that of wiki.ros.org/ROS/EnvironmentVariables.
     """
     for variable in ("ROS_HOSTNAME", "ROS_IP"):
-        if told := os.environ.get(variable):
-            return told
+        if host := os.environ.get(variable):
+            return host
     if master.startswith(_LOOPBACK):
         return master
     try:

@@ -143,7 +143,7 @@ class Node:
         offer.users -= 1
         if offer.users == 0 and self.offers.pop(offer.topic, None) is not None:
             offer.close()
-            await self._tell("unregisterPublisher", offer.topic, self.uri)
+            await self._notify_master("unregisterPublisher", offer.topic, self.uri)
 
     async def join(self, subscription: Ros1Subscription) -> None:
         """Subscribe to a topic; not at all if the master refuses or does not answer."""
@@ -157,10 +157,10 @@ class Node:
     async def _enrol(self, topic: str, kind: str) -> None:
         """Register as a subscriber, and connect to the publishers that the master lists."""
         async with self._turn(topic):
-            heard = self._updates[topic]
-            told = await self.ask("registerSubscriber", topic, kind, self.uri)
-        if self._updates[topic] == heard:  # a later notification is newer than the answer
-            self._update(topic, told)
+            version = self._updates[topic]
+            publishers = await self.ask("registerSubscriber", topic, kind, self.uri)
+        if self._updates[topic] == version:  # a later notification is newer than the answer
+            self._update(topic, publishers)
 
     async def leave(self, subscription: Ros1Subscription) -> None:
         """Unsubscribe after the last subscription of the topic."""
@@ -168,7 +168,7 @@ class Node:
         if subscription in others:
             others.remove(subscription)
         if not others and self.subscriptions.pop(subscription.topic, None) is not None:
-            await self._tell("unregisterSubscriber", subscription.topic, self.uri)
+            await self._notify_master("unregisterSubscriber", subscription.topic, self.uri)
 
     async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
         """Serve a service; RobotError KG804 if its type is unknown."""
@@ -184,7 +184,7 @@ class Node:
     async def stop_serving(self, service: Service) -> None:
         """Stop serving a service."""
         self.services.pop(service.name, None)
-        await self._tell("unregisterService", service.name, self._service_uri)
+        await self._notify_master("unregisterService", service.name, self._service_uri)
 
     async def aclose(self) -> None:
         """Leave the graph."""
@@ -196,7 +196,7 @@ class Node:
         for service in list(self.services.values()):
             await service.aclose()
         if not self.lost.done():
-            # What was withdrawn just before is no longer listed, but the master may not know it yet.
+            # What was withdrawn just before is no longer listed, but the master may not have received it yet.
             for turn in list(self._turns.values()):
                 async with turn:
                     pass
@@ -206,7 +206,7 @@ class Node:
         if self._tcp is not None:
             self._tcp.close()
 
-    async def _tell(self, method: str, name: str, *arguments: Any) -> None:
+    async def _notify_master(self, method: str, name: str, *arguments: Any) -> None:
         """Send a notification about a topic or service to the master, if it still exists."""
         if not self.lost.done():
             try:
@@ -215,7 +215,7 @@ class Node:
                 self.note(error.code, self.master, error.message)
 
     async def _keep_registered(self) -> None:
-        """Check that the master is alive and knows us; register again with a restarted one."""
+        """Check that the master is alive and lists this node; register again with a restarted one."""
         missed = 0
         while not self.lost.done():
             await asyncio.sleep(_HEARTBEAT)
@@ -233,10 +233,10 @@ class Node:
         """Register everything with a restarted master, allowing for concurrent changes."""
         for offer in list(self.offers.values()):
             if self.offers.get(offer.topic) is offer:
-                await self._tell("registerPublisher", offer.topic, offer.kind, self.uri)
+                await self._notify_master("registerPublisher", offer.topic, offer.kind, self.uri)
         for service in list(self.services):
             if service in self.services:
-                await self._tell("registerService", service, self._service_uri, self.uri)
+                await self._notify_master("registerService", service, self._service_uri, self.uri)
         for topic in list(self.subscriptions):
             if subscriptions := self.subscriptions.get(topic):
                 try:
@@ -269,11 +269,11 @@ class Node:
         try:
             header = await read_header(reader)
             wanted = header.get("service", header.get("topic", ""))
-            found = self.services.get(wanted) if "service" in header else self.offers.get(wanted)
-            if found is None:
+            served = self.services.get(wanted) if "service" in header else self.offers.get(wanted)
+            if served is None:
                 writer.write(pack({"error": f"`{shown(wanted)}` is not here"}))
             else:
-                await found.serve(header, reader, writer)
+                await served.serve(header, reader, writer)
         except RobotError as error:
             self.note(error.code, host, error.message)
         except (OSError, asyncio.CancelledError):

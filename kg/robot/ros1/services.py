@@ -86,9 +86,9 @@ class Service:
         self, header: Mapping[str, str], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> None:
         """Serve a client after its header: one call, or more over a persistent connection."""
-        types, told = self._node.types, header.get("md5sum", "*")
-        if told not in {"*", types.md5(self.kind)}:
-            words = f"`{self.name}` is {self.kind} with the sum {types.md5(self.kind)}, not {shown(told)}"
+        types, sent_sum = self._node.types, header.get("md5sum", "*")
+        if sent_sum not in {"*", types.md5(self.kind)}:
+            words = f"`{self.name}` is {self.kind} with the sum {types.md5(self.kind)}, not {shown(sent_sum)}"
             self._node.note("KG806", header.get("callerid", "?"), words)
             writer.write(pack({"error": words}))
             return

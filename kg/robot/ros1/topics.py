@@ -124,8 +124,8 @@ class Offer:
                 self._node.note("KG806", header.get("callerid", "?"), words)
                 writer.write(pack({"error": words}))
                 return
-        told = {"callerid": self._node.name, "latching": str(int(self.latch)), "topic": self.topic, **wanted}
-        writer.write(pack({**told, "message_definition": types.definition(self.kind)}))
+        answer = {"callerid": self._node.name, "latching": str(int(self.latch)), "topic": self.topic, **wanted}
+        writer.write(pack({**answer, "message_definition": types.definition(self.kind)}))
         link = _Link(reader, writer)
         self.links[link] = shown(header.get("callerid", "?"))
         if self._last is not None:
@@ -271,12 +271,12 @@ async def open_topic(node: Node, uri: str, topic: str, kind: str) -> AsyncIterat
 
 def _learn(types: Types, kind: str, header: Mapping[str, str]) -> None:
     """Compare a publisher's header with a type, or learn an unknown type from it."""
-    told, md5 = header.get("type", ""), header.get("md5sum", "")
-    if not is_type(told) or not md5:
-        raise RobotError("KG810", f"a header has the type `{shown(told)}` and the sum `{md5[:40]}`")
-    if told != kind:
-        raise RobotError("KG806", f"it is {told}, not {kind}")
-    if types.knows(kind) and types.md5(kind) == md5:
+    sent, md5 = header.get("type", ""), header.get("md5sum", "")
+    if not is_type(sent) or not md5:
+        raise RobotError("KG810", f"a header has the type `{shown(sent)}` and the sum `{md5[:40]}`")
+    if sent != kind:
+        raise RobotError("KG806", f"it is {sent}, not {kind}")
+    if types.has(kind) and types.md5(kind) == md5:
         return
     if "message_definition" in header:
         types.define(kind, header["message_definition"])

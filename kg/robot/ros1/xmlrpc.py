@@ -77,12 +77,12 @@ async def ask(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> A
 
 def value(uri: str, method: str, content: bytes) -> Any:
     """Return the value in the bytes of an answer to `ask`; errors as there."""
-    told = _only(uri, method, content)
-    if not isinstance(told, list) or len(told) != 3 or type(told[0]) is not int:  # noqa: PLR2004 - code, words, value
+    reply = _only(uri, method, content)
+    if not isinstance(reply, list) or len(reply) != 3 or type(reply[0]) is not int:  # noqa: PLR2004 - code, words, value
         raise RobotError("KG810", f"{uri} answers `{method}` with no list of code, words and value")
-    if told[0] != 1:
-        raise RobotError("KG813", f"{uri} refuses `{method}`: {told[1]!s:.200}")
-    return told[2]
+    if reply[0] != 1:
+        raise RobotError("KG813", f"{uri} refuses `{method}`: {reply[1]!s:.200}")
+    return reply[2]
 
 
 async def call(uri: str, method: str, *arguments: Any, seconds: float = 3.0) -> Any:
@@ -213,13 +213,13 @@ class XmlRpcServer:
             first, fields = await _head(reader)
         async with asyncio.timeout(_SLOWEST):
             body = await _body(reader, fields, _MOST_REQUEST) if "content-length" in fields else b""
-        kept = first.endswith("HTTP/1.1") and fields.get("connection", "").lower() != "close"
+        stays_open = first.endswith("HTTP/1.1") and fields.get("connection", "").lower() != "close"
         content = await self._result(body)
         head = f"HTTP/1.1 200 OK\r\nContent-Type: text/xml\r\nContent-Length: {len(content)}\r\n"
-        writer.write(f"{head}Connection: {'keep-alive' if kept else 'close'}\r\n\r\n".encode() + content)
+        writer.write(f"{head}Connection: {'keep-alive' if stays_open else 'close'}\r\n\r\n".encode() + content)
         async with asyncio.timeout(_SLOWEST):
             await writer.drain()
-        return kept
+        return stays_open
 
     async def _result(self, body: bytes) -> bytes:
         try:

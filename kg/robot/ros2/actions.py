@@ -36,23 +36,23 @@ async def send_goal(  # noqa: PLR0913 - what a goal consists of
     owner: Ros2Connection, action: str, kind: str, goal: Value, *, seconds: float, identity: str
 ) -> Ros2Goal:
     """Send a goal; RobotError KG805, KG806, KG807 or KG809. It is cancelled with its caller."""
-    await owner.known(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
+    await owner.ensure_type(kind, f"{kind}_Goal", f"{action}/_action/send_goal")
     owner.types.complete(f"{kind}_Goal", goal)
-    made = Ros2Goal(owner, action, kind, identity)
+    sent = Ros2Goal(owner, action, kind, identity)
     try:
-        await within(owner.clock, seconds, made.send(goal))
+        await within(owner.clock, seconds, sent.send(goal))
     except TimeoutError:
-        await made.give_up()
+        await sent.give_up()
         if owner.ends(Role.ACTION_SERVERS, action):
             raise RobotError("KG803", f"`{action}` took no goal within {seconds:g} s") from None
         raise RobotError("KG807", f"no action server for `{action}`") from None
     except asyncio.CancelledError:
-        await made.give_up()
+        await sent.give_up()
         raise
     except RobotError as error:
-        made.end(error)
+        sent.end(error)
         raise
-    return made
+    return sent
 
 
 async def canceller(owner: Ros2Connection, action: str) -> Ros2Canceller:
@@ -127,8 +127,10 @@ class Ros2Goal(GoalProgress):
             raise RobotError("KG809", f"the goal of `{self._action}` {status}")
         result: Value = response["result"]
         if not result and self._owner.types.fields(f"{self._kind}_Result"):
-            told = "its result does not decode, because this robot has another version of the type; the status counts"
-            self._owner.watch.report(GraphProblem("KG816", self._action, told))
+            message = (
+                "its result does not decode, because this robot has another version of the type; the status counts"
+            )
+            self._owner.watch.report(GraphProblem("KG816", self._action, message))
         return result
 
     def _served(self) -> bool:
@@ -138,8 +140,8 @@ class Ros2Goal(GoalProgress):
         try:
             value = self._owner.types.decode(f"{self._kind}_FeedbackMessage", content)
         except RobotError as error:
-            told = f"feedback of {self._action} does not decode: {error.message}"
-            self._owner.watch.report(GraphProblem("KG816", node or self._action, told))
+            message = f"feedback of {self._action} does not decode: {error.message}"
+            self._owner.watch.report(GraphProblem("KG816", node or self._action, message))
             return
         if bytes(value["goal_id"]["uuid"]) == self._id:
             self.take_feedback(value["feedback"])
@@ -192,7 +194,7 @@ class _Work:
 
     async def feedback(self, value: Value) -> None:
         """Send feedback to the client."""
-        await self._server.tell(self.identity, value)
+        await self._server.publish_feedback(self.identity, value)
 
     def abort(self, reason: str) -> None:
         """Record that the goal was aborted; ROS 2 cannot send the reason."""
@@ -227,7 +229,7 @@ class ActionServer:
         """Return the time of the robot as builtin_interfaces/Time."""
         return stamp(self._owner.clock.now())
 
-    async def tell(self, identity: bytes, value: Value) -> None:
+    async def publish_feedback(self, identity: bytes, value: Value) -> None:
         """Publish feedback on a goal."""
         await self._feedback.publish({"goal_id": {"uuid": identity}, "feedback": value})
 
@@ -255,8 +257,8 @@ class ActionServer:
             await self._become(work, _EXECUTING)
             result = await outcome(self._carry_out(work))
         if isinstance(result, BaseException):
-            told = f"our own goal failed: {result}"
-            self._owner.watch.report(GraphProblem("KG809", self._name, told))
+            message = f"our own goal failed: {result}"
+            self._owner.watch.report(GraphProblem("KG809", self._name, message))
             work.failure, result = str(result), {}
         try:
             result = self._owner.types.complete(f"{self._kind}_Result", result)
@@ -268,8 +270,8 @@ class ActionServer:
 
     async def _become(self, work: _Work, status: int) -> None:
         work.status = status
-        told = [{"goal_info": one.info, "status": one.status} for one in self._goals.values()]
-        await self._status.publish({"status_list": told})
+        statuses = [{"goal_info": one.info, "status": one.status} for one in self._goals.values()]
+        await self._status.publish({"status_list": statuses})
 
     async def _get_result(self, request: Value) -> Value:
         work = self._goals.get(bytes(request["goal_id"]["uuid"]))

@@ -57,8 +57,8 @@ class Address:
             raise RobotError("KG801", f"`{text}` is not an address: {error}") from None
         given = options(text, parts.query, _OPTIONS)
         if given.get("distribution", "humble") != "humble":
-            told = f"`{text}` names the distribution `{given['distribution']}`"
-            raise RobotError("KG801", told, hint="Only humble has to be named; leave it out.")
+            message = f"`{text}` names the distribution `{given['distribution']}`"
+            raise RobotError("KG801", message, hint="Only humble has to be named; leave it out.")
         if given.get("types", "peers") != "peers":
             raise RobotError("KG801", f"`{text}` asks `{given['types']}` for types", hint="Write types=peers.")
         if given.get("clock", "wall") not in {"wall", "simulated"}:
@@ -66,8 +66,8 @@ class Address:
                 "KG801", f"`{text}` asks for a clock `{given['clock']}`", hint="Write clock=wall or clock=simulated."
             )
         place = parts.netloc + parts.path.rstrip("/")
-        told = given.get("domain") or (place if parts.scheme in {"dds", "rclpy"} else "0") or "0"
-        domain = number(text, told, _NUMBERS)
+        text_of_domain = given.get("domain") or (place if parts.scheme in {"dds", "rclpy"} else "0") or "0"
+        domain = number(text, text_of_domain, _NUMBERS)
         if domain > _MAXIMUM or domain != int(domain):
             raise RobotError(
                 "KG801", f"`{text}`: ROS domain {domain:g} does not exist", hint=f"They are 0 to {_MAXIMUM}."

@@ -84,7 +84,7 @@ class Ros2Connection:
 
     async def _offer_interfaces(self) -> None:
         """Offer the interfaces of every node, unless ours leaves at once, as that of a short command."""
-        await self.watch.settled()
+        await self.watch.wait_complete()
         await asyncio.sleep(_STAYS)
         await self._interfaces.serve()
 
@@ -108,8 +108,8 @@ class Ros2Connection:
         """Return the computation graph without our own node, after it has been watched long enough to be complete."""
         self._present("KG802")
         self._follow_states()
-        await self.watch.settled()
-        await self._states.told()
+        await self.watch.wait_complete()
+        await self._states.wait_polled()
         return self.watch.now()
 
     def changes(self) -> AsyncIterator[ComputationGraph]:
@@ -136,34 +136,34 @@ class Ros2Connection:
         """
         self._present()
         if kind is None:
-            kind = await self._asked(topic)
-        found = {one.type for one in self.ends(Role.PUBLISHES, topic)} - {None}
-        if found and kind not in found:
-            raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, found))}, not {kind}")
-        await self.known(kind, kind, topic)
+            kind = await self._type_of(topic)
+        types = {one.type for one in self.ends(Role.PUBLISHES, topic)} - {None}
+        if types and kind not in types:
+            raise RobotError("KG806", f"`{topic}` is of the type {min(map(str, types))}, not {kind}")
+        await self.ensure_type(kind, kind, topic)
         subscription = Ros2Subscription(self, topic, kind, queue)
         subscription.adapt()
         self._open.add(subscription)
         return subscription
 
-    async def _asked(self, topic: str) -> str:
+    async def _type_of(self, topic: str) -> str:
         """Return the type of a topic according to its publishers, or else its subscribers."""
 
-        def told() -> list[str]:
+        def reported() -> list[str]:
             ends = self.ends(Role.PUBLISHES, topic) or self.ends(Role.SUBSCRIBES, topic)
             return sorted(one.type for one in ends if one.type)
 
-        await self.watch.until(lambda graph: bool(told()) or graph.complete)
-        if not told():
+        await self.watch.until(lambda graph: bool(reported()) or graph.complete)
+        if not reported():
             raise RobotError("KG804", f"no node reports the type of `{topic}`")
-        return told()[0]
+        return reported()[0]
 
-    async def known(self, kind: str, message: str, name: str) -> None:
+    async def ensure_type(self, kind: str, message: str, name: str) -> None:
         """Ensure that a message type is known, asking peers if necessary; RobotError KG804 if that fails."""
-        if self.types.knows(message) or (await self.wire.learn(kind, name) and self.types.knows(message)):
+        if self.types.has(message) or (await self.wire.learn(kind, name) and self.types.has(message)):
             return
         why = await describe(self, kind, name)
-        if self.types.knows(message):
+        if self.types.has(message):
             return
         package = kind.partition("/")[0]
         hint = f"Source a ROS 2 workspace that has the package `{package}`; kg reads its definition from there."
@@ -176,10 +176,10 @@ class Ros2Connection:
         So does a subscriber that asks for it, which otherwise would get nothing.
         """
         self._present()
-        await self.known(kind, kind, topic)
-        asked = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
-        kept = latch or any(one.durability == "transient_local" for one in asked)
-        writer = self.wire.writer(topic, kind, LATCHED if kept else OFFERED)
+        await self.ensure_type(kind, kind, topic)
+        requested = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
+        is_latched = latch or any(one.durability == "transient_local" for one in requested)
+        writer = self.wire.writer(topic, kind, LATCHED if is_latched else OFFERED)
         publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
         self._open.add(publication)
         return publication
@@ -202,21 +202,21 @@ class Ros2Connection:
         servers = self.ends(Role.SERVICES, service)
         if not servers:
             raise RobotError("KG807", f"no node serves `{service}`")
-        told = {one.type for one in servers if one.type}
-        if told and kind is not None and kind not in told:
-            raise RobotError("KG806", f"`{service}` is of the type {min(told)}, not {kind}")
-        if kind is None and not told:
+        types = {one.type for one in servers if one.type}
+        if types and kind is not None and kind not in types:
+            raise RobotError("KG806", f"`{service}` is of the type {min(types)}, not {kind}")
+        if kind is None and not types:
             raise RobotError("KG804", f"no node reports the type of `{service}`")
-        return kind or min(told)
+        return kind or min(types)
 
     async def client(self, service: str, kind: str) -> Client:
         """Return our client of a service, which is reused, since its discovery by the server takes time."""
-        found = self._clients.get((service, kind))
-        if found is None:
-            await self.known(kind, f"{kind}_Response", service)
-            found = self._clients[service, kind] = Client(self.types, kind, self.wire.caller(service, kind))
-            self._open.add(found)
-        return found
+        client = self._clients.get((service, kind))
+        if client is None:
+            await self.ensure_type(kind, f"{kind}_Response", service)
+            client = self._clients[service, kind] = Client(self.types, kind, self.wire.caller(service, kind))
+            self._open.add(client)
+        return client
 
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
@@ -233,7 +233,7 @@ class Ros2Connection:
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
         """Serve a service; RobotError KG804 for an unknown type."""
         self._present()
-        await self.known(kind, f"{kind}_Request", service)
+        await self.ensure_type(kind, f"{kind}_Request", service)
         serving = Service(self, service, kind, answer)
         self._open.add(serving)
         return serving
@@ -243,7 +243,7 @@ class Ros2Connection:
     ) -> ActionServer:
         """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
         self._present()
-        await self.known(kind, f"{kind}_Goal", action)
+        await self.ensure_type(kind, f"{kind}_Goal", action)
         server = ActionServer(self, action, kind, carry_out)
         self._open.add(server)
         return server

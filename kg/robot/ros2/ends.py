@@ -71,12 +71,12 @@ class Service:
         except RobotError as error:
             self._owner.watch.report(GraphProblem("KG816", self._name, f"a request does not decode: {error.message}"))
             raise
-        found = await outcome(self._answer(request))
-        if isinstance(found, BaseException):
-            message = found.message if isinstance(found, RobotError) else str(found)
+        result = await outcome(self._answer(request))
+        if isinstance(result, BaseException):
+            message = result.message if isinstance(result, RobotError) else str(result)
             self._owner.watch.report(GraphProblem("KG808", self._name, f"our own answer failed: {message}"))
             raise RobotError("KG808", message)
-        return self._owner.types.encode(f"{self._kind}_Response", found)
+        return self._owner.types.encode(f"{self._kind}_Response", result)
 
     def end(self) -> None:
         """Stop serving."""
@@ -108,11 +108,11 @@ class Ros2Subscription(Messages):
         """Request a QoS that all known publishers offer; the reader is reopened if it changes."""
         offers = [one.qos for one in self._owner.ends(Role.PUBLISHES, self.topic) if one.qos]
         reliable = all(one.reliability != "best_effort" for one in offers)
-        kept = bool(offers) and all(one.durability == "transient_local" for one in offers)
+        is_latched = bool(offers) and all(one.durability == "transient_local" for one in offers)
         wanted = replace(
             OFFERED,
             reliability="reliable" if reliable else "best_effort",
-            durability="transient_local" if kept else "volatile",
+            durability="transient_local" if is_latched else "volatile",
             depth=max(self._queue, _DEPTH),
         )
         if wanted != self._qos:
@@ -126,8 +126,8 @@ class Ros2Subscription(Messages):
         self._inbox.put(Raw(content, self._owner.clock.now(), node))
 
     def _report_undecoded(self, error: RobotError, node: str | None) -> None:
-        told = f"a message on {self.topic} does not decode: {error.message}"
-        self._owner.watch.report(GraphProblem("KG816", node or self.topic, told))
+        message = f"a message on {self.topic} does not decode: {error.message}"
+        self._owner.watch.report(GraphProblem("KG816", node or self.topic, message))
 
     async def aclose(self) -> None:
         """Close the subscription."""
@@ -160,7 +160,7 @@ class Ros2Publication:
 
     @property
     def confirmed(self) -> bool:
-        """Whether every subscriber has confirmed all messages, as far as the middleware can tell."""
+        """Whether every subscriber has confirmed all messages, as far as the middleware reports it."""
         return not self._closed and self._writer.confirmed
 
     async def publish(self, value: Value) -> None:

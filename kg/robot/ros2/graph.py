@@ -28,12 +28,12 @@ _MOST: Final = 1000
 """Maximum number of reported mismatches."""
 
 
-def computation_graph(told: Neighbourhood, *, complete: bool) -> ComputationGraph:
+def computation_graph(reported: Neighbourhood, *, complete: bool) -> ComputationGraph:
     """Return the graph of the ends of others."""
-    ends = {one for end in told.ends if (one := _folded(end)) is not None}
+    ends = {one for end in reported.ends if (one := _folded(end)) is not None}
     ordered = sorted(ends, key=lambda one: (one.name, one.role, one.node, one.type or "", str(one.qos)))
-    problems = {*told.problems, *_misfits(ordered)}
-    return ComputationGraph(2, tuple(_nodes(told.nodes)), tuple(ordered), tuple(sorted(problems)), complete)
+    problems = {*reported.problems, *_misfits(ordered)}
+    return ComputationGraph(2, tuple(_nodes(reported.nodes)), tuple(ordered), tuple(sorted(problems)), complete)
 
 
 def is_hidden(topic: str) -> bool:
@@ -42,13 +42,13 @@ def is_hidden(topic: str) -> bool:
 
 
 def _folded(end: LiveEnd) -> LiveEnd | None:
-    found = _HIDDEN.fullmatch(end.name)
-    if found is None:
+    match = _HIDDEN.fullmatch(end.name)
+    if match is None:
         return end
-    if found[2] != "send_goal" or end.role not in _ROLES:
+    if match[2] != "send_goal" or end.role not in _ROLES:
         return None
     kind = end.type.removesuffix("_SendGoal") if end.type else None
-    return replace(end, role=_ROLES[end.role], name=found[1], type=kind, qos=None)
+    return replace(end, role=_ROLES[end.role], name=match[1], type=kind, qos=None)
 
 
 def _nodes(nodes: Iterable[LiveNode]) -> list[LiveNode]:
@@ -68,27 +68,27 @@ def _misfits(ends: list[LiveEnd]) -> list[GraphProblem]:
     for end in ends:
         if end.role.channel == "topic":
             topics[end.name][end.role].append(end)
-    found: list[GraphProblem] = []
+    problems: list[GraphProblem] = []
     for name, sides in topics.items():
-        found += _misfits_of(name, sides[Role.PUBLISHES], sides[Role.SUBSCRIBES])
-        if len(found) > _MOST:
+        problems += _misfits_of(name, sides[Role.PUBLISHES], sides[Role.SUBSCRIBES])
+        if len(problems) > _MOST:
             break
-    return found[:_MOST]
+    return problems[:_MOST]
 
 
 def _misfits_of(name: str, publishers: list[LiveEnd], subscribers: list[LiveEnd]) -> list[GraphProblem]:
     """Compare distinct kinds of ends: `/rosout` has hundreds of identical ones."""
     offers, asks = _kinds(publishers), _kinds(subscribers)
-    found = []
+    problems = []
     for (offered, offer), writer in offers.items():
-        for (asked, ask), reader in asks.items():
-            if offered is not None and asked is not None and offered != asked:
-                told = f"{writer.node} publishes {offered}, {reader.node} subscribes to {asked}"
-                found.append(GraphProblem("KG806", name, told))
+        for (requested, ask), reader in asks.items():
+            if offered is not None and requested is not None and offered != requested:
+                message = f"{writer.node} publishes {offered}, {reader.node} subscribes to {requested}"
+                problems.append(GraphProblem("KG806", name, message))
             elif offer and ask and (why := misfit(offer, ask)):
-                told = f"{reader.node} receives nothing from {writer.node}: {why}"
-                found.append(GraphProblem("KG815", name, told))
-    return found
+                message = f"{reader.node} receives nothing from {writer.node}: {why}"
+                problems.append(GraphProblem("KG815", name, message))
+    return problems
 
 
 def _kinds(ends: list[LiveEnd]) -> dict[tuple[str | None, Qos | None], LiveEnd]:
@@ -101,15 +101,15 @@ def misfit(offer: Qos, ask: Qos) -> str | None:
     Source: DDS 1.4, 2.2.3, "requested / offered" of reliability, durability, deadline and liveliness.
     """
     if offer.reliability == "best_effort" and ask.reliability == "reliable":
-        return "it offers best effort, reliable delivery is asked for"
+        return "it offers best effort, but reliable delivery is requested"
     if offer.durability == "volatile" and ask.durability == "transient_local":
         return "it does not keep messages for late subscribers (transient local), which the subscriber requires"
     if ask.deadline is not None and (offer.deadline is None or offer.deadline > ask.deadline):
-        return f"a message every {ask.deadline:g} s is asked for, which it does not promise"
+        return f"a message every {ask.deadline:g} s is requested, which it does not offer"
     if offer.liveliness == "automatic" and ask.liveliness == "manual_by_topic":
-        return "it does not assert its liveliness by topic, which is asked for"
+        return "it does not assert its liveliness by topic, as requested"
     if ask.lease_duration is not None and (offer.lease_duration is None or offer.lease_duration > ask.lease_duration):
-        return f"a sign of life every {ask.lease_duration:g} s is asked for, which it does not promise"
+        return f"a sign of life every {ask.lease_duration:g} s is requested, which it does not offer"
     return None
 
 
@@ -135,7 +135,7 @@ class Watch:
         self.amend: Callable[[ComputationGraph], ComputationGraph] = lambda seen: seen
         self.on_problem: Callable[[GraphProblem], None] = lambda _: None
         self._loop = asyncio.get_running_loop()
-        self._settled = self._latest = self._loop.time() + settle
+        self._settles_at = self._latest = self._loop.time() + settle
         self._quiet = quiet
         self._changes = Changes()
         self._problems: dict[GraphProblem, None] = {}
@@ -145,12 +145,12 @@ class Watch:
         self._cached: ComputationGraph | None = None
         self.lost: asyncio.Future[str] = self._loop.create_future()
         self.closed = False
-        self._settling = self._loop.call_at(self._settled, self.changed)
+        self._settling = self._loop.call_at(self._settles_at, self.changed)
 
     @property
     def complete(self) -> bool:
         """Whether the graph was watched long enough."""
-        return self._loop.time() >= self._settled
+        return self._loop.time() >= self._settles_at
 
     def now(self) -> ComputationGraph:
         """Return the current graph."""
@@ -171,17 +171,17 @@ class Watch:
         """Notify watchers, after a short delay."""
         self._cached = None
         if self._gathering is None and not self.closed:
-            self._gathering = self._loop.call_later(_PAUSE, self._tell)
+            self._gathering = self._loop.call_later(_PAUSE, self._publish)
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         self._gathering = None
         self._note_loss()
         if self._quiet is not None and self._seen and not self.complete:
             # Each change begins a new quiet period, which ends at the latest with the time of `settle`.
-            self._settled = min(self._latest, self._loop.time() + self._quiet)
+            self._settles_at = min(self._latest, self._loop.time() + self._quiet)
             self._settling.cancel()
-            self._settling = self._loop.call_at(self._settled, self.changed)
-        self._changes.tell()
+            self._settling = self._loop.call_at(self._settles_at, self.changed)
+        self._changes.notify()
 
     def _note_loss(self) -> None:
         """Detect that all nodes have left."""
@@ -196,7 +196,7 @@ class Watch:
         if not self.lost.done():
             self.lost.set_result(why)
 
-    async def settled(self) -> ComputationGraph:
+    async def wait_complete(self) -> ComputationGraph:
         """Return the graph when it is complete."""
         await self.until(lambda graph: graph.complete)
         return self.now()
@@ -219,4 +219,4 @@ class Watch:
         for timer in (self._settling, self._leaving, self._gathering):
             if timer is not None:
                 timer.cancel()
-        self._changes.tell()
+        self._changes.notify()

@@ -56,7 +56,7 @@ class Writer(End, Protocol):
 
     @property
     def confirmed(self) -> bool:
-        """Whether every connected reader has confirmed all messages; False if the middleware cannot tell."""
+        """Whether every connected reader has confirmed all messages; False if the middleware does not report it."""
 
     def write(self, content: bytes) -> None:
         """Send a message in CDR with its encapsulation; RobotError KG803 if that fails."""

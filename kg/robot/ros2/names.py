@@ -28,11 +28,11 @@ def is_name(name: str) -> bool:
 
 def absolute(name: str) -> str:
     """Return an absolute name for our own node; RobotError KG801 for an invalid one."""
-    made = name if name.startswith("/") else f"/{name}"
-    if not is_name(made):
+    full = name if name.startswith("/") else f"/{name}"
+    if not is_name(full):
         hint = "Write letters, digits and underscores between slashes."
         raise RobotError("KG801", f"`{name}` is not a ROS 2 node name", hint=hint)
-    return made
+    return full
 
 
 def family(kind: str, *, service: bool = False) -> str:
@@ -60,8 +60,8 @@ def dds_type(kind: str, *, service: bool = False) -> str:
 
 def ros_type(mangled: str) -> str | None:
     """Return `package/Type` for a DDS type name, None if it is not a ROS type."""
-    found = _TYPE.fullmatch(mangled)
-    return f"{found[1]}/{found[2]}" if found else None
+    match = _TYPE.fullmatch(mangled)
+    return f"{match[1]}/{match[2]}" if match else None
 
 
 def dds_topic(name: str, role: Role) -> str:

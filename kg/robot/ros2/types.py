@@ -31,23 +31,23 @@ _DUMMY: Final = (MEMBER_OF_NOTHING, (Nodetype.BASE, ("uint8", 0)))
 def type_hash(types: Types, kind: str, *, service: bool = False) -> str:
     """Return `RIHS01_` and 64 digits for a message or a service; RobotError KG804 if a nested type is unknown."""
     store = get_typestore(Stores.EMPTY)
-    found: dict[str, Any] = {}
+    described: dict[str, Any] = {}
     if service:
-        _describe_service(types, kind, found)
+        _describe_service(types, kind, described)
     else:
-        _describe(types, kind, found)
-    store.fielddefs = found
+        _describe(types, kind, described)
+    store.fielddefs = described
     return store.hash_rihs01(full_type(kind, service=service))
 
 
-def _describe(types: Types, kind: str, found: dict[str, Any]) -> None:
-    if full_type(kind) in found:
+def _describe(types: Types, kind: str, described: dict[str, Any]) -> None:
+    if full_type(kind) in described:
         return
     fields = types.fields(kind)
-    found[full_type(kind)] = ([], [(one.name, _description(one)) for one in fields] or [_DUMMY])
+    described[full_type(kind)] = ([], [(one.name, _description(one)) for one in fields] or [_DUMMY])
     for one in fields:
         if one.is_message:
-            _describe(types, one.type, found)
+            _describe(types, one.type, described)
 
 
 def _description(field: Field) -> Any:
@@ -59,16 +59,16 @@ def _description(field: Field) -> Any:
     return (Nodetype.ARRAY, (element, field.length)) if field.length else (Nodetype.SEQUENCE, (element, field.most))
 
 
-def _describe_service(types: Types, kind: str, found: dict[str, Any]) -> None:
+def _describe_service(types: Types, kind: str, described: dict[str, Any]) -> None:
     parts = [(name, f"{kind}_{name.capitalize()}") for name in ("request", "response")]
     for one in (*(part for _, part in parts), _EVENT):
-        _describe(types, one, found)
+        _describe(types, one, described)
     event: list[Any] = [("info", (Nodetype.NAME, full_type(_EVENT)))]
     event += [(name, (Nodetype.SEQUENCE, ((Nodetype.NAME, full_type(part)), 1))) for name, part in parts]
-    found[full_type(f"{kind}_Event")] = ([], event)
+    described[full_type(f"{kind}_Event")] = ([], event)
     whole: list[Any] = [(f"{name}_message", (Nodetype.NAME, full_type(part))) for name, part in parts]
     whole.append(("event_message", (Nodetype.NAME, full_type(f"{kind}_Event"))))
-    found[full_type(kind, service=True)] = ([], whole)
+    described[full_type(kind, service=True)] = ([], whole)
 
 
 _SERVICE: Final = "type_description_interfaces/GetTypeDescription"
@@ -128,27 +128,27 @@ def texts(description: Value) -> dict[str, str]:
     The descriptions of a whole service or action, and of events, are left out. RobotError KG804 for a field of an
     unsupported type.
     """
-    found: dict[str, str] = {}
+    definitions: dict[str, str] = {}
     for one in (description["type_description"], *description["referenced_type_descriptions"]):
         _, folder, own = one["type_name"].split("/") if one["type_name"].count("/") == 2 else ("", "", "")  # noqa: PLR2004 - package/folder/Type
         if folder == family(one["type_name"]) and not own.endswith(_WHOLE):
             fields = (field for field in one["fields"] if field["name"] != MEMBER_OF_NOTHING)
             lines = (f"{_written(field['type'])} {field['name']}\n" for field in fields)
-            found[short(one["type_name"])] = "".join(lines)
-    return found
+            definitions[short(one["type_name"])] = "".join(lines)
+    return definitions
 
 
-def _written(told: dict[str, Any]) -> str:
-    group, base = divmod(told["type_id"], _GROUP)
+def _written(field_type: dict[str, Any]) -> str:
+    group, base = divmod(field_type["type_id"], _GROUP)
     if base == _NESTED:
-        element = short(told["nested_type_name"])
+        element = short(field_type["nested_type_name"])
     elif base == _BOUNDED_STRING:
-        element = f"string<={told['string_capacity']}"
+        element = f"string<={field_type['string_capacity']}"
     elif base in _BASE:
         element = _BASE[base]
     else:
-        raise RobotError("KG804", f"fields of the type {told['type_id']} are not supported")
+        raise RobotError("KG804", f"fields of the type {field_type['type_id']} are not supported")
     if group == _ONE:
         return element
-    limit = {_ARRAY: f"{told['capacity']}", _LIMITED: f"<={told['capacity']}"}.get(group, "")
+    limit = {_ARRAY: f"{field_type['capacity']}", _LIMITED: f"<={field_type['capacity']}"}.get(group, "")
     return f"{element}[{limit}]"

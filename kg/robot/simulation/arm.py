@@ -161,8 +161,8 @@ class Arm:
         )
 
     def _hand(self) -> tuple[Vector, Quaternion]:
-        found = self._scene.bullet.getLinkState(self._body, _HAND, computeForwardKinematics=True)
-        return tuple(found[4]), tuple(found[5])
+        link = self._scene.bullet.getLinkState(self._body, _HAND, computeForwardKinematics=True)
+        return tuple(link[4]), tuple(link[5])
 
     def _measure(self) -> None:
         states = self._scene.bullet.getJointStates(self._body, (*range(len(JOINTS)), *_FINGERS))

@@ -46,7 +46,7 @@ async def _joints(node: Node, arm: Arm) -> None:
             "effort": [*arm.efforts, arm.squeeze, arm.squeeze],
         }
 
-    await node.tells("/joint_states", "sensor_msgs/JointState", 0.05, states)
+    await node.publish_every("/joint_states", "sensor_msgs/JointState", 0.05, states)
 
 
 async def _hand(node: Node, arm: Arm) -> None:
@@ -69,8 +69,8 @@ async def _hand(node: Node, arm: Arm) -> None:
 
     target = "/cartesian_impedance_controller/equilibrium_pose"
     await node.hear(target, "geometry_msgs/PoseStamped", reach, queue=1)
-    await node.tells("/tcp_pose_broadcaster/pose", "geometry_msgs/PoseStamped", 0.1, pose)
-    await node.tells("/tf", "tf2_msgs/TFMessage", 0.1, transform)
+    await node.publish_every("/tcp_pose_broadcaster/pose", "geometry_msgs/PoseStamped", 0.1, pose)
+    await node.publish_every("/tf", "tf2_msgs/TFMessage", 0.1, transform)
 
 
 async def _trajectories(node: Node, arm: Arm) -> None:

@@ -124,9 +124,9 @@ class Drone:
     def _wanted(self, command: Command) -> Vector:
         """Return the target velocity in the world frame: the command's, or back to the place to hold."""
         if self.state is State.TAKING_OFF:
-            return self._held(0), self._held(1), _CLIMB
+            return self._hold_velocity(0), self._hold_velocity(1), _CLIMB
         if self.state is State.LANDING:
-            return self._held(0), self._held(1), -_SINK
+            return self._hold_velocity(0), self._hold_velocity(1), -_SINK
         wanted = self._axes(command)
         level = wanted[:2] == (0.0, 0.0)
         x, y, z = (
@@ -139,9 +139,9 @@ class Drone:
             self._hold[axis] = None
         elif self._hold[axis] is None and abs(self.velocity[axis]) < _STILL:
             self._hold[axis] = self._position()[axis]
-        return self._held(axis) if free else wanted
+        return self._hold_velocity(axis) if free else wanted
 
-    def _held(self, axis: int) -> float:
+    def _hold_velocity(self, axis: int) -> float:
         target = self._hold[axis]
         off = 0.0 if target is None else target - self._position()[axis]
         return max(-SPEED, min(SPEED, _HOLD * off))

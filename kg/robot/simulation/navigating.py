@@ -78,13 +78,13 @@ class Grid:
         """Return true for the cells within a distance in metres of an obstacle."""
         reach = int(distance / self.resolution)
         padded = np.pad(self.taken, reach, constant_values=True)
-        found = np.zeros_like(self.taken)
+        near = np.zeros_like(self.taken)
         for down in range(-reach, reach + 1):
             for right in range(-reach, reach + 1):
                 if math.hypot(down, right) * self.resolution <= distance:
                     rows = slice(reach + down, reach + down + self.rows)
-                    found |= padded[rows, reach + right : reach + right + self.columns]
-        return found
+                    near |= padded[rows, reach + right : reach + right + self.columns]
+        return near
 
     def occupancy(self) -> list[int]:
         """Return the data of a `nav_msgs/OccupancyGrid`: 100 for occupied, 0 for free, row by row."""
@@ -122,8 +122,8 @@ class Planner:
         near = sorted((math.hypot(down, right), down, right) for down in around for right in around)
         cells = ((row + down, column + right) for _, down, right in near)
         begin = next((cell for cell in cells if self._free(cell)), None)
-        found = self._search(begin, end) if begin else None
-        return None if found is None else [*self._straightened(found)[1:-1], goal]
+        path = self._search(begin, end) if begin else None
+        return None if path is None else [*self._straightened(path)[1:-1], goal]
 
     def _free(self, cell: Cell) -> bool:
         row, column = cell
@@ -152,11 +152,11 @@ class Planner:
 
     def _straightened(self, cells: list[Cell]) -> list[tuple[float, float]]:
         """Return the corners of a path, without the points between."""
-        kept = [cells[0]]
+        corners = [cells[0]]
         for last, cell in pairwise(cells):
-            if not self._clear(kept[-1], cell):
-                kept.append(last)
-        return [self._grid.point(one) for one in (*kept, cells[-1])]
+            if not self._clear(corners[-1], cell):
+                corners.append(last)
+        return [self._grid.point(one) for one in (*corners, cells[-1])]
 
     def _clear(self, start: Cell, end: Cell) -> bool:
         """Return whether a straight line crosses only cells away from walls."""
@@ -262,7 +262,7 @@ class Navigator:
 
     async def begin(self) -> None:
         """Serve the action and subscribe to the topic for simple goals."""
-        self._velocity = await self._node.tell("/cmd_vel", "geometry_msgs/Twist")
+        self._velocity = await self._node.advertise("/cmd_vel", "geometry_msgs/Twist")
         await self._node.hear("/scan", "sensor_msgs/LaserScan", self._scanned, queue=1)
         await self._node.hear("/odom", "nav_msgs/Odometry", lambda _: None, queue=1)
         await self._node.hear(self._names.simple, "geometry_msgs/PoseStamped", self._go, queue=1)
@@ -303,8 +303,8 @@ class Navigator:
                 break
             stamped = {"header": self._node.stage.header("map"), "pose": posed(pose)}
             ros1 = self._node.connection.ros == 1
-            told = {"base_position": stamped} if ros1 else {"current_pose": stamped, "distance_remaining": left}
-            await accepted.feedback(told)
+            progress = {"base_position": stamped} if ros1 else {"current_pose": stamped, "distance_remaining": left}
+            await accepted.feedback(progress)
             await clock.sleep(_PERIOD)
         await self._drive(Command())
 

@@ -53,8 +53,8 @@ async def camera(node: Node, topic: str, eye: Camera, every: float, look: Callab
             shape: [*inner[:3], 0.0, *inner[3:6], 0.0, *inner[6:], 0.0],
         }
 
-    await node.tells(f"{topic}/image_raw", "sensor_msgs/Image", every, picture)
-    await node.tells(f"{topic}/camera_info", "sensor_msgs/CameraInfo", every, geometry)
+    await node.publish_every(f"{topic}/image_raw", "sensor_msgs/Image", every, picture)
+    await node.publish_every(f"{topic}/camera_info", "sensor_msgs/CameraInfo", every, geometry)
 
 
 async def tag_finder(node: Node, topic: str, turned: Turned, shift: Vector) -> None:
@@ -69,7 +69,7 @@ async def tag_finder(node: Node, topic: str, turned: Turned, shift: Vector) -> N
         shift: position of the camera on the robot: forward, left, up, in metres.
     """
     kind = "ar_track_alvar_msgs/AlvarMarkers" if node.connection.ros == 1 else "aruco_msgs/MarkerArray"
-    found = await node.tell("/ar_pose_marker", kind)
+    publication = await node.advertise("/ar_pose_marker", kind)
     geometry: dict[str, list[float]] = {}
 
     def learn(value: Value) -> None:
@@ -86,7 +86,7 @@ async def tag_finder(node: Node, topic: str, turned: Turned, shift: Vector) -> N
                 pose = {"position": at, "orientation": dict(zip("xyzw", one.orientation, strict=True))}
                 inner = {"header": header, "pose": pose} if node.connection.ros == 1 else {"pose": pose}
                 markers.append({"header": header, "id": one.id, "pose": inner, "confidence": 1})
-            await found.publish({"header": header, "markers": markers})
+            await publication.publish({"header": header, "markers": markers})
 
     await node.hear(f"{topic}/camera_info", "sensor_msgs/CameraInfo", learn, queue=1)
     await node.hear(f"{topic}/image_raw", "sensor_msgs/Image", see, queue=1)
@@ -131,9 +131,11 @@ async def _base(node: Node, robot: Wheeled) -> None:
         return {"header": stage.header("base_link"), "voltage": voltage, "percentage": charge, "present": True}
 
     await node.hear("/cmd_vel", "geometry_msgs/Twist", drive)
-    await node.tells("/odom", "nav_msgs/Odometry", 0.1, odometry)
-    await node.tells("/battery_state", "sensor_msgs/BatteryState", 1.0, battery)
-    await node.tells("/tf", "tf2_msgs/TFMessage", 0.1, lambda: _transform(node, "odom", "base_link", robot.odometry))
+    await node.publish_every("/odom", "nav_msgs/Odometry", 0.1, odometry)
+    await node.publish_every("/battery_state", "sensor_msgs/BatteryState", 1.0, battery)
+    await node.publish_every(
+        "/tf", "tf2_msgs/TFMessage", 0.1, lambda: _transform(node, "odom", "base_link", robot.odometry)
+    )
 
 
 def _transform(node: Node, parent: str, child: str, pose: Pose) -> Value:
@@ -154,7 +156,7 @@ async def _laser(node: Node, robot: Wheeled) -> None:
             "ranges": robot.scan(),
         }
 
-    await node.tells("/scan", "sensor_msgs/LaserScan", 0.2, scan)
+    await node.publish_every("/scan", "sensor_msgs/LaserScan", 0.2, scan)
 
 
 async def _map(node: Node) -> None:
@@ -170,8 +172,8 @@ async def _map(node: Node) -> None:
     async def answer(_request: Value) -> Value:
         return {"map": whole}
 
-    await (await node.tell("/map", "nav_msgs/OccupancyGrid", latch=True)).publish(whole)
-    await (await node.tell("/map_metadata", "nav_msgs/MapMetaData", latch=True)).publish(about)
+    await (await node.advertise("/map", "nav_msgs/OccupancyGrid", latch=True)).publish(whole)
+    await (await node.advertise("/map_metadata", "nav_msgs/MapMetaData", latch=True)).publish(about)
     await node.connection.serve("/static_map", "nav_msgs/GetMap", answer)
 
 
@@ -190,12 +192,12 @@ async def _localisation(node: Node, robot: Wheeled) -> None:
 
     await node.hear("/scan", "sensor_msgs/LaserScan", _nothing, queue=1)
     await node.hear("/map", "nav_msgs/OccupancyGrid", _nothing, queue=1)
-    await node.tells("/amcl_pose", "geometry_msgs/PoseWithCovarianceStamped", 0.2, located)
-    await node.tells("/tf", "tf2_msgs/TFMessage", 0.1, offset)
+    await node.publish_every("/amcl_pose", "geometry_msgs/PoseWithCovarianceStamped", 0.2, located)
+    await node.publish_every("/tf", "tf2_msgs/TFMessage", 0.1, offset)
 
 
 def _nothing(_value: Value) -> None:
-    """Ignore messages: the simulation knows the pose, but the graph should be that of a robot which computes it."""
+    """Ignore messages: the simulation has the exact pose, but the graph should be that of a robot which computes it."""
 
 
 _MILLI: Final = 1000.0
@@ -243,10 +245,10 @@ async def _state(node: Node, drone: Drone) -> None:
         }
 
     if stage.ros == 1:
-        await node.tells("/ardrone/navdata", "ardrone_autonomy/Navdata", 0.1, lambda: _navdata(stage, drone))
+        await node.publish_every("/ardrone/navdata", "ardrone_autonomy/Navdata", 0.1, lambda: _navdata(stage, drone))
     else:
-        await node.tells("/flight_data", "tello_msgs/FlightData", 0.1, lambda: _flight_data(stage, drone))
-    await node.tells("/ardrone/odometry", "nav_msgs/Odometry", 0.1, odometry)
+        await node.publish_every("/flight_data", "tello_msgs/FlightData", 0.1, lambda: _flight_data(stage, drone))
+    await node.publish_every("/ardrone/odometry", "nav_msgs/Odometry", 0.1, odometry)
 
 
 def _ahead(drone: Drone) -> Vector:

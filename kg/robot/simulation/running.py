@@ -52,7 +52,7 @@ class Simulation:
         ros: the version of ROS.
         speed: seconds of the world per wall-clock second; None for as fast as possible.
         seed: of the noise.
-        told: whether the graph uses the simulation's time: `/clock` is published, and messages are stamped with it.
+        simulated_time: whether the graph uses the simulation's time: `/clock` is published, and stamps messages.
         start: initial pose of the robot, by default that of the plan.
     """
 
@@ -64,12 +64,12 @@ class Simulation:
         ros: int = 1,
         speed: float | None = 1.0,
         seed: int = 0,
-        told: bool = True,
+        simulated_time: bool = True,
         start: Place | None = None,
     ) -> None:
         """Raise RobotError KG840 if pybullet or OpenCV is not installed."""
         self.world = World(name, seed=seed, start=start)
-        self.stage = Stage(self.world, join, ros=ros, simulated=told)
+        self.stage = Stage(self.world, join, ros=ros, simulated=simulated_time)
         self.view = TopView(self.world)
         self._speed = speed
 
@@ -105,10 +105,10 @@ class Simulation:
         node = await self.stage.node("/simulator")
         if self.stage.simulated:
             kind = "rosgraph_msgs/Clock"
-            await node.tells("/clock", kind, self.world.step, lambda: {"clock": stamp(self.world.time)})
-        places = await node.tell(PLACES, "std_msgs/String", latch=True)
+            await node.publish_every("/clock", kind, self.world.step, lambda: {"clock": stamp(self.world.time)})
+        places = await node.advertise(PLACES, "std_msgs/String", latch=True)
         await places.publish({"data": self.world.plan.places()})
-        await node.tells(VIEW, "std_msgs/String", 0.25 * (self._speed or 1), lambda: {"data": self.view.svg()})
+        await node.publish_every(VIEW, "std_msgs/String", 0.25 * (self._speed or 1), lambda: {"data": self.view.svg()})
 
     async def run(self, seconds: float | None = None) -> None:
         """Advance the world by some seconds, or until cancelled."""
@@ -197,7 +197,7 @@ class Choice:
     start: Place | None = None
 
     @property
-    def told(self) -> bool:
+    def simulated_time(self) -> bool:
         """Whether the graph uses the simulation's time, since it differs from the wall clock."""
         return self.speed != 1.0
 
@@ -228,9 +228,9 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
     async with AsyncExitStack() as stack:
         address = await stack.enter_async_context(_system(choice))
         ros = 1 if urlsplit(address).scheme == "ros1" else 2
-        if choice.told and ros == 1:
-            await stack.enter_async_context(_told(address))
-        if choice.told and ros > 1:
+        if choice.simulated_time and ros == 1:
+            await stack.enter_async_context(_using_simulated_time(address))
+        if choice.simulated_time and ros > 1:
             address = f"{address}?clock=simulated"
         types = Types(ros)
 
@@ -243,7 +243,7 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
             ros=ros,
             speed=choice.speed,
             seed=choice.seed,
-            told=choice.told,
+            simulated_time=choice.simulated_time,
             start=choice.start,
         )
         await stack.enter_async_context(simulation)
@@ -256,15 +256,15 @@ async def _system(choice: Choice) -> AsyncIterator[str]:
     if choice.address:
         yield choice.address
     elif choice.ros2:
-        known = default_address()
-        yield known if known.startswith("dds") else f"dds://{os.environ.get('ROS_DOMAIN_ID') or 0}"
+        address = default_address()
+        yield address if address.startswith("dds") else f"dds://{os.environ.get('ROS_DOMAIN_ID') or 0}"
     else:
         async with Master(port=choice.port) as master:
             yield master.address
 
 
 @asynccontextmanager
-async def _told(address: str) -> AsyncIterator[None]:
+async def _using_simulated_time(address: str) -> AsyncIterator[None]:
     """Let nodes that join a ROS master inside the context use the time of `/clock`."""
     master, name = f"http://{urlsplit(address).netloc}", "/use_sim_time"
     await ask(master, "setParam", "/kg", name, True)

@@ -56,7 +56,7 @@ def _loaded(module: str) -> Any:
 def _silence() -> Iterator[None]:
     """Keep the banner of pybullet's C code off the terminal, and off stdout, which is for data."""
     flush = ctypes.CDLL(None).fflush
-    kept = [os.dup(stream) for stream in _STREAMS]
+    copies = [os.dup(stream) for stream in _STREAMS]
     nothing = os.open(os.devnull, os.O_WRONLY)
     try:
         flush(None)
@@ -65,7 +65,7 @@ def _silence() -> Iterator[None]:
         yield
     finally:
         flush(None)
-        for stream, copy in zip(_STREAMS, kept, strict=True):
+        for stream, copy in zip(_STREAMS, copies, strict=True):
             os.dup2(copy, stream)
             os.close(copy)
         os.close(nothing)
@@ -112,11 +112,11 @@ def find_tags(pixels: np.ndarray[Any, Any], matrix: Sequence[float], size: float
     if numbers is None:
         return []
     inner = np.array(matrix, dtype=np.float64).reshape(3, 3)
-    found = [
+    sightings = [
         _sighting(int(tag), (four.reshape(4, 2) + 0.5) / _LARGER, inner, size)
         for tag, four in zip(numbers.flatten(), corners, strict=True)
     ]
-    return sorted(found, key=lambda one: one.position[2])
+    return sorted(sightings, key=lambda one: one.position[2])
 
 
 def _sighting(tag: int, corners: np.ndarray[Any, Any], matrix: np.ndarray[Any, Any], size: float) -> Sighting:

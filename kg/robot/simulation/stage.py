@@ -91,7 +91,7 @@ class Node:
         self.connection = connection
         self._hearing: list[asyncio.Task[None]] = []
 
-    async def hear(self, topic: str, kind: str, heard: Callable[[Value], Any], *, queue: int = 10) -> None:
+    async def hear(self, topic: str, kind: str, callback: Callable[[Value], Any], *, queue: int = 10) -> None:
         """Call something with each message of a topic; an awaitable result is awaited.
 
         A failure on a message is reported, and the next message is processed.
@@ -99,7 +99,7 @@ class Node:
         subscription = await self.connection.subscribe(topic, kind, queue=queue)
 
         async def take(value: Value) -> None:
-            answer = heard(value)
+            answer = callback(value)
             if asyncio.iscoroutine(answer):
                 await answer
 
@@ -111,13 +111,13 @@ class Node:
 
         self._hearing.append(spawn(listen(), f"hearing {topic}"))
 
-    async def tell(self, topic: str, kind: str, *, latch: bool = False) -> Publication:
+    async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> Publication:
         """Advertise a topic."""
         return await self.connection.advertise(topic, kind, latch=latch)
 
-    async def tells(self, topic: str, kind: str, every: float, message: Callable[[], Value]) -> None:
+    async def publish_every(self, topic: str, kind: str, every: float, message: Callable[[], Value]) -> None:
         """Publish on a topic periodically, in the time of the world; nothing is computed without subscribers."""
-        publication = await self.tell(topic, kind)
+        publication = await self.advertise(topic, kind)
 
         async def publish() -> None:
             if publication.peers:

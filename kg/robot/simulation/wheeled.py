@@ -48,7 +48,7 @@ class Wheeled:
         self._command = Command()
         self._body = scene.cylinder(RADIUS, _HEIGHT, (start.x, start.y, _LIFT), (0.2, 0.25, 0.3, 1.0), _MASS)
         scene.bullet.changeDynamics(self._body, -1, lateralFriction=0, restitution=0, linearDamping=0, angularDamping=0)
-        self._settle()
+        self._level()
 
     def command(self, command: Command) -> None:
         """Drive at a velocity for half a second, or until another command."""
@@ -84,14 +84,14 @@ class Wheeled:
         (x, y, _), turned = self._scene.bullet.getBasePositionAndOrientation(self._body)
         heading = self._scene.bullet.getEulerFromQuaternion(turned)[2]
         before, self.pose = self.pose, Pose(x, y, heading)
-        self._settle()
+        self._level()
         ahead = (x - before.x) * math.cos(heading) + (y - before.y) * math.sin(heading)
         turn = wrapped(heading - before.heading)
         slip, twist = (1 + _SLIP * float(one) for one in self._chance.standard_normal(2))
         self.odometry = self.odometry.moved(ahead * slip, 0.0, turn * twist)
         self.forward = approached(self.forward, ahead / seconds, 1.0) if self.bumped else self.forward
 
-    def _settle(self) -> None:
+    def _level(self) -> None:
         turned = self._scene.bullet.getQuaternionFromEuler((0, 0, self.pose.heading))
         self._scene.bullet.resetBasePositionAndOrientation(self._body, (self.pose.x, self.pose.y, _LIFT), turned)
 

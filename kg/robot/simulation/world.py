@@ -62,7 +62,7 @@ class World:
         elif room and self.time - since >= _LASTING and self.visited[-1:] != [room]:
             self.visited.append(room)
         self._note_motion(pose)
-        self.clock.tell(self.time)
+        self.clock.set_time(self.time)
 
     def _note_motion(self, pose: Pose) -> None:
         self.turned += abs(math.remainder(pose.heading - self._heading, math.tau))

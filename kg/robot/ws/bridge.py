@@ -55,7 +55,7 @@ class Bridge:
         """Return the full name of a type in the version of ROS: `package/msg/Type` in ROS 2."""
         return kind if self.types.ros == 1 else full_type(kind)
 
-    async def _tell(self, op: str, **fields: Any) -> None:
+    async def _send_op(self, op: str, **fields: Any) -> None:
         await self._send(json.dumps({"op": op, **fields}))
 
     async def _answered(self, number: object, asking: Awaitable[None]) -> Any:
@@ -100,13 +100,13 @@ class Bridge:
         """Return the last reported graph, including the bridge's own node."""
         raise NotImplementedError
 
-    def _told(self, nodes: Iterable[LiveNode], ends: Iterable[LiveEnd]) -> ComputationGraph:
+    def _graph_of(self, nodes: Iterable[LiveNode], ends: Iterable[LiveEnd]) -> ComputationGraph:
         """Return the graph of these nodes and ends, with actions folded."""
-        told = Neighbourhood(tuple(nodes), tuple(ends), tuple(self._problems))
+        reported = Neighbourhood(tuple(nodes), tuple(ends), tuple(self._problems))
         if self.types.ros == 2:  # noqa: PLR2004 - the version
-            return computation_graph(told, complete=True)
-        return ComputationGraph(1, told.nodes, fold(told.ends), tuple(sorted(told.problems)))
+            return computation_graph(reported, complete=True)
+        return ComputationGraph(1, reported.nodes, fold(reported.ends), tuple(sorted(reported.problems)))
 
-    def hears(self, topic: str) -> int:
+    def count_subscribers(self, topic: str) -> int:
         """Return the number of subscribers of a topic, as far as the bridge reports it."""
         return sum(one.name == topic and one.role is Role.SUBSCRIBES for one in of_robot(self.graph()).ends)

@@ -43,8 +43,8 @@ class BridgeConnection:
         self._listening: dict[str, asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._closed = False
-        self._states = States(self, self._changes.tell)
-        bridge.deliver, bridge.changed = self._deliver, self._changes.tell
+        self._states = States(self, self._changes.notify)
+        bridge.deliver, bridge.changed = self._deliver, self._changes.notify
         self._receiving = spawn(self._receive(), f"receiving from {address}")
 
     async def begin(self) -> None:
@@ -79,7 +79,7 @@ class BridgeConnection:
             self.bridge.lose(RobotError("KG803", f"the bridge at {self.address} {why}"))
             for inbox in [one for each in self._inboxes.values() for one in each]:
                 inbox.end()
-            self._changes.tell()
+            self._changes.notify()
 
     def present(self) -> None:
         """Raise RobotError KG803 if the connection is lost or closed."""
@@ -92,7 +92,7 @@ class BridgeConnection:
         if self._closed or self._lost.done():
             raise RobotError("KG802", f"the bridge at {self.address} is not connected any more")
         self._now()
-        await self._states.told()
+        await self._states.wait_polled()
         return self._now()
 
     def _now(self) -> ComputationGraph:
@@ -108,12 +108,12 @@ class BridgeConnection:
         A bridge sends each topic once: of two subscriptions, only the first gets a message latched before.
         """
         self.present()
-        known = await self.bridge.know(topic, kind)
+        learned = await self.bridge.know(topic, kind)
         inbox: Inbox[Received] = Inbox(queue, lambda: self._leave(topic, inbox))
         others = self._inboxes.setdefault(topic, [])
         others.append(inbox)
         if len(others) == 1:
-            self._listening[topic] = spawn(_unless_lost(self.bridge.listen(topic, known)), f"listening to `{topic}`")
+            self._listening[topic] = spawn(_unless_lost(self.bridge.listen(topic, learned)), f"listening to `{topic}`")
             await asyncio.sleep(0)  # its first message is already in transit
         return inbox
 
@@ -149,9 +149,9 @@ class BridgeConnection:
         with suppress(ConnectionClosed):
             await self.bridge.withdraw(topic)
 
-    def hears(self, topic: str) -> int:
+    def count_subscribers(self, topic: str) -> int:
         """Return the number of subscribers of a topic."""
-        return 0 if self._lost.done() else self.bridge.hears(topic)
+        return 0 if self._lost.done() else self.bridge.count_subscribers(topic)
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
         """Call a service and return the response; RobotError KG803, KG806 to KG808 as every connection."""
@@ -209,11 +209,11 @@ class _Publication:
     @property
     def peers(self) -> int:
         """Number of subscribers."""
-        return self._connection.hears(self.topic)
+        return self._connection.count_subscribers(self.topic)
 
     @property
     def confirmed(self) -> bool:
-        """Whether messages arrived: bridges do not tell."""
+        """Whether messages arrived: bridges do not report it."""
         return False
 
     async def publish(self, value: Value) -> None:

@@ -58,7 +58,7 @@ class Foxglove(Bridge):
         while not self._capabilities and self._types is None:
             await self._more()
         if "connectionGraph" in self._capabilities:
-            await self._tell("subscribeConnectionGraph")
+            await self._send_op("subscribeConnectionGraph")
         with suppress(TimeoutError):
             while True:
                 await asyncio.wait_for(self._more(), _QUIET)
@@ -75,29 +75,29 @@ class Foxglove(Bridge):
         else:
             self._take_object(json.loads(message))
 
-    def _take_object(self, told: dict[str, Any]) -> None:
-        match told["op"]:
+    def _take_object(self, message: dict[str, Any]) -> None:
+        match message["op"]:
             case "serverInfo":
-                self._capabilities = {*told["capabilities"], "serverInfo"}
-                self._decide(*(told.get("supportedEncodings") or ()))
+                self._capabilities = {*message["capabilities"], "serverInfo"}
+                self._decide(*(message.get("supportedEncodings") or ()))
             case "advertise":
-                for one in told["channels"]:
+                for one in message["channels"]:
                     self._channels[one["id"]] = one
                     self._decide(one["encoding"])
             case "unadvertise":
-                for number in told["channelIds"]:
+                for number in message["channelIds"]:
                     self._channels.pop(number, None)
             case "advertiseServices":
-                self._services.update({one["id"]: one for one in told["services"]})
+                self._services.update({one["id"]: one for one in message["services"]})
             case "unadvertiseServices":
-                for number in told["serviceIds"]:
+                for number in message["serviceIds"]:
                     self._services.pop(number, None)
             case "connectionGraphUpdate":
-                self._take_graph(told)
+                self._take_graph(message)
             case "serviceCallFailure":
-                self._answer(told["callId"], RobotError("KG808", f"the bridge reports: {told['message']}"))
-            case "status" if told["level"] > 0:
-                self._report(GraphProblem("KG810", "the bridge", str(told["message"])[:500]))
+                self._answer(message["callId"], RobotError("KG808", f"the bridge reports: {message['message']}"))
+            case "status" if message["level"] > 0:
+                self._report(GraphProblem("KG810", "the bridge", str(message["message"])[:500]))
         self._news.set()
         self.changed()
 
@@ -107,14 +107,14 @@ class Foxglove(Bridge):
             if self._types is None and one in _ENCODINGS:
                 self._bridges(_ENCODINGS[one])
 
-    def _take_graph(self, told: dict[str, Any]) -> None:
+    def _take_graph(self, message: dict[str, Any]) -> None:
         for key, (field, role) in _GRAPH.items():
-            for one in told.get(key, ()):
+            for one in message.get(key, ()):
                 self._ends[role, one["name"]] = tuple(one[field])
-        for name in told.get("removedTopics", ()):
+        for name in message.get("removedTopics", ()):
             self._ends.pop((Role.PUBLISHES, name), None)
             self._ends.pop((Role.SUBSCRIBES, name), None)
-        for name in told.get("removedServices", ()):
+        for name in message.get("removedServices", ()):
             self._ends.pop((Role.SERVICES, name), None)
 
     def _take_bytes(self, content: bytes) -> None:
@@ -148,7 +148,7 @@ class Foxglove(Bridge):
             services = {one["name"] for one in self._services.values()}
             ends += [LiveEnd(UNKNOWN, Role.SERVICES, one, self._kind(Role.SERVICES, one)) for one in services]
         names = sorted({one.node for one in ends})
-        return self._told((LiveNode(one, None, _UNNAMED if one == UNKNOWN else None) for one in names), ends)
+        return self._graph_of((LiveNode(one, None, _UNNAMED if one == UNKNOWN else None) for one in names), ends)
 
     def _kind(self, role: Role, name: str) -> str | None:
         if role is Role.SERVICES:
@@ -163,15 +163,15 @@ class Foxglove(Bridge):
         if channel is None:
             self.types.fields(kind or "")
             return kind or ""
-        told = short(channel["schemaName"])
-        if kind is not None and told != kind:
-            raise RobotError("KG806", f"`{topic}` is of the type {told}, not {kind}")
+        type_name = short(channel["schemaName"])
+        if kind is not None and type_name != kind:
+            raise RobotError("KG806", f"`{topic}` is of the type {type_name}, not {kind}")
         if channel["encoding"] not in _ENCODINGS:
             raise RobotError("KG804", f"`{topic}` is encoded as {channel['encoding']}, which is none of ROS")
         if channel.get("schema"):
-            learn(self.types, told, channel["schema"], idl=channel.get("schemaEncoding") in {"ros2idl", "omgidl"})
-        self.types.fields(told)
-        return told
+            learn(self.types, type_name, channel["schema"], idl=channel.get("schemaEncoding") in {"ros2idl", "omgidl"})
+        self.types.fields(type_name)
+        return type_name
 
     async def listen(self, topic: str, kind: str) -> None:
         """Subscribe to each current and future channel of a topic."""
@@ -182,7 +182,7 @@ class Foxglove(Bridge):
             for channel in sorted(offered - subscribed):
                 number = next(self._numbers)
                 self._topics[number] = topic
-                await self._tell("subscribe", subscriptions=[{"id": number, "channelId": channel}])
+                await self._send_op("subscribe", subscriptions=[{"id": number, "channelId": channel}])
             subscribed = offered
             await self._more()
 
@@ -191,16 +191,16 @@ class Foxglove(Bridge):
         numbers = [number for number, one in self._topics.items() if one == topic]
         for number in numbers:
             del self._topics[number]
-        await self._tell("unsubscribe", subscriptionIds=numbers)
+        await self._send_op("unsubscribe", subscriptionIds=numbers)
 
-    async def offer(self, topic: str, kind: str, *, latch: bool) -> None:  # noqa: ARG002 - the protocol knows none
+    async def offer(self, topic: str, kind: str, *, latch: bool) -> None:  # noqa: ARG002 - the protocol has none
         """Advertise a channel; RobotError KG852 if the server accepts none."""
         if "clientPublish" not in self._capabilities:
             raise RobotError("KG852", f"the bridge takes no messages, so that `{topic}` cannot be published")
         number = self._offered[topic] = next(self._numbers)
         encoding = "ros1" if self.types.ros == 1 else "cdr"
         channel = {"id": number, "topic": topic, "encoding": encoding, "schemaName": self._full(kind)}
-        await self._tell("advertise", channels=[channel])
+        await self._send_op("advertise", channels=[channel])
 
     async def send(self, topic: str, kind: str, value: Value) -> None:
         """Publish a message."""
@@ -208,31 +208,31 @@ class Foxglove(Bridge):
 
     async def withdraw(self, topic: str) -> None:
         """Withdraw our channel."""
-        await self._tell("unadvertise", channelIds=[self._offered.pop(topic)])
+        await self._send_op("unadvertise", channelIds=[self._offered.pop(topic)])
 
     async def call(self, service: str, kind: str | None, request: Value) -> Value:
         """Call a service and return the response."""
-        found = next((one for one in self._services.values() if one["name"] == service), None)
-        if found is None:
+        advertised = next((one for one in self._services.values() if one["name"] == service), None)
+        if advertised is None:
             raise RobotError("KG807", f"the bridge offers no service `{service}`")
-        told = short(found["type"])
-        if kind is not None and kind != told:
-            raise RobotError("KG806", f"`{service}` is of the type {told}, not {kind}")
+        type_name = short(advertised["type"])
+        if kind is not None and kind != type_name:
+            raise RobotError("KG806", f"`{service}` is of the type {type_name}, not {kind}")
         for part in ("request", "response"):
-            text = (found.get(part) or {}).get("schema") or found.get(f"{part}Schema")
+            text = (advertised.get(part) or {}).get("schema") or advertised.get(f"{part}Schema")
             if text:
-                learn(self.types, f"{told}_{part.capitalize()}", text)
-        content = self.types.encode(f"{told}_Request", request)
+                learn(self.types, f"{type_name}_{part.capitalize()}", text)
+        content = self.types.encode(f"{type_name}_Request", request)
         encoding = b"ros1" if self.types.ros == 1 else b"cdr"
         number = next(self._numbers)
-        asking = self._send(_CALL.pack(2, found["id"], number, len(encoding)) + encoding + content)
-        return self.types.decode(f"{told}_Response", await self._answered(number, asking))
+        asking = self._send(_CALL.pack(2, advertised["id"], number, len(encoding)) + encoding + content)
+        return self.types.decode(f"{type_name}_Response", await self._answered(number, asking))
 
-    def hears(self, topic: str) -> int:
+    def count_subscribers(self, topic: str) -> int:
         """Return the number of subscribers of a topic, 1 if the server does not report it."""
         if "connectionGraph" not in self._capabilities:
             return 1
-        return super().hears(topic)
+        return super().count_subscribers(topic)
 
     def lose(self, error: RobotError) -> None:
         """Fail pending calls, and those to removed services."""

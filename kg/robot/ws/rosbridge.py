@@ -29,30 +29,30 @@ _BYTES: Final = {"uint8", "char", "octet"}
 _SECONDS: Final = {1: ("secs", "nsecs"), 2: ("sec", "nanosec")}
 
 
-def from_json(types: Types, kind: str, told: Any) -> Value:
+def from_json(types: Types, kind: str, content: Any) -> Value:
     """Return the complete value of a message; RobotError KG805 if it does not fit, KG804 for an unknown type."""
-    return types.complete(kind, _read(types, kind, told))
+    return types.complete(kind, _read(types, kind, content))
 
 
-def _read(types: Types, kind: str, told: Any) -> Any:
-    if not isinstance(told, dict):
-        return told  # which `complete` refuses, with the field
+def _read(types: Types, kind: str, content: Any) -> Any:
+    if not isinstance(content, dict):
+        return content  # which `complete` refuses, with the field
     if kind in _TIMES:
-        names = _SECONDS[1] if "secs" in told else _SECONDS[2]
-        return {new: told.get(old, 0) for new, old in zip(_SECONDS[2], names, strict=True)}
+        names = _SECONDS[1] if "secs" in content else _SECONDS[2]
+        return {new: content.get(old, 0) for new, old in zip(_SECONDS[2], names, strict=True)}
     fields = {one.name: one for one in types.fields(kind)}
-    return {name: _read_field(types, fields[name], one) if name in fields else one for name, one in told.items()}
+    return {name: _read_field(types, fields[name], one) if name in fields else one for name, one in content.items()}
 
 
-def _read_field(types: Types, field: Field, told: Any) -> Any:
+def _read_field(types: Types, field: Field, content: Any) -> Any:
     if field.length is not None:
-        if field.type in _BYTES and isinstance(told, str):
-            return b64decode(told, validate=True)
+        if field.type in _BYTES and isinstance(content, str):
+            return b64decode(content, validate=True)
         element = replace(field, length=None)
-        return [_read_field(types, element, one) for one in told] if isinstance(told, list) else told
+        return [_read_field(types, element, one) for one in content] if isinstance(content, list) else content
     if field.is_message:
-        return _read(types, field.type, told)
-    return math.nan if told is None and field.type.startswith("float") else told
+        return _read(types, field.type, content)
+    return math.nan if content is None and field.type.startswith("float") else content
 
 
 def to_json(types: Types, kind: str, value: Value) -> dict[str, Any]:
@@ -127,42 +127,42 @@ class Rosbridge(Bridge):
         names, offered = set(nodes["nodes"]), set(services["services"])
         if whole or self._topics != before[0] or names != set(self._nodes) or offered != set(self._services):
             ordered = sorted(names)
-            told = await asyncio.gather(*(self._api("node_details", node=one) for one in ordered))
-            self._nodes = dict(zip(ordered, told, strict=True))
+            details = await asyncio.gather(*(self._api("node_details", node=one) for one in ordered))
+            self._nodes = dict(zip(ordered, details, strict=True))
             new = sorted(offered - set(self._services))
             kinds = await asyncio.gather(*(self._api("service_type", service=one) for one in new))
-            known = {name: kind for name, kind in self._services.items() if name in offered}
-            self._services = known | {name: short(one["type"]) for name, one in zip(new, kinds, strict=True)}
+            remaining = {name: kind for name, kind in self._services.items() if name in offered}
+            self._services = remaining | {name: short(one["type"]) for name, one in zip(new, kinds, strict=True)}
         return before != (self._topics, self._services, self._nodes)
 
     async def _api(self, name: str, /, **arguments: Any) -> dict[str, Any]:
-        told = await self._ask(f"/rosapi/{name}", arguments)
-        if not isinstance(told, dict):
-            raise RobotError("KG810", f"/rosapi/{name} answered {str(told)[:60]}")
-        return told
+        reply = await self._ask(f"/rosapi/{name}", arguments)
+        if not isinstance(reply, dict):
+            raise RobotError("KG810", f"/rosapi/{name} answered {str(reply)[:60]}")
+        return reply
 
     async def _ask(self, service: str, arguments: dict[str, Any]) -> Any:
         """Return the raw response of a service; RobotError KG808 with its message on failure."""
         number = f"call:{next(self._numbers)}"
-        asking = self._tell("call_service", id=number, service=service, args=arguments)
+        asking = self._send_op("call_service", id=number, service=service, args=arguments)
         return await self._answered(number, asking)
 
     def _take(self, message: str | bytes) -> None:
-        told = json.loads(message)
-        match told["op"]:
-            case "publish" if told["topic"] in self._listening:
-                self._take_message(told["topic"], told["msg"])
-            case "service_response" if told.get("result", True):
-                self._answer(told.get("id"), told.get("values"))
+        content = json.loads(message)
+        match content["op"]:
+            case "publish" if content["topic"] in self._listening:
+                self._take_message(content["topic"], content["msg"])
+            case "service_response" if content.get("result", True):
+                self._answer(content.get("id"), content.get("values"))
             case "service_response":
-                why = f"`{told.get('service')}` failed: {told.get('values')}"
-                self._answer(told.get("id"), RobotError("KG808", why))
-            case "status" if told.get("level") == "error":
-                self._report(GraphProblem("KG810", "the bridge", str(told.get("msg"))[:500]))
+                why = f"`{content.get('service')}` failed: {content.get('values')}"
+                self._answer(content.get("id"), RobotError("KG808", why))
+            case "status" if content.get("level") == "error":
+                self._report(GraphProblem("KG810", "the bridge", str(content.get("msg"))[:500]))
 
-    def _take_message(self, topic: str, told: Any) -> None:
+    def _take_message(self, topic: str, content: Any) -> None:
         try:
-            value = from_json(self.types, self._listening[topic], told)
+            value = from_json(self.types, self._listening[topic], content)
         except (RobotError, ValueError) as error:
             self._report(GraphProblem("KG810", topic, f"a message cannot be read: {error}"))
             return
@@ -172,36 +172,36 @@ class Rosbridge(Bridge):
         """Return the graph last reported by rosapi."""
         ends = [
             LiveEnd(node, role, name, (self._services if role is Role.SERVICES else self._topics).get(name) or None)
-            for node, told in self._nodes.items()
+            for node, details in self._nodes.items()
             for field, role in _FIELDS.items()
-            for name in dict.fromkeys(told.get(field, ()))
+            for name in dict.fromkeys(details.get(field, ()))
         ]
-        return self._told((LiveNode(one) for one in sorted(self._nodes)), ends)
+        return self._graph_of((LiveNode(one) for one in sorted(self._nodes)), ends)
 
     async def know(self, topic: str, kind: str | None) -> str:
         """Return the type of a topic, and learn it from rosapi."""
         if topic not in self._topics:
             await self._look(whole=False)
-        told = self._topics.get(topic)
-        if told is None and kind is None:
+        reported = self._topics.get(topic)
+        if reported is None and kind is None:
             raise RobotError("KG804", f"no node has `{topic}`, so its type is unknown")
-        if kind is not None and told not in {None, kind}:
-            raise RobotError("KG806", f"`{topic}` is of the type {told}, not {kind}")
-        found = told or kind or ""
-        if told is not None and told not in self._texts:
+        if kind is not None and reported not in {None, kind}:
+            raise RobotError("KG806", f"`{topic}` is of the type {reported}, not {kind}")
+        type_name = reported or kind or ""
+        if reported is not None and reported not in self._texts:
             await self._learn()
-            if self._texts.get(told):
-                learn(self.types, told, self._texts[told])
-        self.types.fields(found)
-        return found
+            if self._texts.get(reported):
+                learn(self.types, reported, self._texts[reported])
+        self.types.fields(type_name)
+        return type_name
 
     async def _learn(self) -> None:
         """Request the definitions of all types of topics; for those missing in rosapi, kg's own remain."""
         try:
-            told = await self._api("topics_and_raw_types")
+            reply = await self._api("topics_and_raw_types")
         except RobotError:
-            told = {"types": [], "typedefs_full_text": []}
-        for kind, text in zip(map(short, told["types"]), told["typedefs_full_text"], strict=True):
+            reply = {"types": [], "typedefs_full_text": []}
+        for kind, text in zip(map(short, reply["types"]), reply["typedefs_full_text"], strict=True):
             self._texts[kind] = "" if text.startswith(_FAILED) else text
         for kind in self._topics.values():
             self._texts.setdefault(kind, "")
@@ -209,36 +209,36 @@ class Rosbridge(Bridge):
     async def listen(self, topic: str, kind: str) -> None:
         """Subscribe; the bridge follows changes of publishers."""
         self._listening[topic] = kind
-        await self._tell("subscribe", id=f"subscribe:{topic}", topic=topic, type=self._full(kind))
+        await self._send_op("subscribe", id=f"subscribe:{topic}", topic=topic, type=self._full(kind))
 
     async def leave(self, topic: str) -> None:
         """Unsubscribe."""
         self._listening.pop(topic, None)
-        await self._tell("unsubscribe", id=f"subscribe:{topic}", topic=topic)
+        await self._send_op("unsubscribe", id=f"subscribe:{topic}", topic=topic)
 
     async def offer(self, topic: str, kind: str, *, latch: bool) -> None:
         """Advertise a topic."""
         self._latched[topic] = latch
-        await self._tell("advertise", id=f"advertise:{topic}", topic=topic, type=self._full(kind), latch=latch)
+        await self._send_op("advertise", id=f"advertise:{topic}", topic=topic, type=self._full(kind), latch=latch)
 
     async def send(self, topic: str, kind: str, value: Value) -> None:
         """Publish a message."""
         # Without `latch`, servers treat the message as one of a second publisher of the topic, and warn.
-        await self._tell("publish", topic=topic, msg=to_json(self.types, kind, value), latch=self._latched[topic])
+        await self._send_op("publish", topic=topic, msg=to_json(self.types, kind, value), latch=self._latched[topic])
 
     async def withdraw(self, topic: str) -> None:
         """Stop publishing a topic."""
-        await self._tell("unadvertise", id=f"advertise:{topic}", topic=topic)
+        await self._send_op("unadvertise", id=f"advertise:{topic}", topic=topic)
 
     async def call(self, service: str, kind: str | None, request: Value) -> Value:
         """Call a service and return the response."""
-        told = self._services.get(service) or short((await self._api("service_type", service=service))["type"])
-        if not told:
+        type_name = self._services.get(service) or short((await self._api("service_type", service=service))["type"])
+        if not type_name:
             raise RobotError("KG807", f"no node serves `{service}`")
-        if kind is not None and kind != told:
-            raise RobotError("KG806", f"`{service}` is of the type {told}, not {kind}")
-        answer = await self._ask(service, to_json(self.types, f"{told}_Request", request))
-        return from_json(self.types, f"{told}_Response", answer or {})
+        if kind is not None and kind != type_name:
+            raise RobotError("KG806", f"`{service}` is of the type {type_name}, not {kind}")
+        answer = await self._ask(service, to_json(self.types, f"{type_name}_Request", request))
+        return from_json(self.types, f"{type_name}_Response", answer or {})
 
     def lose(self, error: RobotError) -> None:
         """Fail pending calls, and stop polling."""

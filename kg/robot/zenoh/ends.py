@@ -56,13 +56,13 @@ _EVER: Final = 30 * 24 * 3600.0
 def passing(loop: asyncio.AbstractEventLoop, call: Callable[[Any], None]) -> Callable[[Any], None]:
     """Return a callback for a thread of the library that calls `call` in the event loop."""
 
-    def told(what: object) -> None:
+    def forward(what: object) -> None:
         try:
             loop.call_soon_threadsafe(call, what)
         except RuntimeError:
             return  # the event loop was closed without closing the connection
 
-    return told
+    return forward
 
 
 class End:
@@ -120,7 +120,7 @@ class ZenohWriter(End):
 
     @property
     def confirmed(self) -> bool:
-        """Whether messages arrived: Zenoh cannot tell."""
+        """Whether messages arrived: Zenoh does not report it."""
         return False
 
     def write(self, content: bytes) -> None:
@@ -147,10 +147,10 @@ class ZenohCaller(End):
         answered: asyncio.Future[bytes] = loop.create_future()
         self._waiting.add(answered)
         cancellation = zenoh.CancellationToken()
-        told = passing(loop, partial(_answer, answered))
+        forward = passing(loop, partial(_answer, answered))
         self._session.get(
             self._key(),
-            zenoh.handlers.Callback(told, lambda: told(None)),
+            zenoh.handlers.Callback(forward, lambda: forward(None)),
             target=QueryTarget.ALL_COMPLETE,
             consolidation=ConsolidationMode.NONE,
             timeout=_EVER,
@@ -196,16 +196,16 @@ class ZenohServer(End):
         session: Session,
         key: str,
         answer: Callable[[bytes], Awaitable[bytes]],
-        tell: Callable[[], tuple[Any, Callable[[], int]]],
+        declare: Callable[[], tuple[Any, Callable[[], int]]],
     ) -> None:
         """Start to serve, then announce it, which gives the token and the counter of clients."""
         self._key = key
         self._answer = answer
         self._sender = _Sender(key)
         self._running = Tasks()
-        told = passing(asyncio.get_running_loop(), self._take)
-        answering = session.declare_queryable(key, told, complete=True)
-        super().__init__(*tell(), answering)
+        forward = passing(asyncio.get_running_loop(), self._take)
+        answering = session.declare_queryable(key, forward, complete=True)
+        super().__init__(*declare(), answering)
 
     def _take(self, query: Query) -> None:
         self._running.spawn(self._respond(query), f"answering {self._key}")

@@ -33,9 +33,7 @@ def configuration(place: str) -> zenoh.Config:
     """Return the settings of a session connected to `HOST:PORT`, as those of rmw_zenoh_cpp for a node."""
     host, _, port = place.rpartition(":") if ":" in place.rpartition("]")[2] else (place, "", "")
     if not (port or str(_PORT)).isdecimal():
-        raise RobotError(
-            "KG801", f"`{place}` has no port that is a number", hint="Write HOST:PORT, as in localhost:7447."
-        )
+        raise RobotError("KG801", f"`{place}` has no numeric port", hint="Write HOST:PORT, as in localhost:7447.")
     config = zenoh.Config()
     settings: dict[str, Any] = {
         "mode": "peer",
@@ -70,8 +68,8 @@ class ZenohMiddleware:
         """Watch the tokens of others, and declare that of our node."""
         self._watch = watch
         liveliness = self._session.liveliness()
-        heard = passing(asyncio.get_running_loop(), self._hear)
-        self._listening = liveliness.declare_subscriber(pattern(self._domain), heard, history=True)
+        forward = passing(asyncio.get_running_loop(), self._hear)
+        self._listening = liveliness.declare_subscriber(pattern(self._domain), forward, history=True)
         self._node = liveliness.declare_token(Token(self._domain, self._own, self._name).key)
 
     def _hear(self, sample: Sample) -> None:
@@ -114,30 +112,30 @@ class ZenohMiddleware:
             self._hashes[kind, service] = type_hash(self.types, kind, service=service)
         return self._hashes[kind, service]
 
-    def _found(self, role: Role, name: str) -> list[Token]:
+    def _matching(self, role: Role, name: str) -> list[Token]:
         return [one for one in self._tokens.values() if one.role is role and one.name == name]
 
     def _token(self, role: Role, name: str, kind: str, qos: Qos) -> tuple[Any, Callable[[], int]]:
         digest = self._hash(kind, service=role.channel == "service")
         token = Token(self._domain, self._own, self._name, role, name, kind, digest, qos, next(self._numbers))
         declared = self._session.liveliness().declare_token(token.key)
-        return declared, lambda: len(self._found(role.opposite, name))
+        return declared, lambda: len(self._matching(role.opposite, name))
 
     def reader(self, topic: str, kind: str, qos: Qos, deliver: Deliver) -> End:
         """Open a reader of a topic; publishers with another hash are not received, and reported in the graph."""
         key = data_key(self._domain, topic, kind, "*")
-        known = {self._hash(kind), NO_HASH}  # the key has a pattern for the hash, so that two forms are received
+        hashes = {self._hash(kind), NO_HASH}  # the key has a pattern for the hash, so that two forms are received
 
         def take(sample: Sample) -> None:
-            if str(sample.key_expr).rpartition("/")[2] in known:
+            if str(sample.key_expr).rpartition("/")[2] in hashes:
                 deliver(sample.payload.to_bytes(), None)
 
-        told = passing(asyncio.get_running_loop(), take)
+        forward = passing(asyncio.get_running_loop(), take)
         if qos.durability == "transient_local":
-            kept = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=max(qos.depth or 1, 1))
-            subscriber: Any = zenoh.ext.declare_advanced_subscriber(self._session, key, told, history=kept)
+            history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=max(qos.depth or 1, 1))
+            subscriber: Any = zenoh.ext.declare_advanced_subscriber(self._session, key, forward, history=history)
         else:
-            subscriber = self._session.declare_subscriber(key, told)
+            subscriber = self._session.declare_subscriber(key, forward)
         return End(*self._token(Role.SUBSCRIBES, topic, kind, qos), subscriber)
 
     def writer(self, topic: str, kind: str, qos: Qos) -> ZenohWriter:
@@ -160,7 +158,7 @@ class ZenohMiddleware:
         """Open a client of a service, with the hash announced by its server."""
 
         def key() -> str:
-            digests = [one.hash for one in self._found(Role.SERVICES, service)]
+            digests = [one.hash for one in self._matching(Role.SERVICES, service)]
             ours = self._hash(kind, service=True)
             digest = ours if ours in digests or not digests else digests[0]
             if digest not in {ours, NO_HASH}:
@@ -182,7 +180,7 @@ class ZenohMiddleware:
     async def learn(self, kind: str, name: str) -> bool:
         """Return whether a type is known: Zenoh itself only announces hashes."""
         del name
-        return self.types.knows(kind)
+        return self.types.has(kind)
 
     def close(self) -> None:
         """Leave; closing the session undeclares everything."""

@@ -146,5 +146,5 @@ def _digits(text: str) -> str:
 def _seconds(parts: list[str]) -> float | None:
     """Return a duration; zero, and the largest value of rmw, are infinite."""
     seconds, nanoseconds = (int(_digits(part) or 0) for part in parts)
-    found = seconds + nanoseconds / 1e9
-    return found if 0 < found < (1 << 32) else None
+    duration = seconds + nanoseconds / 1e9
+    return duration if 0 < duration < (1 << 32) else None

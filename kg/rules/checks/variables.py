@@ -9,7 +9,7 @@ from kg.errors import Fix
 from kg.rules.checks.finding import Context, Finding, at_offset, at_rule
 from kg.rules.checks.tokens import variables
 from kg.rules.form import Atom, Exists, Rule, Variable, atoms_of, binds, mentions
-from kg.similar import asked, misspelt
+from kg.similar import misspelt, suggest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -60,7 +60,7 @@ def variable_used_once(file: RuleFile, _context: Context) -> Iterator[Finding]:
             advice = (
                 f"Write `[]`, or ?_{name} if that is meant." if name in blank else f"Write ?_{name} if it is meant."
             )
-            place, hint = at_offset(file, token.start), asked(meant) or advice
+            place, hint = at_offset(file, token.start), suggest(meant) or advice
             yield Finding("KG217", "warning", file.name, message, place, hint, fixes=fixes)
 
 

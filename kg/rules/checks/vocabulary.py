@@ -18,7 +18,7 @@ from kg.rules.checks.finding import Context, Finding
 from kg.rules.checks.tokens import names, place_of_name
 from kg.rules.dependencies import depends, reads
 from kg.rules.form import AUXILIARY, Atom, Rule, Variable, atoms_of, is_auxiliary
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax.names import PREFIXES, shorten
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def unknown_terms(file: RuleFile, context: Context) -> Iterator[Finding]:
 
 def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[str]) -> Finding:
     meant = _suggestions(iri, kind, known)
-    hint = asked(map(shorten, meant)) or "Define it in an ontology, or correct the name."
+    hint = suggest(map(shorten, meant)) or "Define it in an ontology, or correct the name."
     # Names in the strings of SHACL rules have no place of their own.
     named = any(found == iri for found, _ in names(file))
     fixes = tuple(Fix(shorten(each, file.prefixes)) for each in meant) if named else ()

@@ -16,7 +16,7 @@ from pyoxigraph import BlankNode
 from kg.errors import RuleError
 from kg.rules.decompose.expressions import new_node
 from kg.rules.decompose.uses import uses
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax import tree
 from kg.syntax.names import PREFIXES, shorten
 from kg.syntax.terms import Pattern, TripleTerm, replaced
@@ -77,7 +77,7 @@ def _check_custom(call: tree.Call, place: Placing) -> None:
     name = shorten(call.name)
     if call.name not in _CASTS:
         near = similar(name, map(shorten, _CASTS)) if call.name.startswith(_XSD) else []
-        hint = asked(near) or "Call a function of SPARQL, or a cast such as xsd:integer."
+        hint = suggest(near) or "Call a function of SPARQL, or a cast such as xsd:integer."
         raise RuleError("KG209", f"the function {name} does not exist", place=place(call.span), hint=hint)
     if call.arguments != 1:
         message = f"{name} takes 1 argument, not {call.arguments}"

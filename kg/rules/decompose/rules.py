@@ -15,7 +15,7 @@ from kg.rules.decompose.parts import IndivisibleError, Scope
 from kg.rules.decompose.renaming import everywhere, renamed
 from kg.rules.decompose.uses import possible
 from kg.rules.decompose.work import Names, Work, head_variables
-from kg.similar import asked, misspelt
+from kg.similar import misspelt, suggest
 from kg.syntax.lexer import normalise
 from kg.syntax.position import place_at, place_of_variable
 
@@ -137,7 +137,7 @@ def _check_head(work: Work) -> None:
                 "KG203",
                 f"`?{name}` is in the head, but nothing in the body binds it",
                 place=place_of_variable(work.written, name, triple.span.start, triple.span.end, work.path),
-                hint=asked(near) or f"Bind `?{name}` in the body, or leave the triple out.",
+                hint=suggest(near) or f"Bind `?{name}` in the body, or leave the triple out.",
                 fixes=map(Fix, near),
             )
 

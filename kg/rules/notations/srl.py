@@ -19,7 +19,7 @@ from kg.rules.decompose.paths import Link, normal
 from kg.rules.decompose.uses import uses
 from kg.rules.decompose.work import Names
 from kg.rules.form import Assignment, Atom, Element, Exists, Filter, Pattern, Rule, Term, TripleTerm, Variable
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax import tree
 from kg.syntax.lexer import normalise
 from kg.syntax.parser import parse_srl
@@ -245,7 +245,7 @@ class _Checker:
     def unbound(self, name: str, span: Span, message: str, bound: set[str]) -> RuleError:
         """Return the error that a variable is not bound."""
         near = similar(name, {other for other in bound if not other.startswith(".")})
-        hint = asked(near) or f"Bind `?{name}` by a triple or SET before it is read."
+        hint = suggest(near) or f"Bind `?{name}` by a triple or SET before it is read."
         return self._error(name, span, message, hint, [Fix(f"?{each}") for each in near])
 
     def _error(self, name: str, span: Span, message: str, hint: str, fixes: Iterable[Fix] = ()) -> RuleError:

@@ -24,7 +24,7 @@ _DESCRIBED: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class ResolvedRequest:
     """A request in terms of a network.
 
     Each required type or node has a bit: `types` and `parts` (indices in the network) map to their bits. `named`
@@ -49,33 +49,33 @@ class Asked:
         return self.parts.get(place, 0) | self.types.get(target, 0)
 
 
-def asked(
+def resolve_request(
     network: Network, snapshot: Snapshot, sources: Sequence[str], targets: Sequence[str], using: Sequence[str]
-) -> Asked:
+) -> ResolvedRequest:
     """Resolve types and names in a network.
 
     Raises:
         UnknownNameError: KG705 for a type that no node publishes or subscribes, KG707 for a required name that
             matches no type, node, package or word.
     """
-    known = network.published() | network.subscribed()
-    starts = {name: meant_types(name, known) for name in sources}
-    goals = {name: meant_types(name, known) for name in targets}
+    types_of_network = network.published() | network.subscribed()
+    starts = {name: matching_types(name, types_of_network) for name in sources}
+    goals = {name: matching_types(name, types_of_network) for name in targets}
     notes = [f"`{name}` may be {', '.join(types)}" for name, types in {**starts, **goals}.items() if len(types) > 1]
     types: dict[str, int] = {}
     parts: dict[int, int] = {}
     named: set[int] = set()
     for place, name in enumerate(using):
         bit = 1 << place
-        through, nodes, exact = _through(name, network, snapshot, known)
+        through, nodes, exact = _through(name, network, snapshot, types_of_network)
         for one in through:
             types[one] = types.get(one, 0) | bit
         for node in nodes:
             parts[node] = parts.get(node, 0) | bit
         named.update(nodes if exact else ())
-    return Asked(
-        tuple(dict.fromkeys(one for found in starts.values() for one in found)),
-        frozenset(one for found in goals.values() for one in found),
+    return ResolvedRequest(
+        tuple(dict.fromkeys(one for matched in starts.values() for one in matched)),
+        frozenset(one for matched in goals.values() for one in matched),
         (1 << len(using)) - 1,
         types,
         parts,
@@ -84,55 +84,55 @@ def asked(
     )
 
 
-def meant_types(name: str, known: Iterable[str]) -> tuple[str, ...]:
+def matching_types(name: str, offered: Iterable[str]) -> tuple[str, ...]:
     """Return the types matching `package/Type`, `package/msg/Type` or `Type`, sorted.
 
     Raises:
         UnknownNameError: KG705 with similar names.
     """
-    types = set(known)
-    found = _types(name, types)
-    if not found:
+    types = set(offered)
+    matches = _types(name, types)
+    if not matches:
         near = did_you_mean(name, [*types, *(one.rpartition("/")[2] for one in types)])
         message = f"no node of the store that can be started publishes or subscribes `{name}`"
         raise UnknownNameError("KG705", message, hint=near or "`kg topics` lists topics with their types.")
-    return found
+    return matches
 
 
-def _types(name: str, known: set[str]) -> tuple[str, ...]:
+def _types(name: str, offered: set[str]) -> tuple[str, ...]:
     parts = [part for part in name.strip().replace("::", "/").split("/") if part]
     short = "/".join(part for part in parts if part not in _INTERFACE_FOLDERS or len(parts) == 1)
-    if short in known:
+    if short in offered:
         return (short,)
-    found = sorted(one for one in known if one.rpartition("/")[2].lower() == short.lower())
-    exact = [one for one in found if one.rpartition("/")[2] == short]
-    return tuple(exact or found or [one for one in sorted(known) if one.lower() == short.lower()])
+    matches = sorted(one for one in offered if one.rpartition("/")[2].lower() == short.lower())
+    exact = [one for one in matches if one.rpartition("/")[2] == short]
+    return tuple(exact or matches or [one for one in sorted(offered) if one.lower() == short.lower()])
 
 
 def _through(
-    name: str, network: Network, snapshot: Snapshot, known: set[str]
+    name: str, network: Network, snapshot: Snapshot, offered: set[str]
 ) -> tuple[tuple[str, ...], list[int], bool]:
     """Return the types and the parts that a required name matches, and whether it is the exact name of parts."""
-    types = _types(name, known)
+    types = _types(name, offered)
     if types and "/" in name:
         return types, [], False
     nodes = [place for place, part in enumerate(network.parts) if name in _names(part)]
     if nodes:
         return types, nodes, True
     wanted = set(words(name))
-    found = {
+    places = {
         place
         for place, part in enumerate(network.parts)
         if wanted and wanted <= {*words(part.package), *words(part.name), *words(part.repository)}
     }
     described = {node for (node,) in rows(snapshot, _DESCRIBED % literal(name.lower()))}
-    found.update(place for place, part in enumerate(network.parts) if part.iri in described)
-    if not types and not found:
+    places.update(place for place, part in enumerate(network.parts) if part.iri in described)
+    if not types and not places:
         names = {one for part in network.parts for one in (part.name, part.package)}
-        near = did_you_mean(name, [*names, *known])
+        near = did_you_mean(name, [*names, *offered])
         message = f"nothing in the store matches `{name}`: not a type, a node, a package or a word of their names"
         raise UnknownNameError("KG707", message, hint=near or "`kg nodes` lists the nodes, `kg search` finds them.")
-    return types, sorted(found), False
+    return types, sorted(places), False
 
 
 def _names(part: Part) -> set[str | None]:

@@ -21,7 +21,7 @@ _MOST_LOOKS: Final = 150_000  # how many steps are looked at before a search end
 class Step:
     """A node in a chain: it receives `source` at the input `taken` and publishes `target` at the output `given`.
 
-    `marks` contains the bits of the requirements that it meets. `key` orders steps of equal cost. A `kept` step may
+    `marks` contains the bits of the requirements that it meets. `key` orders steps of equal cost. A `required` step may
     publish the type that it receives.
     """
 
@@ -34,7 +34,7 @@ class Step:
     marks: int = 0
     taken: int = 0
     given: int = 0
-    kept: bool = False
+    required: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +73,7 @@ class Search:
 
     `steps` contains all steps by input type. A chain must have all bits of `wanted`; `start_marks` contains those of
     the possible first types. `between` returns the cost of linking two steps, 0 or more. No family and no type occurs
-    twice in a chain, except the goal of a search from a type to itself, and types of `kept` steps.
+    twice in a chain, except the goal of a search from a type to itself, and types of `required` steps.
     """
 
     steps: Mapping[str, Sequence[Step]]
@@ -83,16 +83,16 @@ class Search:
     between: Callable[[Step, Step], int] = lambda _one, _other: 0
     wanted: int = 0
     start_marks: Mapping[str, int] = field(default_factory=dict)
-    looks: int = 0
+    visited: int = 0
     """Number of visited steps; the search is cut off at a limit."""
-    _rest: list[dict[tuple[str, int], int]] = field(default_factory=list)
+    _remaining: list[dict[tuple[str, int], int]] = field(default_factory=list)
     _numbers: Iterator[int] = field(default_factory=count)
-    _known: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
+    _cache: dict[tuple[str, int, int], _Follow] = field(default_factory=dict)
 
     @property
     def cut_off(self) -> bool:
         """Whether the search ended before it was complete."""
-        return self.looks >= _MOST_LOOKS
+        return self.visited >= _MOST_LOOKS
 
     def best(self) -> Iterator[Chain]:
         """Yield the chains by increasing cost, then by their keys, without repeating chains of the same nodes.
@@ -117,7 +117,7 @@ class Search:
 
     def _extend(self, waiting: _Waiting, path: _Path, place: int) -> None:
         """Extend a path by its step at an index, and queue it for the step after that."""
-        self.looks += 1
+        self.visited += 1
         self._queue(waiting, path, place + 1)
         step = self._follow(path)[place][2]
         grown = self._grown(path, step)
@@ -132,8 +132,8 @@ class Search:
         """Queue a path for its step at an index."""
         follow = self._follow(path)
         if place < len(follow):
-            rest, key, _ = follow[place]
-            heappush(waiting, (path.cost + rest, (*path.keys, key), next(self._numbers), place, path))
+            bound, key, _ = follow[place]
+            heappush(waiting, (path.cost + bound, (*path.keys, key), next(self._numbers), place, path))
 
     def _grown(self, path: _Path, step: Step) -> _Path | None:
         """Return a path with one more step, None if that step is not allowed."""
@@ -141,7 +141,7 @@ class Search:
             return None
         marks = path.marks | (step.marks & self.wanted)
         had = {path.steps[0].source if path.steps else path.type, *(one.target for one in path.steps), *self.starts}
-        keeps = step.kept and step.source == step.target
+        keeps = step.required and step.source == step.target
         if step.target in had and not keeps and not self._ends(step, marks):
             return None
         between = self.between(path.steps[-1], step) if path.steps else 0
@@ -154,43 +154,43 @@ class Search:
         """Compute lower bounds of the remaining cost, by type and bits, for each number of steps."""
         edges = self._edges()
         subsets = [marks for marks in range(self.wanted + 1) if marks & self.wanted == marks]
-        self._rest = [{}]
+        self._remaining = [{}]
         for _ in range(self.length):
-            before = self._rest[-1]
+            before = self._remaining[-1]
             now: dict[tuple[str, int], int] = {}
             for (source, target, marks), cost in edges.items():
                 for had in subsets:
                     has = had | marks
                     ends = target in self.goals and has == self.wanted
-                    rest = 0 if ends else before.get((target, has))
-                    if rest is not None and cost + rest < now.get((source, had), cost + rest + 1):
-                        now[source, had] = cost + rest
-            self._rest.append(now)
+                    remaining = 0 if ends else before.get((target, has))
+                    if remaining is not None and cost + remaining < now.get((source, had), cost + remaining + 1):
+                        now[source, had] = cost + remaining
+            self._remaining.append(now)
 
     def _edges(self) -> dict[tuple[str, str, int], int]:
         """Return the cheapest step between each two types, by its bits."""
-        found: dict[tuple[str, str, int], int] = {}
+        cheapest: dict[tuple[str, str, int], int] = {}
         for steps in self.steps.values():
             for step in steps:
                 edge = step.source, step.target, step.marks & self.wanted
-                if step.cost < found.get(edge, step.cost + 1):
-                    found[edge] = step.cost
-        return found
+                if step.cost < cheapest.get(edge, step.cost + 1):
+                    cheapest[edge] = step.cost
+        return cheapest
 
     def _follow(self, path: _Path) -> _Follow:
         """Return the possible next steps, each with the lower bound of the remaining cost, the cheapest first."""
         left = self.length - len(path.steps)
         key = path.type, path.marks, left
-        found = self._known.get(key)
-        if found is None:
-            found = self._known[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
-        return found
+        steps = self._cache.get(key)
+        if steps is None:
+            steps = self._cache[key] = sorted(self._bounded(*key), key=lambda one: (one[0], one[1]))
+        return steps
 
     def _bounded(self, source: str, had: int, left: int) -> Iterator[tuple[int, str, Step]]:
         if left <= 0:
             return
         for step in self.steps.get(source, ()):
             has = had | (step.marks & self.wanted)
-            rest = 0 if self._ends(step, has) else self._rest[left - 1].get((step.target, has))
-            if rest is not None:
-                yield step.cost + rest, step.key, step
+            remaining = 0 if self._ends(step, has) else self._remaining[left - 1].get((step.target, has))
+            if remaining is not None:
+                yield step.cost + remaining, step.key, step

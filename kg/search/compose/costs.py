@@ -97,27 +97,27 @@ def needs(part: Part, taken: Port) -> tuple[Port, ...]:
 
 def demerits(part: Part) -> tuple[str, ...]:
     """Return the arguments against reusing a node, in words."""
-    known = knowledge().words
+    listed = knowledge().words
     named = {*words(part.package), *words(part.name)}
-    found = []
-    trial = sorted(known.trial & {*named, *words(part.path.rpartition("/")[0])})
+    arguments = []
+    trial = sorted(listed.trial & {*named, *words(part.path.rpartition("/")[0])})
     if trial:
-        found.append(f"`{trial[0]}` in its name or folder: a test, demo or example")
-    tool = sorted(known.tool & named)
+        arguments.append(f"`{trial[0]}` in its name or folder: a test, demo or example")
+    tool = sorted(listed.tool & named)
     if tool:
-        found.append(f"`{tool[0]}` in its name: a tool that passes on, keeps or shows messages")
+        arguments.append(f"`{tool[0]}` in its name: a tool that passes on, keeps or shows messages")
     if part.deprecated:
-        found.append("its package is deprecated")
-    return tuple(found)
+        arguments.append("its package is deprecated")
+    return tuple(arguments)
 
 
 def part_cost(part: Part) -> int:
     """Return the cost of a node, independent of its place."""
-    costs, known = knowledge().costs, knowledge().words
+    costs, listed = knowledge().costs, knowledge().words
     named = {*words(part.package), *words(part.name)}
     cost = costs.node + costs.kind.get(part.kind, 0)
-    cost += costs.trial if known.trial & {*named, *words(part.path.rpartition("/")[0])} else 0
-    cost += costs.tool if known.tool & named else 0
+    cost += costs.trial if listed.trial & {*named, *words(part.path.rpartition("/")[0])} else 0
+    cost += costs.tool if listed.tool & named else 0
     cost += costs.deprecated if part.deprecated else 0
     return cost + _rarity(part, costs)
 

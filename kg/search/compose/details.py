@@ -56,33 +56,37 @@ def read_details(snapshot: Snapshot, parts: Iterable[Part], ports: Iterable[Port
     cycles = {f"{node}{'/' if '#' in node else '#'}{_LIFECYCLE}": node for node in nodes}
     ends = {port.iri for port in ports}
     values = (" ".join(f"<{iri}>" for iri in sorted(chosen)) for chosen in (ends | set(cycles), nodes))
-    found: defaultdict[tuple[str, str], defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+    by_subject: defaultdict[tuple[str, str], defaultdict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for node, subject, predicate, value in rows(snapshot, _QUERY % tuple(values)):
-        found[node or "", subject][predicate].append(value)
-    places = {subject: place_of(known) for (node, subject), known in found.items() if not node and subject in ends}
-    cycling = frozenset(cycles[subject] for _, subject in found if subject in cycles)
-    return Details(places, _unset(found), cycling)
+        by_subject[node or "", subject][predicate].append(value)
+    places = {
+        subject: place_of(properties)
+        for (node, subject), properties in by_subject.items()
+        if not node and subject in ends
+    }
+    cycling = frozenset(cycles[subject] for _, subject in by_subject if subject in cycles)
+    return Details(places, _unset(by_subject), cycling)
 
 
-def _unset(found: Mapping[tuple[str, str], Properties]) -> dict[str, tuple[Unset, ...]]:
+def _unset(by_subject: Mapping[tuple[str, str], Properties]) -> dict[str, tuple[Unset, ...]]:
     """Return the parameters that each node reads and that never have a default, sorted by name."""
     unset: defaultdict[str, dict[str, Unset]] = defaultdict(dict)
-    settled: set[tuple[str, str]] = set()
-    for (node, _), known in sorted(found.items()):
-        name = value_of(known, v.NAME)
+    has_default: set[tuple[str, str]] = set()
+    for (node, _), properties in sorted(by_subject.items()):
+        name = value_of(properties, v.NAME)
         if not node or name is None:
             continue
         if (
-            value_of(known, v.DEFAULT_VALUE) is not None
-            or value_of(known, v.IMPLICIT) == "true"
+            value_of(properties, v.DEFAULT_VALUE) is not None
+            or value_of(properties, v.IMPLICIT) == "true"
             or is_partial(name)
             or "[" in name
         ):
-            settled.add((node, name))
-        if (value_of(known, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
-            settled.add((node, name))
-        unset[node].setdefault(name, Unset(name, value_of(known, v.PARAMETER_TYPE), place_of(known)))
+            has_default.add((node, name))
+        if (value_of(properties, v.ACCESS) or "").removeprefix(v.RNKG) == "write":
+            has_default.add((node, name))
+        unset[node].setdefault(name, Unset(name, value_of(properties, v.PARAMETER_TYPE), place_of(properties)))
     return {
-        node: tuple(one for name, one in sorted(named.items()) if (node, name) not in settled)
+        node: tuple(one for name, one in sorted(named.items()) if (node, name) not in has_default)
         for node, named in unset.items()
     }

@@ -171,27 +171,27 @@ def _remarks(chain: Composed, place: int) -> list[str]:
     """Return remarks on a node of a chain, in lines: the places of its ends, and its other needs."""
     node, links = chain.nodes[place], chain.wiring.links
     start, part = node.start, node.part
-    found = [
+    remarks = [
         f"{part.full_name}: {part.path}:{part.line}",
         f"takes {links[place].type} as {_own(start.taken.name)}: {chain.details.place(start.taken, part)}",
         f"gives {links[place + 1].type} as {_own(start.given.name)}: {chain.details.place(start.given, part)}",
     ]
     if part.iri in chain.details.lifecycle:
-        found.append("It has a life cycle: configure and activate it before it does anything.")
+        remarks.append("It has a life cycle: configure and activate it before it does anything.")
     for verb, ports in (("also needs", node.needs), ("is also given", node.fed)):
-        known = grouped(ports)
-        found += [f"{verb} {kind}{_names(names)}" for kind, names in known[:_MOST]]
-        if len(known) > _MOST:
-            found.append(f"{verb} {len(known) - _MOST} more types")
-    found += [f"note: {one}" for one in node.remarks]
-    return [printable(line) for line in found]
+        kinds = grouped(ports)
+        remarks += [f"{verb} {kind}{_names(names)}" for kind, names in kinds[:_MOST]]
+        if len(kinds) > _MOST:
+            remarks.append(f"{verb} {len(kinds) - _MOST} more types")
+    remarks += [f"note: {one}" for one in node.remarks]
+    return [printable(line) for line in remarks]
 
 
 def _unset(chain: Composed, node: Node) -> tuple[Unset, ...]:
     """Return the parameters without a known default that the launch file does not set either."""
     given = {*(name for name, _ in node.start.topics), *node.start.switches}
-    found = chain.details.unset.get(node.part.iri, ())
-    return tuple(one for one in found if one.name not in given)
+    unset = chain.details.unset.get(node.part.iri, ())
+    return tuple(one for one in unset if one.name not in given)
 
 
 def _own(name: str | None) -> str:

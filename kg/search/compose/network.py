@@ -94,7 +94,7 @@ class Network(msgspec.Struct):
 
 def grouped(ports: tuple[Port, ...]) -> list[tuple[str, list[str]]]:
     """Return the types of ends with their known names in the node."""
-    found: dict[str, list[str]] = {}
+    by_type: dict[str, list[str]] = {}
     for port in ports:
-        found.setdefault(port.type, []).extend([port.name] if port.name is not None else [])
-    return [(kind, list(dict.fromkeys(names))) for kind, names in found.items()]
+        by_type.setdefault(port.type, []).extend([port.name] if port.name is not None else [])
+    return [(kind, list(dict.fromkeys(names))) for kind, names in by_type.items()]

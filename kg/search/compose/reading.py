@@ -15,7 +15,7 @@ from kg.graph.iris import UNKNOWN, is_source_graph
 from kg.holes import known_letters
 from kg.names import FRAMEWORK
 from kg.query.rows import rows
-from kg.search.cache import keep, kept
+from kg.search.cache import keep, load_cached
 from kg.search.compose.network import Network, Part, Port
 
 if TYPE_CHECKING:
@@ -45,14 +45,14 @@ def network(snapshot: Snapshot, cache: Path | None) -> Network:
     """Return the network of a snapshot, from the folder `cache` if present; else read it and save it there."""
     if cache is None:
         return read(snapshot)
-    body = kept(cache / _FOLDER, snapshot.identity)
+    body = load_cached(cache / _FOLDER, snapshot.identity)
     if body is not None:
         return msgspec.json.decode(body, type=Network)
-    found = read(snapshot)
+    network_read = read(snapshot)
     # In a read-only store the network is read each time.
     with suppress(OSError):
-        keep(cache / _FOLDER, snapshot.identity, [msgspec.json.encode(found)])
-    return found
+        keep(cache / _FOLDER, snapshot.identity, [msgspec.json.encode(network_read)])
+    return network_read
 
 
 def read(snapshot: Snapshot) -> Network:
@@ -63,19 +63,21 @@ def read(snapshot: Snapshot) -> Network:
         more[subject][predicate].add(value)
     ports = _ports(sources.rows(_ENDS), more)
     launches = _numbered(rows(snapshot, _STARTED))
-    found: dict[str, Part] = {}
+    parts_by_iri: dict[str, Part] = {}
     for iri, kind, ros, path, line, executable, plugin, own in sources.rows(_NODES):
         startable = executable or (plugin and kind.removeprefix(v.RNKG) in _LOADED)
-        if iri in found or iri not in ports or not startable:
+        if iri in parts_by_iri or iri not in ports or not startable:
             continue
         repository, package, name = _names(iri)
         deprecated = v.bare(v.DEPRECATED) in more.get(_package_of(iri), ())
-        found[iri] = Part(
+        parts_by_iri[iri] = Part(
             iri, repository, package, name, kind.removeprefix(v.RNKG), int(ros), path, int(line),
             executable or None, plugin or None, own or None, deprecated,
             launches=launches.get(iri, ()), inputs=_of(ports[iri], "subscriber"), outputs=_of(ports[iri], "publisher"),
         )  # fmt: skip
-    parts = sorted(found.values(), key=lambda one: (one.repository, one.package, one.name, one.path, one.line, one.iri))
+    parts = sorted(
+        parts_by_iri.values(), key=lambda one: (one.repository, one.package, one.name, one.path, one.line, one.iri)
+    )
     return Network(_with_families(parts))
 
 
@@ -96,32 +98,32 @@ def _numbered(rows: Iterable[tuple[str, ...]]) -> dict[str, tuple[int, ...]]:
     """Return the numbers of the graphs that contain each node."""
     pairs = sorted(set(rows))
     numbers = {graph: place for place, graph in enumerate(sorted({graph for _, graph in pairs}))}
-    found: defaultdict[str, list[int]] = defaultdict(list)
+    by_node: defaultdict[str, list[int]] = defaultdict(list)
     for node, graph in pairs:
-        found[node].append(numbers[graph])
-    return {node: tuple(sorted(places)) for node, places in found.items()}
+        by_node[node].append(numbers[graph])
+    return {node: tuple(sorted(places)) for node, places in by_node.items()}
 
 
 def _ports(
     rows: Iterable[tuple[str, ...]], more: Mapping[str, Mapping[str, set[str]]]
 ) -> dict[str, list[tuple[str, Port]]]:
     """Return the ends of each node with their role, without those of frameworks."""
-    found: defaultdict[str, list[tuple[str, Port]]] = defaultdict(list)
+    by_node: defaultdict[str, list[tuple[str, Port]]] = defaultdict(list)
     for iri, type_iri in sorted(set(rows)):
         node, role, name = _split(iri)
         if role not in _ROLES or (name is not None and f"/{name.lstrip('/')}" in FRAMEWORK):
             continue
-        known = more.get(iri, {})
+        properties = more.get(iri, {})
         port = Port(
             iri,
             name if name and known_letters(name) else None,
             unquote(type_iri.rpartition("/message/")[2]),
-            min(known.get(v.bare(v.PARAMETER_NAME), ()), default=None),
-            tuple(sorted(known.get(v.bare(v.SWITCHED_BY), ()))),
-            int(min(known.get(v.bare(v.LEAST_ARGUMENTS), ()), default="0")),
+            min(properties.get(v.bare(v.PARAMETER_NAME), ()), default=None),
+            tuple(sorted(properties.get(v.bare(v.SWITCHED_BY), ()))),
+            int(min(properties.get(v.bare(v.LEAST_ARGUMENTS), ()), default="0")),
         )
-        found[node].append((role, port))
-    return found
+        by_node[node].append((role, port))
+    return by_node
 
 
 def _of(ports: Iterable[tuple[str, Port]], role: str) -> tuple[Port, ...]:
@@ -138,8 +140,8 @@ def _split(iri: str) -> tuple[str, str, str | None]:
             return whole, part.partition("/")[0], None
         again, part = f"#{part[:at]}", part[at + 1 :]
     role, _, name = part.partition("/")
-    known = None if name.startswith(UNKNOWN) else unquote(name.partition("@")[0])
-    return whole + again, role, known or None
+    own = None if name.startswith(UNKNOWN) else unquote(name.partition("@")[0])
+    return whole + again, role, own or None
 
 
 def _package_of(iri: str) -> str:

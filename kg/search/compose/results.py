@@ -15,7 +15,7 @@ from kg.search.compose.launching import launch_text
 from kg.search.compose.network import grouped
 
 if TYPE_CHECKING:
-    from kg.search.compose.asking import Asked
+    from kg.search.compose.asking import ResolvedRequest
     from kg.search.compose.details import Details
     from kg.search.compose.network import Part, Port
     from kg.search.compose.wiring import Start, Wiring
@@ -76,14 +76,14 @@ class Composed:
     @property
     def reasons(self) -> tuple[str, ...]:
         """Remarks on the chain as a whole, in words."""
-        found = [f"{count(len(self.nodes), 'node')} of ROS {self.wiring.ros}"]
+        remarks = [f"{count(len(self.nodes), 'node')} of ROS {self.wiring.ros}"]
         repositories = {node.part.repository for node in self.nodes}
         if len(self.nodes) > 1 and len(repositories) == 1:
-            found.append(f"all of {repositories.pop()}")
+            remarks.append(f"all of {repositories.pop()}")
         for one, other in pairwise(self.nodes):
             if number := together(one.part, other.part):
-                found.append(f"{_starting(number)} {one.part.name} and {other.part.name} together")
-        return tuple(found)
+                remarks.append(f"{_starting(number)} {one.part.name} and {other.part.name} together")
+        return tuple(remarks)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +91,7 @@ class Answer:
     """The best chains; `more`: others exist, `cut_off`: the search ended before it was complete."""
 
     chains: tuple[Composed, ...]
-    asked: Asked
+    request: ResolvedRequest
     more: bool = False
     cut_off: bool = False
 

@@ -13,58 +13,58 @@ from kg.search.compose.costs import generic, knowledge, link_cost, needs, part_c
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
-    from kg.search.compose.asking import Asked
+    from kg.search.compose.asking import ResolvedRequest
     from kg.search.compose.network import Network, Part, Port
 
 
-def steps_of(network: Network, asked: Asked, ros: int) -> Mapping[str, Sequence[Step]]:
+def steps_of(network: Network, request: ResolvedRequest, ros: int) -> Mapping[str, Sequence[Step]]:
     """Return the best step of each family between each two types, by input type."""
     best: dict[tuple[int, str, str], Step] = {}
     for place, part in enumerate(network.parts):
         if part.ros != ros:
             continue
-        for step in _through(part, place, asked):
+        for step in _through(part, place, request):
             way = part.family, step.source, step.target
-            known = best.get(way)
-            if known is None or (step.cost, step.key) < (known.cost, known.key):
+            cheapest = best.get(way)
+            if cheapest is None or (step.cost, step.key) < (cheapest.cost, cheapest.key):
                 best[way] = step
-    found: defaultdict[str, list[Step]] = defaultdict(list)
+    by_source: defaultdict[str, list[Step]] = defaultdict(list)
     for step in best.values():
-        found[step.source].append(step)
-    return found
+        by_source[step.source].append(step)
+    return by_source
 
 
-def _through(part: Part, place: int, asked: Asked) -> Iterator[Step]:
+def _through(part: Part, place: int, request: ResolvedRequest) -> Iterator[Step]:
     """Yield the steps of a node."""
-    kept = asked.names(place)
+    is_required = request.names(place)
     costs, key = knowledge().costs, f"{part.full_name} {part.repository}"
-    base = costs.node if kept else part_cost(part)
+    base = costs.node if is_required else part_cost(part)
     shared = frozenset({port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None})
     for source, taken in _best(part.inputs, shared).items():
         entry = part.inputs[taken]
         wanted = {port.type for port in needs(part, entry)}
-        before = base + _cost(entry, shared) + _need_cost(wanted - (set(asked.starts) - {source}))
-        before += asked.starts.index(source) if source in asked.starts else 0
+        before = base + _cost(entry, shared) + _need_cost(wanted - (set(request.starts) - {source}))
+        before += request.starts.index(source) if source in request.starts else 0
         for target, given in _best(part.outputs, shared, entry).items():
-            if source == target and not kept and not (source in asked.starts and source in asked.goals):
+            if source == target and not is_required and not (source in request.starts and source in request.goals):
                 continue
             cost = before + _cost(part.outputs[given], shared) + (costs.filters if target in wanted else 0)
-            if generic(target) and target not in asked.goals:
+            if generic(target) and target not in request.goals:
                 cost += costs.generic_link
-            marks = asked.marks(place, target)
-            yield Step(place, part.family, source, target, cost, key, marks, taken, given, kept)
+            marks = request.marks(place, target)
+            yield Step(place, part.family, source, target, cost, key, marks, taken, given, is_required)
 
 
 def _best(ports: Sequence[Port], shared: frozenset[str | None], taken: Port | None = None) -> dict[str, int]:
     """Return the index of the best end of each type; outputs must be compatible with the input `taken`."""
-    found: dict[str, int] = {}
+    places: dict[str, int] = {}
     for place, port in enumerate(ports):
         if not port.can_be_wired or (taken is not None and not _together(taken, port)):
             continue
-        other = found.get(port.type)
+        other = places.get(port.type)
         if other is None or _rank(port, shared) < _rank(ports[other], shared):
-            found[port.type] = place
-    return found
+            places[port.type] = place
+    return places
 
 
 def _rank(port: Port, shared: frozenset[str | None]) -> tuple[int, int, str]:

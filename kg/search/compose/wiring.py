@@ -74,12 +74,12 @@ class Wiring:
     links: tuple[Link, ...]
     host: str | None
 
-    def said(self, place: int) -> set[tuple[str, str]]:
+    def published(self, place: int) -> set[tuple[str, str]]:
         """Return the topics that the node at an index publishes, by their final names, with types."""
         start, link = self.starts[place], self.links[place + 1]
         moved = start.own(start.given)
-        found = {(start.own(port) or "", port.type) for port in start.part.outputs if start.own(port) != moved}
-        return {*found, (link.topic, link.type)}
+        own = {(start.own(port) or "", port.type) for port in start.part.outputs if start.own(port) != moved}
+        return {*own, (link.topic, link.type)}
 
 
 def wire(ways: Sequence[tuple[Part, Port, Port]]) -> Wiring:
@@ -110,8 +110,8 @@ def _node_name(part: Part) -> str:
 
 def _unique(name: str, taken: Iterable[str]) -> str:
     """Return a name, with a number appended if it is taken."""
-    known = set(taken)
-    return next(one for number in count(1) if (one := name if number == 1 else f"{name}_{number}") not in known)
+    used = set(taken)
+    return next(one for number in count(1) if (one := name if number == 1 else f"{name}_{number}") not in used)
 
 
 def _links(starts: Sequence[Start]) -> list[Link]:
@@ -141,12 +141,12 @@ def _disturbing(starts: Sequence[Start], type_name: str, place: int) -> set[str]
     Later nodes may subscribe to it as well. Earlier nodes must not, as that would be a loop. Ends that are links of the
     chain, or share the name of one, are remapped and do not count.
     """
-    found = set()
+    names = set()
     for number, start in enumerate(starts):
         moved = {start.own(start.taken), start.own(start.given)}
         inputs = [port for port in start.part.inputs if number < place or port.type != type_name]
-        found |= {own for port in (*inputs, *start.part.outputs) if (own := start.own(port)) is not None} - moved
-    return found
+        names |= {own for port in (*inputs, *start.part.outputs) if (own := start.own(port)) is not None} - moved
+    return names
 
 
 def _moved_by_name(starts: Sequence[Start]) -> set[str]:

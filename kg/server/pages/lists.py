@@ -236,54 +236,58 @@ async def _list(request: Request) -> Response:
     number = given.get("limit", "")
     is_whole = number.isascii() and number.isdigit() and len(number) <= len(str(_MOST))
     limit = min(int(number), _MOST) if is_whole else 0
-    asked = {key: value for key, value in given.items() if key not in _OWN}
-    asked |= {"sort": given.get("sort", ""), "offset": given.get("offset", ""), "text": given.get("q", "")}
+    arguments = {key: value for key, value in given.items() if key not in _OWN}
+    arguments |= {"sort": given.get("sort", ""), "offset": given.get("offset", ""), "text": given.get("q", "")}
     limited = str(limit or (_PAGE if wanted == "html" else "")) if wanted in {"html", "json"} else ""
     whole = "yes" if wanted in {"json", "jsonl"} else ""
-    found = await view(request, "list", of=name, limit=limited, whole=whole, **asked)
+    rows = await view(request, "list", of=name, limit=limited, whole=whole, **arguments)
     if wanted != "html":
-        return _export(found, wanted, listed.columns, name)
-    kept = {key: value for key, value in given.items() if key not in {"offset", "format"}}
+        return _export(rows, wanted, listed.columns, name)
+    parameters = {key: value for key, value in given.items() if key not in {"offset", "format"}}
     address = f"/{name}"
-    start, end = found["offset"], found["offset"] + len(found["rows"])
+    start, end = rows["offset"], rows["offset"] + len(rows["rows"])
     most = limit or _PAGE
     return page(
         request,
         "list.html",
         title=listed.title,
-        twin=url(address, **kept, offset=start or "", format="json"),
+        twin=url(address, **parameters, offset=start or "", format="json"),
         name=name,
         lists=LISTS,
         listed=listed,
-        found=found,
+        found=rows,
         text=given.get("q", ""),
-        hidden={key: kept[key] for key in ("sort", "limit") if key in kept},
+        hidden={key: parameters[key] for key in ("sort", "limit") if key in parameters},
         facets=[
-            {"name": key, "label": _label(key), "given": kept.get(key, ""), "values": values}
-            for key, values in found["facets"].items()
-            if len(values) > 1 or key in kept
+            {"name": key, "label": _label(key), "given": parameters.get(key, ""), "values": values}
+            for key, values in rows["facets"].items()
+            if len(values) > 1 or key in parameters
         ],
         chosen=[
-            (_label(key), kept[key], url(address, **{other: value for other, value in kept.items() if other != key}))
-            for key in found["facets"]
-            if key in kept
+            (
+                _label(key),
+                parameters[key],
+                url(address, **{other: value for other, value in parameters.items() if other != key}),
+            )
+            for key in rows["facets"]
+            if key in parameters
         ],
-        columns=[(one, *_sorting(address, kept, one)) for one in listed.columns],
+        columns=[(one, *_sorting(address, parameters, one)) for one in listed.columns],
         link=_link,
-        before=url(address, **kept, offset=max(0, start - most) or "") if start else "",
-        after=url(address, **kept, offset=end) if end < found["total"] else "",
-        last=url(address, **kept, offset=(found["total"] - 1) // most * most or "") if end < found["total"] else "",
-        exports=[(label, url(address, **kept, format=key)) for key, label in _EXPORTS.items()],
+        before=url(address, **parameters, offset=max(0, start - most) or "") if start else "",
+        after=url(address, **parameters, offset=end) if end < rows["total"] else "",
+        last=url(address, **parameters, offset=(rows["total"] - 1) // most * most or "") if end < rows["total"] else "",
+        exports=[(label, url(address, **parameters, format=key)) for key, label in _EXPORTS.items()],
     )
 
 
 async def related(request: Request, name: str, most: int, facets: Mapping[str, str]) -> dict[str, Any]:
     """Return the first rows of a list that facets leave, for `list_table.html`, and the address of the whole list."""
-    found = await view(request, "list", of=name, limit=str(most), **facets)
+    rows = await view(request, "list", of=name, limit=str(most), **facets)
     columns = [(one, "", "") for one in LISTS[name].columns if one.key not in facets]
     return {
         "listed": LISTS[name],
-        "found": found,
+        "found": rows,
         "columns": columns,
         "address": url(f"/{name}", **facets),
         "link": _link,
@@ -309,19 +313,19 @@ def _format(request: Request, given: Mapping[str, str]) -> str:
     return chosen.format
 
 
-def _export(found: Mapping[str, Any], wanted: str, columns: Sequence[Column], name: str) -> Response:
+def _export(data: Mapping[str, Any], wanted: str, columns: Sequence[Column], name: str) -> Response:
     """Return the rows as JSON with their facets, as JSON Lines, or as a table of the columns."""
     if wanted == "json":
-        return Response(msgspec.json.encode(found), media_type="application/json")
+        return Response(msgspec.json.encode(data), media_type="application/json")
     headers = {"Content-Disposition": f'attachment; filename="{name}.{wanted}"'}
     if wanted == "jsonl":
-        body = b"".join(msgspec.json.encode(row) + b"\n" for row in found["rows"])
+        body = b"".join(msgspec.json.encode(row) + b"\n" for row in data["rows"])
         return Response(body, media_type="application/x-ndjson", headers=headers)
     text = io.StringIO()
     writer = csv.writer(text)
     keys = [key for one in columns for key in (("file", "line") if one.shape == "place" else (one.key,))]
     writer.writerow(keys)
-    for row in found["rows"]:
+    for row in data["rows"]:
         cells = [row.get(key) for key in keys]
         writer.writerow(" ".join(map(str, cell)) if isinstance(cell, list) else cell for cell in cells)
     return Response(text.getvalue(), media_type="text/csv", headers=headers)
@@ -331,18 +335,18 @@ def _label(name: str) -> str:
     return _LABELS.get(name, name.capitalize())
 
 
-def _sorting(address: str, kept: Mapping[str, str], column: Column) -> tuple[str, str]:
+def _sorting(address: str, parameters: Mapping[str, str], column: Column) -> tuple[str, str]:
     """Return the address of the list sorted by a column, and its present order, as `aria-sort` names it.
 
     The address reverses an order that is in force already, and is empty for places; numbers sort in descending order
     first. The order is empty if rows are not sorted by the column.
     """
-    sort, ascending, descending = kept.get("sort", ""), column.key, f"-{column.key}"
+    sort, ascending, descending = parameters.get("sort", ""), column.key, f"-{column.key}"
     order = {ascending: "ascending", descending: "descending"}.get(sort, "")
     if column.shape == "place":
         return "", order
     ways = (descending, ascending) if column.shape == "number" else (ascending, descending)
-    return url(address, **{**kept, "sort": ways[sort == ways[0]]}), order
+    return url(address, **{**parameters, "sort": ways[sort == ways[0]]}), order
 
 
 def _link(column: Column, row: Mapping[str, Any]) -> str:

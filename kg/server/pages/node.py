@@ -43,52 +43,52 @@ _SEE_OTHER: Final = 303
 
 
 async def _node(request: Request) -> Response:
-    asked = {key: request.query_params.get(key, "") for key in ("iri", "name", "package")}
-    if not (asked["iri"] or asked["name"]):
+    arguments = {key: request.query_params.get(key, "") for key in ("iri", "name", "package")}
+    if not (arguments["iri"] or arguments["name"]):
         return RedirectResponse(url("/search"), _SEE_OTHER)
     try:
-        found = await view(request, "node", **asked)
+        node = await view(request, "node", **arguments)
     except KgError as error:
-        if error.code == "KG001" and asked["iri"]:
-            return RedirectResponse(url("/resource", iri=asked["iri"]), _SEE_OTHER)
+        if error.code == "KG001" and arguments["iri"]:
+            return RedirectResponse(url("/resource", iri=arguments["iri"]), _SEE_OTHER)
         if error.code not in {*ABSENT, SEVERAL}:
             raise
-        name = asked["name"] or asked["iri"]
+        name = arguments["name"] or arguments["iri"]
         return missing(request, error, f"Node {name}", name, lambda other: url("/node", name=other))
-    explicit = [one for one in found["interfaces"] if not one["implicit"]]
+    explicit = [one for one in node["interfaces"] if not one["implicit"]]
     numbers = Counter(one["role"] for one in explicit)
     return page(
         request,
         "node.html",
-        title=found["name"],
-        twin=url("/api/node", iri=found["iri"]),
-        node=found,
+        title=node["name"],
+        twin=url("/api/node", iri=node["iri"]),
+        node=node,
         explicit=explicit,
         counted=[
             words.format(number) + ("" if number == 1 else "s")
             for role, words in _COUNTED.items()
             if (number := numbers[role])
         ],
-        implicit=[one for one in found["interfaces"] if one["implicit"]],
-        parameters=[one for one in found["parameters"] if not one["implicit"]],
-        more_parameters=[one for one in found["parameters"] if one["implicit"]],
+        implicit=[one for one in node["interfaces"] if one["implicit"]],
+        parameters=[one for one in node["parameters"] if not one["implicit"]],
+        more_parameters=[one for one in node["parameters"] if one["implicit"]],
         tags=TAGS,
-        picture=_picture(found, explicit),
+        picture=_picture(node, explicit),
     )
 
 
-def _picture(found: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
+def _picture(node: Mapping[str, Any], explicit: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the node, its channels and its neighbours in the format of graph.js."""
-    own = {"id": found["iri"], "label": found["name"], "kind": "node", "detail": "this node"}
+    own = {"id": node["iri"], "label": node["name"], "kind": "node", "detail": "this node"}
     channels = {_channel(one): one for one in explicit if one["resolved"]}
     nodes = {own["id"]: own}
     for key, one in channels.items():
         href = url("/resource", iri=one["channel_iri"]) if one["channel_iri"] else None
         label, detail = one["resolved"], one["type"] or ""
         nodes[key] = {"id": key, "label": label, "kind": one["kind"], "detail": detail, "href": href}
-    edges = [_edge(found["iri"], _channel(one), one) for one in explicit if one["resolved"]]
+    edges = [_edge(node["iri"], _channel(one), one) for one in explicit if one["resolved"]]
     most = _NEAR[len(channels) > _MANY]
-    for near in found["neighbours"]:
+    for near in node["neighbours"]:
         for other, edge in _near(near, most):
             nodes.setdefault(other["id"], other)
             edges.append(edge)
@@ -113,19 +113,19 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
          "href": url("/node", iri=one["iri"])}
         for one in near["nodes"][:most]
     ]  # fmt: skip
-    rest = near["count"] - len(drawn)
-    if rest:
+    hidden = near["count"] - len(drawn)
+    if hidden:
         href = url("/resource", iri=near["channel_iri"])
         side = "out" if near["outward"] else "in"
-        drawn.append({"id": f"{channel} more {side}", "label": f"{rest:,} more", "kind": "resource", "href": href})
+        drawn.append({"id": f"{channel} more {side}", "label": f"{hidden:,} more", "kind": "resource", "href": href})
     for one in drawn:
         yield one, _edge(one["id"], channel, near, reverse=True)
 
 
 async def _graph(request: Request) -> Response:
     """Respond with a picture of the entities and relations of a node."""
-    found = await view(request, "node", iri=request.query_params.get("iri", ""))
-    return Response(node_graph_svg(found["name"], node_relations(found)), media_type="image/svg+xml")
+    node = await view(request, "node", iri=request.query_params.get("iri", ""))
+    return Response(node_graph_svg(node["name"], node_relations(node)), media_type="image/svg+xml")
 
 
 ROUTES = [Route("/node", _node), Route("/node/graph.svg", _graph)]

@@ -45,75 +45,75 @@ _SHOWN: Final = 20
 
 async def _resource(request: Request) -> Response:
     names = ("iri", "predicate", "direction", "offset", "limit")
-    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
-    iri = asked.setdefault("iri", "")
-    asked.setdefault("limit", "100" if "predicate" in asked else _LIMIT)
+    arguments = {name: value for name in names if (value := request.query_params.get(name, ""))}
+    iri = arguments.setdefault("iri", "")
+    arguments.setdefault("limit", "100" if "predicate" in arguments else _LIMIT)
     try:
-        found = await view(request, "resource", **asked)
+        resource = await view(request, "resource", **arguments)
     except KgError as error:
         if error.code not in ABSENT:
             raise
         name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
         return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
-    own = _PAGES.get(found["kind"]) if "#" not in found["iri"] else None
-    first = {} if "predicate" in asked else await _first(request, found)
+    own = _PAGES.get(resource["kind"]) if "#" not in resource["iri"] else None
+    first = {} if "predicate" in arguments else await _first(request, resource)
     finding = first.get("finding")
     return page(
         request,
         "resource.html",
-        title=finding["message"] if finding else found["label"],
-        twin=url("/api/resource", **asked),
-        found=found,
-        own=(url(own[0], **{own[1]: found["iri"]}), own[2]) if own else None,
+        title=finding["message"] if finding else resource["label"],
+        twin=url("/api/resource", **arguments),
+        found=resource,
+        own=(url(own[0], **{own[1]: resource["iri"]}), own[2]) if own else None,
         first=first,
-        sides=(("out", "Facts about it", found["out"]), ("in", "Facts that mention it", found["in"])),
-        number=sum(group["count"] for group in (*found["out"], *found["in"])),
-        chosen=asked.get("predicate", ""),
-        pages=_pages(found, asked),
+        sides=(("out", "Facts about it", resource["out"]), ("in", "Facts that mention it", resource["in"])),
+        number=sum(group["count"] for group in (*resource["out"], *resource["in"])),
+        chosen=arguments.get("predicate", ""),
+        pages=_pages(resource, arguments),
         address=lambda thing: url("/node" if thing["kind"] == "node" else "/resource", iri=thing["iri"]),
     )
 
 
-async def _first(request: Request, found: Mapping[str, Any]) -> dict[str, Any]:
+async def _first(request: Request, resource: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the page shows before the facts: a finding, or what is known of a thing and the lists about it."""
-    system, mark, _ = found["iri"].partition("#finding/")
+    system, mark, _ = resource["iri"].partition("#finding/")
     if mark:
         reported = (await view(request, "lint", system=system))["findings"]
-        finding = next((one for one in reported if one["iri"] == found["iri"]), None)
+        finding = next((one for one in reported if one["iri"] == resource["iri"]), None)
         return {"finding": finding} if finding else {}
-    kind = found["kind"] or found["short"].partition(":")[0]
-    if kind not in _KINDS or (found["kind"] and "#" in found["iri"]):
+    kind = resource["kind"] or resource["short"].partition(":")[0]
+    if kind not in _KINDS or (resource["kind"] and "#" in resource["iri"]):
         return {}
     of, lists = _KINDS[kind]
-    about = await view(request, "about", iri=found["iri"])
-    known = {"repository": about.get("repository", "")}
+    about = await view(request, "about", iri=resource["iri"])
+    facets_of = {"repository": about.get("repository", "")}
     shown = [
-        await related(request, name, _SHOWN, {facet: known.get(facet, found["label"]) for facet in facets})
+        await related(request, name, _SHOWN, {facet: facets_of.get(facet, resource["label"]) for facet in facets})
         for name, facets in lists.items()
     ]
     return {
         "about": about,
-        "repository": known["repository"],
+        "repository": facets_of["repository"],
         "kind": kind,
         "lists": [one for one in shown if one["found"]["rows"]],
         "of": (of, LISTS[of].title),
     }
 
 
-def _pages(found: dict[str, Any], asked: dict[str, str]) -> dict[str, str]:
+def _pages(resource: dict[str, Any], arguments: dict[str, str]) -> dict[str, str]:
     """Return the addresses of the previous and the next page of one property."""
-    groups = [*found["out"], *found["in"]]
-    if "predicate" not in asked or len(groups) != 1:
+    groups = [*resource["out"], *resource["in"]]
+    if "predicate" not in arguments or len(groups) != 1:
         return {}
     (group,) = groups
-    limit = int(asked["limit"]) if asked["limit"].isdigit() else len(group["facts"])
-    kept = {name: asked[name] for name in ("iri", "predicate", "direction", "limit") if name in asked}
+    limit = int(arguments["limit"]) if arguments["limit"].isdigit() else len(group["facts"])
+    parameters = {name: arguments[name] for name in ("iri", "predicate", "direction", "limit") if name in arguments}
     around: dict[str, str] = {}
     if group["offset"] > 0:
-        around["before"] = url("/resource", **kept, offset=max(0, group["offset"] - limit) or "")
+        around["before"] = url("/resource", **parameters, offset=max(0, group["offset"] - limit) or "")
     following = group["offset"] + len(group["facts"])
     if group["facts"] and following < group["count"]:
-        around["after"] = url("/resource", **kept, offset=following)
+        around["after"] = url("/resource", **parameters, offset=following)
     return around
 
 

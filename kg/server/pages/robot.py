@@ -46,28 +46,28 @@ async def _robot(request: Request) -> Response:
 @cache
 def _examples() -> list[dict[str, Any]]:
     """Return the example programs of kg by name."""
-    found = []
+    examples = []
     for path in sorted((folder("examples") / "programs").glob("**/*.kgp")):
         text = path.read_text("utf-8")
         try:
             program = parse(text)
         except RobotError:
             continue
-        found.append({"name": program.name, "comment": program.comment, "text": text})
-    return found
+        examples.append({"name": program.name, "comment": program.comment, "text": text})
+    return examples
 
 
 @cache
 def _exercises() -> list[dict[str, Any]]:
     """Return the exercises of the onto-ros paper, each with its task for both robots."""
-    found = msgspec.toml.decode((folder("examples") / "programs" / "exercises.toml").read_bytes())["exercise"]
+    exercises = msgspec.toml.decode((folder("examples") / "programs" / "exercises.toml").read_bytes())["exercise"]
     return [
         {
             "number": one["number"],
             "title": one["title"],
             "tasks": {robot: one[robot]["task"] for robot in ("office", "drone")},
         }
-        for one in found
+        for one in exercises
     ]
 
 

@@ -25,14 +25,14 @@ async def _rules(request: Request) -> Response:
     family, text = request.query_params.get("family", ""), request.query_params.get("q", "").strip()
     chosen = {key: value for key, value in (("family", family), ("text", text)) if value}
     try:
-        found = await view(request, "rule_index", **chosen)
+        rules = await view(request, "rule_index", **chosen)
     except KgError as error:
         if error.code not in ABSENT:
             raise
-        return missing(request, error, f"Rules of {family}", family, lambda known: url("/rules", family=known))
+        return missing(request, error, f"Rules of {family}", family, lambda other: url("/rules", family=other))
     title = f"Rules of {family}" if family else "Rules"
     twin = url("/api/rule_index", **chosen)
-    return page(request, "rules.html", title=title, twin=twin, rules=found, family=family, text=text)
+    return page(request, "rules.html", title=title, twin=twin, rules=rules, family=family, text=text)
 
 
 async def _rule(request: Request) -> Response:
@@ -44,7 +44,7 @@ async def _rule(request: Request) -> Response:
     except KgError as error:
         if error.code not in ABSENT:
             raise
-        return missing(request, error, f"Rule {name}", name, lambda known: url("/rule", name=known))
+        return missing(request, error, f"Rule {name}", name, lambda other: url("/rule", name=other))
     return page(request, "rule.html", title=f"Rule {rule['rule']}", twin=url("/api/rule", name=rule["rule"]), rule=rule)
 
 

@@ -43,12 +43,12 @@ async def _search(request: Request) -> Response:
     filters = {name: value for name in _FILTERS if (value := request.query_params.get(name, "").strip())}
     limit = request.query_params.get("limit", "20")
     twin = url("/api/find", text=text, limit=limit, **filters) if text.strip() or filters else ""
-    found, problem, status = None, None, 200
+    hits, problem, status = None, None, 200
     if twin:
         try:
-            found = await view(request, "find", text=text, limit=limit, **filters)
+            hits = await view(request, "find", text=text, limit=limit, **filters)
         except KgError as error:
-            if STATUS.get(error.code, 400) != 400:  # noqa: PLR2004 - what is wrong with the words is told beside them
+            if STATUS.get(error.code, 400) != 400:  # noqa: PLR2004 - errors in the words are shown next to them
                 raise
             problem, status = error, 400
     return page(
@@ -63,7 +63,7 @@ async def _search(request: Request) -> Response:
         filters=_FILTERS,
         choices=await view(request, "choices"),
         examples=_EXAMPLES,
-        found=found,
+        found=hits,
         problem=problem,
     )
 

@@ -26,43 +26,43 @@ _LONG: Final = 100
 
 
 async def _system(request: Request) -> Response:
-    asked = {key: value for key in ("name", "repository", "every") if (value := request.query_params.get(key, ""))}
-    name, chosen = asked.setdefault("name", ""), request.query_params.get("part", "")
+    arguments = {key: value for key in ("name", "repository", "every") if (value := request.query_params.get(key, ""))}
+    name, chosen = arguments.setdefault("name", ""), request.query_params.get("part", "")
     if not name:
         return RedirectResponse(url("/systems"), _SEE_OTHER)
     try:
-        found = await view(request, "system", **asked)
+        system = await view(request, "system", **arguments)
     except KgError as error:
         if error.code not in {*ABSENT, SEVERAL}:
             raise
         return missing(request, error, "No such system", name, lambda other: url("/system", name=other))
-    shared = {"twin": url("/api/system", **asked), "system": found, "tags": TAGS}
-    parts = _parts(found)
+    shared = {"twin": url("/api/system", **arguments), "system": system, "tags": TAGS}
+    parts = _parts(system)
     if part := next((one for one in parts if one["name"] == chosen), None):
-        title = f"{part['title']} of {found['name']}"
-        return page(request, "system_part.html", title=title, part=part, whole=url("/system", **asked), **shared)
+        title = f"{part['title']} of {system['name']}"
+        return page(request, "system_part.html", title=title, part=part, whole=url("/system", **arguments), **shared)
     return page(
         request,
         "system.html",
-        title=found["name"],
-        picture=_picture(found),
+        title=system["name"],
+        picture=_picture(system),
         parts=[
-            {**one, "address": url("/system", **asked, part=one["name"]) if len(one["rows"]) > _LONG else ""}
+            {**one, "address": url("/system", **arguments, part=one["name"]) if len(one["rows"]) > _LONG else ""}
             for one in parts
         ],
-        left_out=sum(one["left_out"] for one in found["instances"]),
-        every=url("/system", **asked, every="all") if "every" not in asked else "",
+        left_out=sum(one["left_out"] for one in system["instances"]),
+        every=url("/system", **arguments, every="all") if "every" not in arguments else "",
         **shared,
     )
 
 
-def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _parts(system: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the non-empty tables below that of the nodes, by name, with the text for their number of rows."""
     rows: dict[str, list[Any]] = {
-        name: [(one["key"], each) for one in found["instances"] for each in one[key]]
+        name: [(one["key"], each) for one in system["instances"] for each in one[key]]
         for name, key in (("connections", "ends"), ("remappings", "remaps"), ("parameters", "parameters"))
     }
-    rows["arguments"] = found["arguments"]
+    rows["arguments"] = system["arguments"]
     return [
         {"name": name, "rows": listed, "title": count(len(listed), name.removesuffix("s"))}
         for name, listed in rows.items()
@@ -70,13 +70,13 @@ def _parts(found: Mapping[str, Any]) -> list[dict[str, Any]]:
     ]
 
 
-def _picture(found: Mapping[str, Any]) -> dict[str, Any]:
+def _picture(system: Mapping[str, Any]) -> dict[str, Any]:
     """Return the graph in the format of graph.js: nodes link to their pages, and subjects of findings are marked.
 
     Empty attributes are omitted, since large systems have many nodes.
     """
     nodes = []
-    for one in found["picture"]["nodes"]:
+    for one in system["picture"]["nodes"]:
         node = {key: value for key, value in one.items() if value and key not in {"iri", "names"}}
         if one["iri"]:
             node["href"] = url("/node", iri=one["iri"])
@@ -86,25 +86,27 @@ def _picture(found: Mapping[str, Any]) -> dict[str, Any]:
     marked = [f"{one.get('group', '')}/" for one in nodes if "marked" in one]
     groups = [
         {**one, "marked": any(space.startswith(f"{one['id']}/") for space in marked)}
-        for one in found["picture"]["groups"]
+        for one in system["picture"]["groups"]
     ]
-    return {**found["picture"], "nodes": nodes, "groups": groups}
+    return {**system["picture"], "nodes": nodes, "groups": groups}
 
 
 async def _channel(request: Request) -> Response:
     names = ("kind", "name", "system")
-    asked = {name: value for name in names if (value := request.query_params.get(name, ""))}
-    name, kind = asked.setdefault("name", ""), asked.setdefault("kind", "topic")
+    arguments = {name: value for name in names if (value := request.query_params.get(name, ""))}
+    name, kind = arguments.setdefault("name", ""), arguments.setdefault("kind", "topic")
     if not name:
         return RedirectResponse(url("/search"), _SEE_OTHER)
     try:
-        found = await view(request, "channel", **asked)
+        channel = await view(request, "channel", **arguments)
     except KgError as error:
         if error.code not in {*ABSENT, SEVERAL}:
             raise
         return missing(request, error, f"No such {kind}", name, lambda other: url("/channel", kind=kind, name=other))
-    twin = url("/api/channel", **asked)
-    return page(request, "channel.html", title=found["name"] or name, twin=twin, found=found, asked=asked, tags=TAGS)
+    twin = url("/api/channel", **arguments)
+    return page(
+        request, "channel.html", title=channel["name"] or name, twin=twin, found=channel, asked=arguments, tags=TAGS
+    )
 
 
 ROUTES = [Route("/system", _system), Route("/channel", _channel)]

@@ -28,40 +28,40 @@ async def _why(request: Request) -> Response:
     given = Parameters(request.scope["query_string"], form)
     if "query" in given:
         return await _of_row(request, query=given.one("query") or "", row=given.one("row") or "{}")
-    asked = {key: given.one(key) or "" for key in ("subject", "predicate", "object")}
-    return await _of_fact(request, asked, given.one("every") or "")
+    fact = {key: given.one(key) or "" for key in ("subject", "predicate", "object")}
+    return await _of_fact(request, fact, given.one("every") or "")
 
 
-async def _of_fact(request: Request, asked: dict[str, str], every: str) -> Response:
-    if not all(asked.values()):
+async def _of_fact(request: Request, fact: dict[str, str], every: str) -> Response:
+    if not all(fact.values()):
         hint = "For example `/why?subject=patrol&predicate=subscribes&object=scan_filtered`."
         raise UsageError("KG003", "a fact is a subject, a predicate and an object", hint=hint)
     try:
-        why = await view(request, "why", **asked, every=every)
+        why = await view(request, "why", **fact, every=every)
     except KgError as error:
         if error.code == "KG226":
-            lacking = await view(request, "why_not", **asked)
-            title, twin = f"Why not: {lacking['fact']['text']}", url("/api/why_not", **asked)
+            lacking = await view(request, "why_not", **fact)
+            title, twin = f"Why not: {lacking['fact']['text']}", url("/api/why_not", **fact)
             return page(request, "why.html", title=title, twin=twin, every="", why=None, lacking=lacking)
         if error.code not in {*ABSENT, SEVERAL}:
             raise
-        return missing(request, error, "Why", asked["subject"], lambda other: url("/search", q=other))
+        return missing(request, error, "Why", fact["subject"], lambda other: url("/search", q=other))
     return page(
         request,
         "why.html",
         title=f"Why: {why['proofs'][0]['text']}",
-        twin=url("/api/why", **asked, every=every),
-        every="" if every else url("/why", **asked, every="all"),
+        twin=url("/api/why", **fact, every=every),
+        every="" if every else url("/why", **fact, every="all"),
         why=why,
         lacking=None,
     )
 
 
-async def _of_row(request: Request, **asked: str) -> Response:
+async def _of_row(request: Request, **arguments: str) -> Response:
     """Return the page about a row; if it cannot be traced back to facts, with the reason and its status."""
-    found, problem = None, None
+    traced, problem = None, None
     try:
-        found = await view(request, "why_row", **asked)
+        traced = await view(request, "why_row", **arguments)
     except RuleError as error:
         problem = error
     return page(
@@ -69,10 +69,10 @@ async def _of_row(request: Request, **asked: str) -> Response:
         "why_row.html",
         title="Why this row",
         status=STATUS.get(problem.code, 400) if problem else 200,
-        twin=url("/api/why_row", **asked),
-        found=found,
+        twin=url("/api/why_row", **arguments),
+        found=traced,
         problem=problem,
-        query=address if len(address := url("/query", query=asked["query"])) < ADDRESS_BYTES else "",
+        query=address if len(address := url("/query", query=arguments["query"])) < ADDRESS_BYTES else "",
     )
 
 

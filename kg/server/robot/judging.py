@@ -70,25 +70,25 @@ def _judged(program: Program | None, text: str, robot: Robot | None) -> dict[str
         try:
             program = parse_with_places(text).program
         except RobotError as error:
-            unreadable = told(Problem.of(error, "", None))
+            unreadable = problem_object(Problem.of(error, "", None))
             place = {"line": error.place and error.place.line, "column": error.place and error.place.column}
             return {"program": None, "text": text, "lines": {}, "problems": [unreadable | place]}
     program, identities = identified(program)
     shown = text if written else write(program)
     places = parse_with_places(shown).places
-    found: list[Problem] = []
+    problems: list[Problem] = []
     if robot is not None:
-        meant = placed(program, robot.places)
-        found = [*check(meant, robot.capabilities, robot.places), *doubts(meant, robot.capabilities, robot.graph)]
+        bound = placed(program, robot.places)
+        problems = [*check(bound, robot.capabilities, robot.places), *doubts(bound, robot.capabilities, robot.graph)]
     return {
         "program": msgspec.to_builtins(program),
         "text": shown,
         "lines": {identity: places[path][0] for path, identity in identities.items() if path in places},
-        "problems": [{**told(one), "line": place_at("", shown, places, one.path).line} for one in found],
+        "problems": [{**problem_object(one), "line": place_at("", shown, places, one.path).line} for one in problems],
     }
 
 
-def told(problem: Problem) -> dict[str, Any]:
+def problem_object(problem: Problem) -> dict[str, Any]:
     """Return a problem in the format of the page."""
     return {
         "id": problem.id,
@@ -102,8 +102,8 @@ def told(problem: Problem) -> dict[str, Any]:
 
 def hint_of(code: str, hint: str | None) -> str:
     """Return a hint in the words of the page; hints with commands or options are replaced."""
-    found = hint or CATALOGUE[code].way_out
-    return _HINTS.get(code, _HINTS[""]) if _COMMANDS.search(found) else found
+    text = hint or CATALOGUE[code].way_out
+    return _HINTS.get(code, _HINTS[""]) if _COMMANDS.search(text) else text
 
 
 def identified(program: Program) -> tuple[Program, dict[str, str]]:

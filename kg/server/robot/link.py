@@ -103,8 +103,8 @@ class Proofs:
 
     def take(self, graph: ComputationGraph | None) -> None:
         """Set the current graph; None without a connection."""
-        known, time = self._nodes, now()
-        self._nodes = {node.name: known.get(node.name, time) for node in graph.nodes} if graph else {}
+        seen, time = self._nodes, now()
+        self._nodes = {node.name: seen.get(node.name, time) for node in graph.nodes} if graph else {}
         self._graph = graph
 
     async def why(self, name: str) -> dict[str, Any]:
@@ -120,8 +120,8 @@ class Proofs:
         graph, nodes = self._graph, self._nodes
         if graph is None:
             raise RobotError("KG846", "no robot is connected, so its capabilities cannot be explained")
-        known = self._subject  # read once: the loop may set another graph during inference
-        subject = known[1] if known and known[0] is graph else running(graph, self._settings, self._address, nodes)
+        cached = self._subject  # read once: the loop may set another graph during inference
+        subject = cached[1] if cached and cached[0] is graph else running(graph, self._settings, self._address, nodes)
         self._subject = graph, subject
         rules = knowledge(self._settings).rules
         telling = Telling(subject.view, rules, evidence.Places.of(()), self._settings.base)
@@ -220,19 +220,19 @@ class Link:
             self._offers = offers(graph)
             self.places = {**await offered(connection, graph), **self._own}
             self._changed()
-        found = await asyncio.to_thread(infer, graph, self._settings, address=self.address)
+        capabilities = await asyncio.to_thread(infer, graph, self._settings, address=self.address)
         doubted = graph.problems != (self.graph.problems if self.graph else ())
         self.graph = graph
         if self.driver is None:
             watchdog = Watchdog(self.address, self._settings.watchdog)
-            driver = Driver(connection, found, on_problem=self._warn, watchdog=watchdog, graph=graph)
+            driver = Driver(connection, capabilities, on_problem=self._warn, watchdog=watchdog, graph=graph)
             await driver.__aenter__()
             self.driver = driver
-        elif found != self.capabilities:
-            await self.driver.take(found)
+        elif capabilities != self.capabilities:
+            await self.driver.take(capabilities)
         elif not doubted:
             return
-        self.capabilities = found
+        self.capabilities = capabilities
         self._be("connected")
 
     async def _unseen(self) -> None:

@@ -30,11 +30,11 @@ class Listener:
 
     identity: str = field(default_factory=lambda: secrets.token_urlsafe(18))
     reads: frozenset[str] = frozenset()
-    heard: float = 0.0
+    last_beat: float = 0.0
     seen: str = ""
     waiting: asyncio.Queue[dict[str, Any] | None] = field(default_factory=lambda: asyncio.Queue(_WAITING))
 
-    def tell(self, event: dict[str, Any]) -> bool:
+    def queue(self, event: dict[str, Any]) -> bool:
         """Queue an event; return False if the queue is full."""
         try:
             self.waiting.put_nowait(event)
@@ -77,21 +77,21 @@ class Listeners:
 
     def add(self) -> Listener:
         """Return a new page; it receives no events once the server is stopping."""
-        made = Listener()
-        self._all[made.identity] = made
-        made.tell({"event": "hello", "listener": made.identity})
+        listener = Listener()
+        self._all[listener.identity] = listener
+        listener.queue({"event": "hello", "listener": listener.identity})
         if self._closed:
-            made.end()
-        return made
+            listener.end()
+        return listener
 
     def remove(self, listener: Listener) -> None:
         """Remove a closed page."""
         self._all.pop(listener.identity, None)
 
-    def tell(self, event: dict[str, Any], *, of: str | None = None, but: Listener | None = None) -> None:
+    def publish(self, event: dict[str, Any], *, of: str | None = None, but: Listener | None = None) -> None:
         """Send an event to all pages, or to those that follow the capability `of`; never to `but`."""
         for listener in tuple(self._all.values()):
-            if listener is not but and (of is None or of in listener.reads) and not listener.tell(event):
+            if listener is not but and (of is None or of in listener.reads) and not listener.queue(event):
                 listener.end()
 
     def show(self, picture: str) -> None:
@@ -99,7 +99,7 @@ class Listeners:
         for listener in tuple(self._all.values()):
             if listener.seen != picture and listener.waiting.empty():
                 listener.seen = picture
-                listener.tell({"event": "view", "picture": picture})
+                listener.queue({"event": "view", "picture": picture})
 
     def reads(self) -> frozenset[str]:
         """Return the capabilities that any page follows."""

@@ -81,10 +81,10 @@ async def _read(request: Request, kind: type[_Body]) -> _Body:
 
 
 def _session(request: Request) -> Session:
-    found = state(request).robot
-    if found is None:
+    session = state(request).robot
+    if session is None:
         raise RobotError("KG845", "this server has no robot")
-    return found
+    return session
 
 
 def _json(content: object) -> Response:
@@ -97,7 +97,7 @@ async def _robot(request: Request) -> Response:
     session = state(request).robot
     if session is None:
         return _json({"address": None, "state": "none", "may_move": False, "capabilities": []})
-    return _json({**session.told(), "may_move": is_trusted(request)})
+    return _json({**session.status(), "may_move": is_trusted(request)})
 
 
 async def _events(request: Request) -> Response:
@@ -146,22 +146,22 @@ async def _why(request: Request) -> Response:
 
 
 async def _check(request: Request) -> Response:
-    asked = await _read(request, _Given)
-    return _json(await _judged(state(request).robot, asked.program, asked.text))
+    sent = await _read(request, _Given)
+    return _json(await _judged(state(request).robot, sent.program, sent.text))
 
 
 async def _convert(request: Request) -> Response:
-    asked = await _read(request, _Convert)
-    if (asked.program is None) == (asked.bt is None):
+    sent = await _read(request, _Convert)
+    if (sent.program is None) == (sent.bt is None):
         raise RequestError("KG520", "the body needs either `program` or `bt`")
-    robot = None if asked.to == "text" and asked.bt is None else _connected(request)
-    program = asked.program
+    robot = None if sent.to == "text" and sent.bt is None else _connected(request)
+    program = sent.program
     if program is None and robot is not None:
-        program = await asyncio.to_thread(program_of, asked.bt or "", robot.capabilities)
-    found = await _judged(None, program)
-    if asked.to == "text" or robot is None or program is None:
-        return _json({"text": found["text"]})
-    make = behavior_tree if asked.to == "bt" else partial(convert, to=asked.to)
+        program = await asyncio.to_thread(program_of, sent.bt or "", robot.capabilities)
+    checked = await _judged(None, program)
+    if sent.to == "text" or robot is None or program is None:
+        return _json({"text": checked["text"]})
+    make = behavior_tree if sent.to == "bt" else partial(convert, to=sent.to)
     return _json({"text": await asyncio.to_thread(make, placed(program, robot.places), robot.capabilities)})
 
 
@@ -175,13 +175,13 @@ def _connected(request: Request) -> Robot:
 
 async def _run(request: Request) -> Response:
     session = _session(request)
-    asked = await _read(request, _Given)
-    found = await _judged(session, asked.program, asked.text)
-    for problem in found["problems"]:
+    sent = await _read(request, _Given)
+    checked = await _judged(session, sent.program, sent.text)
+    for problem in checked["problems"]:
         if problem["severity"] == "error":
-            place = None if asked.text is None else _place(asked.text, problem)
+            place = None if sent.text is None else _place(sent.text, problem)
             raise RobotError(problem["code"], problem["message"], place=place, hint=problem["hint"])
-    await session.run(asked.program or msgspec.convert(found["program"], Program))
+    await session.run(sent.program or msgspec.convert(checked["program"], Program))
     return Response(status_code=204)
 
 

@@ -69,7 +69,7 @@ class Session:
         """Begin to connect, without waiting for the connection."""
         self._tasks = [
             spawn(self._link.keep(), "staying connected to the robot"),
-            spawn(self._hands.watch(), "watching who drives by hand"),
+            spawn(self._hands.watch(), "watching manual driving"),
             spawn(self._show(), "showing the robot from above"),
             spawn(self._release(), "releasing unused topics"),
         ]
@@ -96,7 +96,7 @@ class Session:
         capabilities, graph = self.capabilities, self._link.graph
         return None if capabilities is None or graph is None else Robot(capabilities, self._link.places, graph)
 
-    def told(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return the state of the robot in the format of the page."""
         link = self._link
         return {
@@ -106,7 +106,7 @@ class Session:
             "capabilities": [described(one) for one in link.capabilities.capabilities],
             "places": msgspec.to_builtins(link.places),
             "doubts": [f"{one.subject}: {one.message}" for one in link.graph.problems] if link.graph else [],
-            "program": self._running.told(),
+            "program": self._running.status(),
             "view": url("/robot/view") if link.picture else None,
         }
 
@@ -151,7 +151,7 @@ class Session:
 
     def here(self, identity: str) -> None:
         """Record a sign of life of a page; RobotError KG849 if it is not open."""
-        self.listener(identity).heard = asyncio.get_running_loop().time()
+        self.listener(identity).last_beat = asyncio.get_running_loop().time()
 
     def follow(self, identity: str, names: Iterable[str]) -> None:
         """Set the values that a page follows; RobotError KG821 if one is unreadable, KG849 if the page is not open."""
@@ -187,10 +187,10 @@ class Session:
 
     def listener(self, identity: str) -> Listener:
         """Return an open page; RobotError KG849 if it is not open."""
-        found = self.listeners.get(identity)
-        if found is None:
+        page = self.listeners.get(identity)
+        if page is None:
             raise RobotError("KG849", "the page that asks this is not listening to the robot")
-        return found
+        return page
 
     async def leave(self) -> None:
         """Stop the robot and end the streams of pages, within a few seconds in any case."""
@@ -218,11 +218,11 @@ class Session:
 
     def _changed(self) -> None:
         self._readings.follow(self._link.driver)
-        self.listeners.tell({"event": "robot"})
+        self.listeners.publish({"event": "robot"})
 
     def _warn(self, problem: GraphProblem) -> None:
-        told = f"warning[{problem.code}]: {problem.subject}: {problem.message}"
-        self.listeners.tell({"event": "step", "log": told})
+        message = f"warning[{problem.code}]: {problem.subject}: {problem.message}"
+        self.listeners.publish({"event": "step", "log": message})
 
     async def _still(self) -> None:
         """Stop all movements."""

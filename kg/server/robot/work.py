@@ -16,7 +16,7 @@ from kg.errors import RobotError
 from kg.robot.programs.runner import Runner
 from kg.robot.tasks import ended
 from kg.server.errors import problem
-from kg.server.robot.judging import told
+from kg.server.robot.judging import problem_object
 from kg.server.robot.listeners import Listener, Listeners, failure
 
 if TYPE_CHECKING:
@@ -46,10 +46,10 @@ class Readings:
     def follow(self, driver: Driver | None) -> None:
         """Subscribe to the followed capabilities only, and retry failed ones; without a driver to none."""
         wanted = self._listeners.reads() if driver is not None else frozenset()
-        kept = wanted - self._failed if driver is self._driver else frozenset()
+        unchanged = wanted - self._failed if driver is self._driver else frozenset()
         self._driver = driver
         self._failed.clear()
-        for name in self._tasks.keys() - kept:
+        for name in self._tasks.keys() - unchanged:
             self._tasks.pop(name).cancel()
             self._newest.pop(name, None)  # queued values are of another robot, or for closed pages
         if driver is not None:
@@ -67,20 +67,20 @@ class Readings:
         async for value in driver.read(name):
             self._newest[name] = value
             if name not in self._waiting:
-                self._tell(name)
+                self._send_value(name)
 
     def _over(self, name: str, task: asyncio.Task[None]) -> None:
         error = failure(task, f"reading {name}")
         if error is not None and self._tasks.get(name) is task:
             self._failed.add(name)
-            self._listeners.tell({"event": "value", "capability": name, "problem": problem(error)}, of=name)
+            self._listeners.publish({"event": "value", "capability": name, "problem": problem(error)}, of=name)
 
-    def _tell(self, name: str) -> None:
+    def _send_value(self, name: str) -> None:
         """Send the newest value, and after the interval the one that has arrived by then."""
         self._waiting.pop(name, None)
         if (value := self._newest.pop(name, None)) is not None:
-            self._listeners.tell({"event": "value", "capability": name, "value": plain(value)}, of=name)
-            self._waiting[name] = asyncio.get_running_loop().call_later(_VALUES_EVERY, self._tell, name)
+            self._listeners.publish({"event": "value", "capability": name, "value": plain(value)}, of=name)
+            self._waiting[name] = asyncio.get_running_loop().call_later(_VALUES_EVERY, self._send_value, name)
 
 
 def plain(value: Any) -> Any:
@@ -136,34 +136,34 @@ class Hands:
             raise RobotError(
                 "KG848", f"`seconds` is {chosen:g}; a manual movement takes more than 0 and at most {most:g} s"
             )
-        listener.heard = asyncio.get_running_loop().time()
+        listener.last_beat = asyncio.get_running_loop().time()
         work = driver.do(capability.name, dict(arguments), seconds=chosen)
         task = asyncio.ensure_future(work)
         self._tasks[task] = listener
         task.add_done_callback(partial(self._over, capability, listener))
-        self._tell("doing", capability, listener)
+        self._notify_hand("doing", capability, listener)
 
     def _over(self, capability: Capability, listener: Listener, task: asyncio.Task[Outcome]) -> None:
         self._tasks.pop(task, None)
         error = failure(task, "driving by hand")
         if error is not None:
-            self._tell("failed", capability, listener, problem=problem(error))
+            self._notify_hand("failed", capability, listener, problem=problem(error))
         elif not task.cancelled() and (did_not_move := task.result().problem) is not None:
-            self._tell("failed", capability, listener, problem=problem(did_not_move))
+            self._notify_hand("failed", capability, listener, problem=problem(did_not_move))
         else:
-            self._tell("stopped" if task.cancelled() else task.result().ended, capability, listener)
+            self._notify_hand("stopped" if task.cancelled() else task.result().ended, capability, listener)
 
-    def _tell(self, state: str, capability: Capability, listener: Listener, **more: Any) -> None:
+    def _notify_hand(self, state: str, capability: Capability, listener: Listener, **more: Any) -> None:
         event = {"event": "hand", "state": state, "capability": capability.name, **more}
-        self._listeners.tell({**event, "own": False}, but=listener)
-        listener.tell({**event, "own": True})
+        self._listeners.publish({**event, "own": False}, but=listener)
+        listener.queue({**event, "own": True})
 
     async def watch(self) -> None:
         """Stop the movements of abandoned pages, until cancelled."""
         while True:
             await asyncio.sleep(SILENT / 4)
             latest = asyncio.get_running_loop().time() - SILENT
-            await self.stop({one for one in self._tasks.values() if one.heard < latest})
+            await self.stop({one for one in self._tasks.values() if one.last_beat < latest})
 
     async def stop(self, whose: set[Listener] | None = None) -> None:
         """Stop the movements of certain pages, or all."""
@@ -191,7 +191,7 @@ class Running:
         """Whether a program runs or is paused."""
         return self._task is not None and not self._task.done()
 
-    def told(self) -> dict[str, Any]:
+    def status(self) -> dict[str, Any]:
         """Return the state of the program for pages: its name, whether it runs, and its running statements."""
         return {"state": self._state, "name": self._name, "running": list(+self._at)}
 
@@ -210,21 +210,21 @@ class Running:
         if kind in {"enter", "leave"}:
             self._at[identity] += 1 if kind == "enter" else -1
             if self._pacing is None:
-                self._pacing = asyncio.get_running_loop().call_later(_STEPS_EVERY, self._tell_where)
+                self._pacing = asyncio.get_running_loop().call_later(_STEPS_EVERY, self._send_position)
         elif kind == "value":
             value = {event["parameter"]: plain(event["value"])}
-            self._listeners.tell({"event": "value", "capability": event["capability"], "value": value})
+            self._listeners.publish({"event": "value", "capability": event["capability"], "value": value})
         elif kind == "set":
-            self._listeners.tell({"event": "step", "variable": event["variable"], "shown": event["shown"]})
+            self._listeners.publish({"event": "step", "variable": event["variable"], "shown": event["shown"]})
         elif kind == "warning":
-            self._listeners.tell({"event": "step", "log": f"warning[{event['code']}]: {event['message']}"})
+            self._listeners.publish({"event": "step", "log": f"warning[{event['code']}]: {event['message']}"})
         elif kind == "log":
-            self._listeners.tell({"event": "step", "log": event["message"]})
+            self._listeners.publish({"event": "step", "log": event["message"]})
 
-    def _tell_where(self) -> None:
+    def _send_position(self) -> None:
         self._pacing = None
         if self.active:
-            self._listeners.tell({"event": "step", "running": list(+self._at)})
+            self._listeners.publish({"event": "step", "running": list(+self._at)})
 
     def pause(self) -> None:
         """Pause the program, if it runs."""
@@ -254,10 +254,10 @@ class Running:
             self._be("stopped")
         else:
             end = task.result()
-            self._be(end.ended, **({"problem": told(end.problem)} if end.problem else {}))
+            self._be(end.ended, **({"problem": problem_object(end.problem)} if end.problem else {}))
 
     def _be(self, state: str, **more: Any) -> None:
         if state not in {"running", "paused"}:
             self._at.clear()
         self._state = state
-        self._listeners.tell({"event": "program", "state": state, "name": self._name, **more})
+        self._listeners.publish({"event": "program", "state": state, "name": self._name, **more})

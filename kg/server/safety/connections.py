@@ -86,27 +86,27 @@ class _Joined:
     def __init__(self, transport: asyncio.Transport, loop: asyncio.AbstractEventLoop) -> None:
         self._transport = transport
         self._loop = loop
-        self._held: list[bytes] = []
+        self._pending: list[bytes] = []
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._transport, name)
 
     def write(self, data: bytes) -> None:
         """Buffer data to send together with what follows."""
-        if self._held:
-            self._held.append(data)
+        if self._pending:
+            self._pending.append(data)
             self.flush()
         elif len(data) < JOINED_BYTES:
-            self._held.append(data)
+            self._pending.append(data)
             self._loop.call_soon(self.flush)
         else:
             self._transport.write(data)
 
     def flush(self) -> None:
         """Send the buffer."""
-        if self._held:
-            data = b"".join(self._held)
-            self._held.clear()
+        if self._pending:
+            data = b"".join(self._pending)
+            self._pending.clear()
             self._transport.write(data)
 
     def write_eof(self) -> None:
@@ -274,7 +274,7 @@ class Guarded(HttpToolsProtocol):
         cycle = self.cycle
         if cycle.response_started or self.pipeline:
             return False
-        cycle.disconnected = True  # the application is told that the client left, and sends nothing
+        cycle.disconnected = True  # reported to the application, which then sends nothing
         cycle.message_event.set()
         return True
 

@@ -66,8 +66,8 @@ class Gate:
         if scope["type"] == "http":
             request = HTTPConnection(scope)
             for check in self._checks:
-                if found := check(request):
-                    stopped = answer(request, found) if isinstance(found, KgError) else found
+                if refusal := check(request):
+                    stopped = answer(request, refusal) if isinstance(refusal, KgError) else refusal
                     await stopped(scope, receive, send)
                     return
         await self._app(scope, receive, send)

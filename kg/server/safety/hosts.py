@@ -56,8 +56,8 @@ class Hosts:
 @lru_cache(maxsize=64)
 def _name(host: str) -> str | None:
     """Return the name or address in a header `Host`; None if it is malformed."""
-    found = _HOST.fullmatch(host)
-    return None if found is None else (found["six"] or found["name"]).lower().removesuffix(".")
+    match = _HOST.fullmatch(host)
+    return None if match is None else (match["six"] or match["name"]).lower().removesuffix(".")
 
 
 def _is_address(name: str) -> bool:

@@ -39,39 +39,39 @@ class Observed:
             return
         scope["kg.metrics"] = self._metrics
         request = HTTPConnection(scope)
-        found = record(request)
+        recorded = record(request)
 
         async def sending(message: Message) -> None:
             if message["type"] == "http.response.start":
-                found.status = message["status"]
+                recorded.status = message["status"]
                 message = with_headers(message)
             else:
-                found.sent += len(message.get("body", b""))
+                recorded.sent += len(message.get("body", b""))
             await send(message)
 
         try:
             await self._app(scope, receive, sending)
         except ClientDisconnect:
-            found.outcome = "left"
+            recorded.outcome = "left"
         except Exception as error:
-            if found.status and isinstance(_reason(error), KgError):
-                found.outcome = "aborted" if found.outcome == "ok" else found.outcome
+            if recorded.status and isinstance(_reason(error), KgError):
+                recorded.outcome = "aborted" if recorded.outcome == "ok" else recorded.outcome
                 raise
             identity = secrets.token_hex(8)
-            if not found.status:
-                told = RequestError("KG900", f"a defect in kg; the log of the server has more under {identity}")
-                await answer(request, told)(scope, receive, sending)
-            found.outcome = "KG900"
+            if not recorded.status:
+                internal = RequestError("KG900", f"a defect in kg; the log of the server has more under {identity}")
+                await answer(request, internal)(scope, receive, sending)
+            recorded.outcome = "KG900"
             defect = DefectError(identity)
             defect.__cause__ = error
             self._log.defect(defect)
             raise defect from error
         except BaseException:
-            found.outcome = "aborted" if found.outcome == "ok" else found.outcome
+            recorded.outcome = "aborted" if recorded.outcome == "ok" else recorded.outcome
             raise
         finally:
-            self._metrics.count(scope["method"], found)
-            self._log.request(request, found)
+            self._metrics.count(scope["method"], recorded)
+            self._log.request(request, recorded)
 
 
 def _reason(error: BaseException) -> BaseException:

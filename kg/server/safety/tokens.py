@@ -53,8 +53,8 @@ class Tokens:
         if self._path is None:
             return self._value
         try:
-            found = self._path.stat()
-            stamp = (found.st_mtime_ns, found.st_size, found.st_ino)
+            status = self._path.stat()
+            stamp = (status.st_mtime_ns, status.st_size, status.st_ino)
             if stamp != self._seen:
                 self._value = self._path.read_text(encoding="utf-8").strip()
                 self._seen = stamp
@@ -130,9 +130,9 @@ class Doors:
         return RequestError("KG529", "this request needs the token of the server, which it does not have")
 
     def _has_token(self, request: HTTPConnection) -> bool:
-        kind, _, said = (header(request.scope, b"authorization") or "").partition(" ")
+        kind, _, token = (header(request.scope, b"authorization") or "").partition(" ")
         if kind.lower() == "bearer":
-            return self._tokens.matches(said.strip())
+            return self._tokens.matches(token.strip())
         named = header(request.scope, b"cookie") is not None
         proof = request.cookies.get(cookie_name(request)) if named else None
         return proof is not None and self._tokens.proves(proof)

@@ -53,8 +53,8 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Set the format by the suffix of the name."""
-        if meant := format_of_name(event.value, self._result):
-            self.query_one(Select).value = meant
+        if form := format_of_name(event.value, self._result):
+            self.query_one(Select).value = form
 
     def on_input_submitted(self) -> None:
         """Write the file."""

@@ -64,11 +64,11 @@ class FindScreen(UpperScreen[None]):
             event.stop()
             self.query_one(Input).focus()
 
-    def _answer(self, found: dict[str, Any]) -> None:
+    def _answer(self, answer: dict[str, Any]) -> None:
         tree = self.query_one(HitTree)
-        self._hint(_understood(found))
-        tree.fill([_hit(one) for one in found["hits"]])
-        if found["hits"]:
+        self._hint(_understood(answer))
+        tree.fill([_hit(one) for one in answer["hits"]])
+        if answer["hits"]:
             tree.cursor_line = 0
             tree.focus()
 
@@ -97,17 +97,17 @@ class FindScreen(UpperScreen[None]):
         self.app.edit(line.place if line else None)
 
 
-def _understood(found: dict[str, Any]) -> str:
-    if not found["hits"]:
-        return f"Nothing was found. {found['near'] or 'Use other words.'}"
-    shown = len(found["hits"])
-    words = [f"{count(found['total'], 'node')}, {shown} shown" if found["total"] > shown else count(shown, "node")]
-    if not found["fits"]:
+def _understood(answer: dict[str, Any]) -> str:
+    if not answer["hits"]:
+        return f"Nothing was found. {answer['near'] or 'Use other words.'}"
+    shown = len(answer["hits"])
+    words = [f"{count(answer['total'], 'node')}, {shown} shown" if answer["total"] > shown else count(shown, "node")]
+    if not answer["fits"]:
         words.insert(0, "nothing here fits, nearest are below")
-    words += found["unknown"]
-    for key, told in (("only", "only with"), ("rather", "rather with")):
-        if found[key]:
-            words.append(f"{told} {', '.join(found[key])}")
+    words += answer["unknown"]
+    for key, phrase in (("only", "only with"), ("rather", "rather with")):
+        if answer[key]:
+            words.append(f"{phrase} {', '.join(answer[key])}")
     return "; ".join(words)
 
 

@@ -64,7 +64,7 @@ class Status(Static):
         self._work = ""
         self._note = ""
 
-    def tell(self, snapshot: int | None, note: str = "") -> None:
+    def show_generation(self, snapshot: int | None, note: str = "") -> None:
         """Show the current generation of the store, None if it is missing, and what changed."""
         self._snapshot, self._note = snapshot, note
         self._draw()
@@ -74,8 +74,8 @@ class Status(Static):
         if job is None:
             self._work = ""
         else:
-            found = f", {count(rows, 'row')} so far" if rows else ""
-            self._work = f"running {job.elapsed:.1f} s{found} (Esc stops)"
+            progress = f", {count(rows, 'row')} so far" if rows else ""
+            self._work = f"running {job.elapsed:.1f} s{progress} (Esc stops)"
         self._draw()
 
     def _draw(self) -> None:
@@ -93,20 +93,20 @@ def _short(path: Path) -> str:
 
 async def diagnosed(link: Link, text: str) -> list[Problem]:
     """Return the problems of each query in a buffer; KgError if the store cannot be queried."""
-    found = []
+    problems = []
     starts = [one.start for one in statements(text)]
     for begin, end in pairwise([*starts, len(text)]):
         answer = await link.call("diagnose", text=text[begin:end].rstrip())
-        found += [_problem(one, begin) for one in answer["problems"]]
-    return found
+        problems += [_problem(one, begin) for one in answer["problems"]]
+    return problems
 
 
-def _problem(found: dict[str, Any], begin: int) -> Problem:
-    words = ". ".join(str(found[key]).rstrip(".") for key in ("message", "hint") if found.get(key))
-    fix = next(iter(found["fixes"]), None)
+def _problem(problem: dict[str, Any], begin: int) -> Problem:
+    words = ". ".join(str(problem[key]).rstrip(".") for key in ("message", "hint") if problem.get(key))
+    fix = next(iter(problem["fixes"]), None)
     edits = tuple((begin + one["start"], begin + one["end"], one["text"]) for one in fix["edits"]) if fix else ()
-    place = (begin + found["start"], begin + found["end"])
-    return Problem(*place, found["severity"], words, fix["title"] if fix else "", edits)
+    place = (begin + problem["start"], begin + problem["end"])
+    return Problem(*place, problem["severity"], words, fix["title"] if fix else "", edits)
 
 
 class MainScreen(Screen[None]):
@@ -137,9 +137,9 @@ class MainScreen(Screen[None]):
 
     def on_mount(self) -> None:
         """Focus the editor, and follow the store."""
-        self.status.tell(self._snapshot)
+        self.status.show_generation(self._snapshot)
         self.set_interval(_FOLLOW_SECONDS, self.follow)
-        self.set_interval(_RUNNING_SECONDS, self.runs.tell)
+        self.set_interval(_RUNNING_SECONDS, self.runs.show_status)
         self.call_after_refresh(self._begin)
         self._prepare()
 
@@ -181,11 +181,11 @@ class MainScreen(Screen[None]):
 
     def follow(self) -> None:
         """Detect that the store was rebuilt or removed."""
-        found = self.link.snapshot()
-        if found != self._snapshot:
-            back, self._snapshot = self._snapshot is None, found
-            self.status.tell(found, "" if found is None or back else "the store was built again")
-            if found is not None:
+        generation = self.link.snapshot()
+        if generation != self._snapshot:
+            back, self._snapshot = self._snapshot is None, generation
+            self.status.show_generation(generation, "" if generation is None or back else "the store was built again")
+            if generation is not None:
                 self.query_one(KnowledgeTree).reload()
                 self._prepare()
 
@@ -291,7 +291,7 @@ class MainScreen(Screen[None]):
         buffer = self.buffers.current
         view = self._view()
         if buffer and view and view.result and view.result.limit is not None:
-            self.runs.start(buffer, buffer.asked, max(buffer.text.find(buffer.asked), 0), whole=True)
+            self.runs.start(buffer, buffer.last_query, max(buffer.text.find(buffer.last_query), 0), whole=True)
 
     def action_open_row(self) -> None:
         """Open the proof of the row."""
@@ -299,7 +299,7 @@ class MainScreen(Screen[None]):
         row = view.row() if view else None
         if buffer is None or view is None or row is None or view.result is None:
             return
-        query = buffer.asked if isinstance(view.result, Solutions) else ""
+        query = buffer.last_query if isinstance(view.result, Solutions) else ""
         fact = row if isinstance(view.result, Graph) else None
         self.app.push_screen(
             PageScreen(self.link, row_page(columns_of(view.result), row, view.row_number(), query, fact))
@@ -350,7 +350,7 @@ class MainScreen(Screen[None]):
         """Write the whole answer to a file."""
         view, buffer = self._view(), self.buffers.current
         if buffer and view is not None and view.result is not None:
-            self.app.push_screen(ExportScreen(self.link, view.result, buffer.asked))
+            self.app.push_screen(ExportScreen(self.link, view.result, buffer.last_query))
 
     def action_reload(self) -> None:
         """Reload the tree."""

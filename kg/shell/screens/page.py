@@ -161,11 +161,11 @@ class PageScreen(UpperScreen[None]):
             request = partial(self._link.call, page.view, **page.arguments)
             deliver(self, request, partial(self._answer, page), partial(self._fail, page))
 
-    def _answer(self, page: Page, found: dict[str, Any]) -> None:
+    def _answer(self, page: Page, data: dict[str, Any]) -> None:
         tree = self.query_one(LineTree)
-        tree.fill((*page.lines, *_LINES[page.view](found)))
+        tree.fill((*page.lines, *_LINES[page.view](data)))
         tree.cursor_line = 0
-        if title := title_of(page.view, found):
+        if title := title_of(page.view, data):
             self.query_one(".title", Static).update(printable(title))
 
     def _fail(self, page: Page, error: KgError) -> None:

@@ -41,9 +41,9 @@ class RulesScreen(UpperScreen[None]):
         self.query_one(Tree).focus()
         deliver(self, partial(self.app.link.call, "rules"), self._answer, self.app.report)
 
-    def _answer(self, found: dict[str, Any]) -> None:
+    def _answer(self, answer: dict[str, Any]) -> None:
         tree: Tree[dict[str, Any]] = self.query_one(Tree)
-        for family in found["families"]:
+        for family in answer["families"]:
             state = "" if family["in_force"] else " (not in force)"
             branch = tree.root.add(f"{family['family']} {len(family['rules'])}{state}", {})
             for rule in family["rules"]:
@@ -52,11 +52,11 @@ class RulesScreen(UpperScreen[None]):
         if tree.root.children:
             tree.root.children[0].expand()
             self.call_after_refresh(tree.move_cursor, tree.root.children[0].children[0])
-        number = sum(len(family["rules"]) for family in found["families"])
-        words = [count(number, "rule"), count(len(found["families"]), "family", "families")]
-        if found["run"]:
-            words.append(f"the last run inferred {count(found['run']['inferred'], 'triple')}")
-        words += found["problems"]
+        number = sum(len(family["rules"]) for family in answer["families"])
+        words = [count(number, "rule"), count(len(answer["families"]), "family", "families")]
+        if answer["run"]:
+            words.append(f"the last run inferred {count(answer['run']['inferred'], 'triple')}")
+        words += answer["problems"]
         self.query_one(".title", Static).update(printable(f"Rules: {', '.join(words)}"))
 
     async def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[dict[str, Any]]) -> None:

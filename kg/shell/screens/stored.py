@@ -37,8 +37,8 @@ class StoredScreen(ListScreen):
         super().on_mount()
         deliver(self, partial(self._link.call, "stored"), self._answer, self.app.report)
 
-    def _answer(self, found: dict[str, Any]) -> None:
-        self.entries = found["queries"]
+    def _answer(self, answer: dict[str, Any]) -> None:
+        self.entries = answer["queries"]
         self.fill()
 
     def words(self, entry: dict[str, Any]) -> tuple[str, str]:

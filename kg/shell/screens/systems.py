@@ -59,28 +59,28 @@ class SystemsScreen(UpperScreen[None]):
         request = partial(self.app.link.call, "systems", offset=str(begin), limit=str(_PART))
         deliver(self, request, partial(self._answer, begin), self.app.report)
 
-    def _answer(self, begin: int, found: dict[str, Any]) -> None:
+    def _answer(self, begin: int, answer: dict[str, Any]) -> None:
         tree: Tree[dict[str, Any]] = self.query_one("#system-tree", Tree)
-        for one in found["systems"]:
+        for one in answer["systems"]:
             wrong = [count(number, severity) for severity, number in one["findings"].items() if number]
             numbers = ", ".join([count(one["nodes"], "node"), *wrong])
             tree.root.add_leaf(printable(f"{one['name']}  {numbers}"), one)
         tree.root.expand()
         tree.cursor_line = max(tree.cursor_line, 0)
-        if begin + _PART < found["total"]:
+        if begin + _PART < answer["total"]:
             self._read(begin + _PART)
         else:
-            self.query_one(".title", Static).update(f"Systems: {count(found['total'], 'launch configuration')}")
+            self.query_one(".title", Static).update(f"Systems: {count(answer['total'], 'launch configuration')}")
 
     def on_tree_node_highlighted(self, event: Tree.NodeHighlighted[Any]) -> None:
         """Show the content of a configuration, or the full text of a finding."""
-        found = event.node.data
+        data = event.node.data
         if event.control.id == "system-tree":
-            if found:
+            if data:
                 tree = self.query_one(FindingTree)
-                deliver(self, partial(self._lines, found), tree.fill, self.app.report, latest="system")
-        elif found is not None:
-            parts = [found.text, found.note, place_words(found.place)]
+                deliver(self, partial(self._lines, data), tree.fill, self.app.report, latest="system")
+        elif data is not None:
+            parts = [data.text, data.note, place_words(data.place)]
             self.query_one(".detail", Static).update("\n".join(printable(part) for part in parts if part))
 
     async def _lines(self, system: dict[str, Any]) -> Sequence[Line]:

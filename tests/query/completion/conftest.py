@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kg.query.completion.keeping import Kept
+from kg.query.completion.keeping import SnapshotCache
 from kg.query.completion.service import complete
 from kg.query.stored import discover
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 
 @pytest.fixture(scope="session")
-def kept(examples: EmbeddedSnapshot) -> Kept:
+def kept(examples: EmbeddedSnapshot) -> SnapshotCache:
     """Statistics of the example workspace, cached in this process only."""
-    return Kept(None, examples)
+    return SnapshotCache(None, examples)
 
 
 @pytest.fixture
-def offered(kept: Kept) -> Callable[[str], list[dict[str, Any]]]:
+def offered(kept: SnapshotCache) -> Callable[[str], list[dict[str, Any]]]:
     """Return a function for the completions at the bar in a query."""
 
     def ask(marked: str) -> list[dict[str, Any]]:

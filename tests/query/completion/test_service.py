@@ -12,7 +12,7 @@ from kg.query.completion.vocabulary import KEYWORDS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.query.completion.keeping import Kept
+    from kg.query.completion.keeping import SnapshotCache
 
     Offered = Callable[[str], list[dict[str, Any]]]
 
@@ -113,7 +113,7 @@ def test_holes_lie_in_brackets(offered: Offered) -> None:
 
 @settings(max_examples=150, deadline=None)
 @given(text=st.lists(st.sampled_from(PIECES), max_size=14).map("".join), share=st.floats(0, 1))
-def test_completes_anything(kept: Kept, text: str, share: float) -> None:
+def test_completes_anything(kept: SnapshotCache, text: str, share: float) -> None:
     """Completion never fails, and its ranges and edits are within the text."""
     position = int(len(text) * share)
     found = complete(text, position, kept)

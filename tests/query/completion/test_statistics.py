@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 from pyoxigraph import Store
 
-from kg.query.completion.keeping import Kept
+from kg.query.completion.keeping import SnapshotCache
 from kg.query.completion.service import complete
 from kg.query.completion.statistics import SAMPLE, Statistics, count
 from kg.store.snapshot import MemorySnapshot
@@ -60,19 +60,19 @@ def test_numbers_of_large_classes_are_estimates() -> None:
 def test_is_counted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Statistics are read from the cache afterwards; an unreadable file is replaced."""
     snapshot = snapshot_of(SMALL)
-    first = Kept(tmp_path, snapshot).statistics()
+    first = SnapshotCache(tmp_path, snapshot).statistics()
     with monkeypatch.context() as patched:
         patched.setattr("kg.query.completion.keeping.count", lambda _: pytest.fail("counted again"))
-        assert Kept(tmp_path, snapshot).statistics() == first
+        assert SnapshotCache(tmp_path, snapshot).statistics() == first
     (file,) = tmp_path.rglob("statistics.json")
     file.write_text("{")
-    assert Kept(tmp_path, snapshot).statistics() == first
+    assert SnapshotCache(tmp_path, snapshot).statistics() == first
 
 
 def test_an_earlier_count_serves_until_it_is_fresh(tmp_path: Path) -> None:
     """After a change the old numbers are returned at once; a request for fresh ones counts and deletes the old ones."""
-    old = Kept(tmp_path, snapshot_of(SMALL, 1)).statistics()
-    kept = Kept(tmp_path, snapshot_of("INSERT DATA { <urn:x> a <urn:E> }", 2))
+    old = SnapshotCache(tmp_path, snapshot_of(SMALL, 1)).statistics()
+    kept = SnapshotCache(tmp_path, snapshot_of("INSERT DATA { <urn:x> a <urn:E> }", 2))
     assert kept.statistics() == old
     assert kept.statistics(fresh=True).classes == {"urn:E": 1}
     assert kept.statistics().classes == {"urn:E": 1}
@@ -81,14 +81,14 @@ def test_an_earlier_count_serves_until_it_is_fresh(tmp_path: Path) -> None:
 
 def test_a_folder_that_cannot_be_written_is_done_without() -> None:
     """If the folder is not writable, the process caches the statistics."""
-    kept = Kept(Path("/dev/null/cache"), snapshot_of(SMALL))
+    kept = SnapshotCache(Path("/dev/null/cache"), snapshot_of(SMALL))
     assert kept.statistics().classes["urn:C"] == 1
-    assert kept.known().classes["urn:C"] == 1
+    assert kept.cached_statistics().classes["urn:C"] == 1
 
 
 def test_nothing_is_known_before_somebody_counts() -> None:
     """Reading the cached statistics never counts."""
-    assert Kept(None, snapshot_of(SMALL)).known() == Statistics()
+    assert SnapshotCache(None, snapshot_of(SMALL)).cached_statistics() == Statistics()
 
 
 def test_the_example_workspace_has_its_classes(examples: EmbeddedSnapshot) -> None:
@@ -101,7 +101,7 @@ def test_the_example_workspace_has_its_classes(examples: EmbeddedSnapshot) -> No
 def test_what_is_typed_fills_no_disk(tmp_path: Path) -> None:
     """Values are cached for the store's classes, not for each typed name."""
     snapshot = snapshot_of('INSERT DATA { <urn:x> a <urn:C> ; <urn:p> "apple" }', 1)
-    kept = Kept(tmp_path, snapshot)
+    kept = SnapshotCache(tmp_path, snapshot)
     kept.statistics(fresh=True)
 
     def offered(kind: str) -> list[str]:

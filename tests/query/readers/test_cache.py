@@ -13,7 +13,7 @@ from patience import patient
 from pyoxigraph import NamedNode
 from query.readers.asking import ALL, STREAM, outcome, question, until, whole
 
-from kg.query.readers.cache import AnswerCache, Kept
+from kg.query.readers.cache import AnswerCache, CachedResponse
 from kg.query.readers.messages import End, Head
 from kg.query.readers.pool import Readers
 from kg.store.embedded import EmbeddedStore
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 ADDED = b"<https://example.org/new> <https://example.org/p> <https://example.org/0> .\n"
 
 
-def kept(size: int, snapshot: str = "1", *, repeatable: bool = True) -> Kept:
+def kept(size: int, snapshot: str = "1", *, repeatable: bool = True) -> CachedResponse:
     """Return a response of this size."""
-    return Kept(Head("rows", "json", snapshot, repeatable=repeatable), b"x" * size, End(1, 0.1))
+    return CachedResponse(Head("rows", "json", snapshot, repeatable=repeatable), b"x" * size, End(1, 0.1))
 
 
 def add(store: EmbeddedStore) -> None:

@@ -19,7 +19,7 @@ from kg.query.readers.messages import frame
 from kg.query.readers.pool import Readers
 
 if TYPE_CHECKING:
-    from kg.query.readers.cache import Kept
+    from kg.query.readers.cache import CachedResponse
     from kg.query.readers.messages import Question
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
@@ -110,7 +110,7 @@ def test_what_passes_for_a_look_up_passes_the_guard(pieces: list[str], where: in
         assert not prepared.names_data
 
 
-def look_up(readers: Readers, asked: Question) -> Kept | None:
+def look_up(readers: Readers, asked: Question) -> CachedResponse | None:
     """Look up as the endpoint does."""
     return readers.look_up(asked, frame(asked))
 

@@ -88,9 +88,9 @@ def test_as_many_run_as_there_are_slots() -> None:
     def test() -> None:
         shared = _Shared(2)
         readers = [shared.add(name) for name in "abc"]
-        assert (shared.running, shared.sharing.held) == ("ab", 3)
+        assert (shared.running, shared.sharing.size) == ("ab", 3)
         shared.remove(readers[0])
-        assert (shared.running, shared.sharing.held) == ("bc", 2)
+        assert (shared.running, shared.sharing.size) == ("bc", 2)
 
     _in_a_loop(test)
 
@@ -161,7 +161,7 @@ def test_too_many_are_refused() -> None:
         shared.add("b")
         with pytest.raises(QueryError, match="KG509"):
             shared.add("c")
-        assert (shared.running, shared.sharing.held) == ("a", 2)
+        assert (shared.running, shared.sharing.size) == ("a", 2)
 
     _in_a_loop(test)
 

@@ -57,14 +57,14 @@ def test_few_requests_of_one_client_are_served_in_order() -> None:
 
         tasks = [asyncio.create_task(one(number)) for number in range(2)]
         await asyncio.sleep(0)
-        assert (slots.held, slots.waiting, order) == (2, 2, [])
+        assert (slots.used, slots.waiting, order) == (2, 2, [])
         for _ in range(2):
             slots.give_back()
         await asyncio.gather(*tasks)
-        assert (slots.held, slots.waiting, order) == (2, 0, [0, 1])
+        assert (slots.used, slots.waiting, order) == (2, 0, [0, 1])
         for _ in range(2):
             slots.give_back()
-        assert slots.held == 0
+        assert slots.used == 0
 
     asyncio.run(run())
 
@@ -142,7 +142,7 @@ def test_every_request_is_served_or_refused(clients: list[str], count: int, queu
         assert sum(" " not in one for one in found) == min(len(clients), queue)
         for _ in range(count - 1):
             slots.give_back()
-        assert (slots.held, slots.waiting) == (0, 0)
+        assert (slots.used, slots.waiting) == (0, 0)
 
     asyncio.run(run())
 
@@ -159,7 +159,7 @@ def test_a_wait_that_ends_passes_its_slot_on() -> None:
         first.cancel()
         await second
         slots.give_back()
-        assert (slots.held, slots.waiting) == (0, 0)
+        assert (slots.used, slots.waiting) == (0, 0)
         places: list[asyncio.Future[None]] = []
         await slots.take("a", places.append)
         waiting = asyncio.create_task(slots.take("a", places.append))
@@ -168,6 +168,6 @@ def test_a_wait_that_ends_passes_its_slot_on() -> None:
         with pytest.raises(QueryError, match="KG510"):
             await waiting
         slots.give_back()
-        assert (slots.held, slots.waiting) == (0, 0)
+        assert (slots.used, slots.waiting) == (0, 0)
 
     asyncio.run(run())

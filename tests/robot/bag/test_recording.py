@@ -53,7 +53,7 @@ def test_what_is_recorded_is_read_again(bus: Bus, tmp_path: Path) -> None:
         speeds = await robot.advertise("/speed", "geometry_msgs/Twist")
         texts = await robot.advertise("/text", "std_msgs/String")
         told: list[str] = []
-        recorder = Recorder(face, _path(bus, tmp_path), tell=lambda topic, _: told.append(topic))
+        recorder = Recorder(face, _path(bus, tmp_path), begun=lambda topic, _: told.append(topic))
         running = asyncio.ensure_future(recorder.run())
         await _until(lambda: told == ["/speed", "/text"])
         for number in range(5):
@@ -80,7 +80,7 @@ def test_topics_that_come_later_are_recorded(bus: Bus, tmp_path: Path) -> None:
         robot, face = bus.join("/robot"), bus.join("/kg")
         told: list[str] = []
         recorder = Recorder(
-            face, _path(bus, tmp_path), topics=frozenset({"/late"}), tell=lambda topic, _: told.append(topic)
+            face, _path(bus, tmp_path), topics=frozenset({"/late"}), begun=lambda topic, _: told.append(topic)
         )
         running = asyncio.ensure_future(recorder.run())
         await robot.advertise("/other", "std_msgs/String")

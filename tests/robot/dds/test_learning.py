@@ -32,7 +32,7 @@ def test_the_type_of_a_service_is_told_by_who_serves_it() -> None:
                 async for graph in client.changes():
                     if any(end.name == "/double" for end in graph.ends):
                         break
-            assert not client.types.knows("kg_test/Double_Request")
+            assert not client.types.has("kg_test/Double_Request")
             answer = await client.call("/double", None, {"value": 2.0}, seconds=patient(10))
             assert [one.name for one in client.types.fields("kg_test/Double_Request")] == ["value"]
             with pytest.raises(RobotError) as other:

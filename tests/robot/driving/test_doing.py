@@ -23,7 +23,7 @@ async def _told(clock: SimulatedClock, work: Awaitable[Outcome], step: float = 0
     while not task.done():
         for _ in range(20):
             await asyncio.sleep(0)
-        clock.tell(clock.now() + step)
+        clock.set_time(clock.now() + step)
     return task.result()
 
 
@@ -50,10 +50,10 @@ def test_a_clock_that_is_set_back_ends_a_movement() -> None:
     async def scene() -> None:
         clock = SimulatedClock()
         async with rover(clock) as robot:
-            clock.tell(100)
+            clock.set_time(100)
             moving = asyncio.ensure_future(robot.driver.do("driving", {"forward": 0.2}, seconds=50))
             await until(robot.speeds)
-            clock.tell(0)
+            clock.set_time(0)
             assert (await moving).ended == "done"
             await until(lambda: robot.speeds()[-1] == 0)
 
@@ -360,7 +360,7 @@ def test_constants_and_the_time_are_sent() -> None:
 
     async def scene() -> None:
         clock = SimulatedClock()
-        clock.tell(12.5)
+        clock.set_time(12.5)
         async with rover(clock) as robot:
             await robot.listen("/stamped", "geometry_msgs/TwistStamped")
             plan = await robot.driver.plan("driving", {"up": 0.5})

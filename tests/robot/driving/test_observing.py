@@ -77,7 +77,7 @@ def test_a_robot_that_does_not_move(
             doing = asyncio.ensure_future(robot.driver.do("driving", arguments, seconds=2, way="/cmd_vel"))
             await until(lambda: robot.publications["/odom"].peers)
             while not doing.done():
-                clock.tell(clock.now() + 0.05)
+                clock.set_time(clock.now() + 0.05)
                 for one in [*told, None]:
                     if one is not None:
                         await robot.tell("/odom", "nav_msgs/Odometry", one)

@@ -177,7 +177,7 @@ def test_a_function_of_another_kind_of_field(text: str) -> None:
         ("pose.pose.position.q", "no field `q`"),
         ("pose.pose.positon.x", "no field `positon`"),
         ("yaw(pose.pose.orientation,1)", "2 arguments"),
-        ("jaw(pose.pose.orientation)", "no function"),
+        ("jaw(pose.pose.orientation)", "unknown function"),
         ("child_frame_id.x.y", "`child_frame_id` has no fields"),
         ("pose.covariance[3]", None),
         ("header.stamp.nanosec", None),

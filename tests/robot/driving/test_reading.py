@@ -100,7 +100,7 @@ def test_no_more_than_asked_for() -> None:
             await robot.tell("/odom", "nav_msgs/Odometry", odometry(0))
             await until(lambda: robot.publications["/odom"].peers)
             for tick in range(101):
-                clock.tell(tick / 100)
+                clock.set_time(tick / 100)
                 await robot.tell("/odom", "nav_msgs/Odometry", odometry(tick))
             await robot.driver._close()
             found = await reading

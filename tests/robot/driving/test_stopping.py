@@ -72,9 +72,9 @@ class _Play:
         elif kind == "stop all":
             await driver.stop(released=True)
         elif kind == "pass":
-            self.clock.tell(self.clock.now() + float(str(values[0])))
+            self.clock.set_time(self.clock.now() + float(str(values[0])))
         elif kind == "reset":
-            self.clock.tell(0.0)
+            self.clock.set_time(0.0)
         elif kind == "count":
             self.tasks.append(asyncio.ensure_future(driver.do("counting", {"until": 10**6})))
         elif kind == "wrong":
@@ -174,7 +174,7 @@ def test_a_loss_ends_everything(
             moved = _fast(robot)
             if later:
                 await play.step("do", "/cmd_vel", 0.5, None)
-            clock.tell(clock.now() + 1)
+            clock.set_time(clock.now() + 1)
             await _settle()
             assert all(task.done() for task in play.tasks)
             assert _fast(robot) == moved

@@ -49,7 +49,7 @@ def test_what_runs_is_in_the_store_with_what_follows(store: EmbeddedStore, setti
         iri = Iris(settings.base).configuration(RUNNING, _NAME)
         found = capabilities_of(snapshot, iri, ADDRESS)
     assert found == infer(ROVER, settings, address=ADDRESS)
-    assert set(kept.held) == {one.iri for one in found.capabilities}
+    assert set(kept.capabilities) == {one.iri for one in found.capabilities}
 
 
 def test_nothing_is_written_where_nothing_changed(store: EmbeddedStore, settings: Settings) -> None:
@@ -57,16 +57,16 @@ def test_nothing_is_written_where_nothing_changed(store: EmbeddedStore, settings
     keeper = _keeper(store, settings)
     first, second = keeper.keep(ROVER), keeper.keep(ROVER)
     assert (first.generation, second.generation) == (1, None)
-    assert first.held == second.held
+    assert first.capabilities == second.capabilities
 
 
 def test_nodes_that_go_take_their_capabilities_along(store: EmbeddedStore, settings: Settings) -> None:
     """Triples inferred from an ended node disappear, and return with it."""
     keeper = _keeper(store, settings)
-    before = keeper.keep(ROVER).held
-    gone = before.keys() - keeper.keep(without(ROVER, "/base")).held.keys()
+    before = keeper.keep(ROVER).capabilities
+    gone = before.keys() - keeper.keep(without(ROVER, "/base")).capabilities.keys()
     assert {iri.rpartition("#")[2] for iri in gone} >= {"drivingAtVelocity", "sensingPose"}
-    assert keeper.keep(ROVER).held == before
+    assert keeper.keep(ROVER).capabilities == before
 
 
 def test_a_store_that_another_process_wrote_is_read_again(store: EmbeddedStore, settings: Settings) -> None:

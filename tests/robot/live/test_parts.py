@@ -54,7 +54,7 @@ def test_what_came_and_went_adds_up_to_the_whole(
     lines = set[bytes]()
     for graph, times in sequence:
         seen = replace(_SEEN, nodes=times)
-        system = system_of(graph, seen, similar=near_misses, made=instances)
+        system = system_of(graph, seen, similar=near_misses, previous=instances)
         assert system == system_of(graph, seen, similar=near_misses)
         gone, new = (text.splitlines(keepends=True) for text in parts.change(system, {}))
         assert lines >= set(gone)
@@ -72,9 +72,9 @@ def test_a_change_says_nothing_of_nodes_that_stay() -> None:
     ends = tuple(LiveEnd(name, Role.PUBLISHES, "/rosout", "rosgraph_msgs/Log") for name in names)
     graph = ComputationGraph(1, tuple(map(LiveNode, names)), ends)
     parts, instances = Parts(_IRIS, set()), Instances()
-    parts.change(system_of(graph, _SEEN, made=instances), {})
+    parts.change(system_of(graph, _SEEN, previous=instances), {})
     less = replace(graph, nodes=graph.nodes[1:], ends=ends[1:])
-    gone, new = parts.change(system_of(less, _SEEN, made=instances), {})
+    gone, new = parts.change(system_of(less, _SEEN, previous=instances), {})
     assert not new
     assert gone
     assert all(b"#instance/node0" in line for line in gone.splitlines())

@@ -15,7 +15,7 @@ from kg.errors import RobotError
 from kg.graph.systems_reading import system_names, systems
 from kg.robot.connection import ComputationGraph, LiveNode
 from kg.robot.live import Event, Watching
-from kg.robot.live.keeping import Keeper, Kept
+from kg.robot.live.keeping import Keeper, StoredState
 from kg.robot.live.watching import _differences
 from kg.robot.memory import Bus
 
@@ -90,7 +90,7 @@ def test_ends_are_reported_before_the_store_is_written(
     """The first lines do not wait for a new store, which takes seconds."""
     written, keep = threading.Event(), Keeper.keep
 
-    def late(self: Keeper, graph: ComputationGraph) -> Kept:
+    def late(self: Keeper, graph: ComputationGraph) -> StoredState:
         written.wait(patient(20))
         return keep(self, graph)
 
@@ -178,7 +178,7 @@ def test_who_stops_while_the_store_is_written_leaves_it_whole(
     keep = Keeper.keep
     writing, go = threading.Event(), threading.Event()
 
-    def slowly(self: Keeper, graph: ComputationGraph, *, until: str | None = None) -> Kept:
+    def slowly(self: Keeper, graph: ComputationGraph, *, until: str | None = None) -> StoredState:
         if graph.nodes and until is None:
             with store.write("the watcher"):
                 writing.set()
@@ -211,7 +211,7 @@ def test_states_of_managed_nodes_are_told() -> None:
     """A changed state of a managed node is reported; a node without one is not."""
     before = ComputationGraph(2, (LiveNode("/base", state="inactive"), LiveNode("/laser")))
     after = ComputationGraph(2, (LiveNode("/base", state="active"), LiveNode("/laser")))
-    kept = Kept(None, {})
+    kept = StoredState(None, {})
     told = [list(_differences(one, after, kept, kept)) for one in (before, after)]
     assert [[(one.event, one.name, one.detail) for one in each] for each in told] == [
         [("state", "/base", "active")],

@@ -115,7 +115,7 @@ def test_definition_of_a_peer_does_not_change_a_standard_type() -> None:
     with pytest.raises(RobotError) as caught:
         types.define("a/A", f"std_msgs/String s\n{SEPARATOR}\nMSG: std_msgs/String\nint8 data")
     assert caught.value.code == "KG806"
-    assert not types.knows("a/A")
+    assert not types.has("a/A")
 
 
 def test_sum_keeps_the_text_of_constants() -> None:

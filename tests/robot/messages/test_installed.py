@@ -52,7 +52,7 @@ def test_the_first_prefix_counts(overlay: Path) -> None:
     put(overlay.with_name("below"), "own_msgs/msg/Gone.msg", "uint8 level\n")
     types = Types(2)
     assert [one.type for one in types.fields("own_msgs/Level")] == ["float32"]
-    assert not types.knows("own_msgs/Gone")
+    assert not types.has("own_msgs/Gone")
 
 
 def test_an_installed_version_replaces_that_of_kg(overlay: Path) -> None:
@@ -90,8 +90,8 @@ def test_a_definition_that_cannot_be_used(overlay: Path, text: str) -> None:
 def test_names_of_peers_lead_to_no_other_files(overlay: Path) -> None:
     """A name with a path in it is not looked up."""
     put(overlay, "../secret/msg/Level.msg", "uint8 level\n")
-    assert not Types(2).knows("../secret/Level")
-    assert not Types(1).knows("own_msgs/Level")
+    assert not Types(2).has("../secret/Level")
+    assert not Types(1).has("own_msgs/Level")
 
 
 def test_a_connection_reads_an_installed_type(overlay: Path) -> None:

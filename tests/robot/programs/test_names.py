@@ -6,7 +6,7 @@ import pytest
 from robot.programs.trolley import CAPABILITIES
 
 from kg.errors import RobotError
-from kg.robot.programs.names import Known, labelled, named
+from kg.robot.programs.names import CapabilityIndex, labelled, named
 from kg.robot.programs.parse import parse
 from kg.robot.programs.write import write
 
@@ -35,10 +35,10 @@ def test_labels_become_names_and_names_labels() -> None:
 @pytest.mark.parametrize("name", ["laserScanning", "laser scanning", "LaserScanning", "Scan with a laser"])
 def test_names_are_found_however_they_are_written(name: str) -> None:
     """Case and spaces are ignored, in names and in labels."""
-    assert Known(CAPABILITIES).read(name).name == "laserScanning"
+    assert CapabilityIndex(CAPABILITIES).read(name).name == "laserScanning"
 
 
 def test_the_other_way_is_told() -> None:
     """KG834 for writing a capability that can only be sensed."""
     with pytest.raises(RobotError, match="KG834"):
-        Known(CAPABILITIES).write("laserScanning")
+        CapabilityIndex(CAPABILITIES).write("laserScanning")

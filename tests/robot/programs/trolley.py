@@ -150,7 +150,7 @@ class Trolley:
                 limits = {"angle_min": -0.5, "angle_increment": 0.5, "range_max": 10.0}
                 await scan.publish({"ranges": ranges, **limits})
                 await asyncio.sleep(_STEP / 20)
-                self.clock.tell(self.clock.now() + _STEP)
+                self.clock.set_time(self.clock.now() + _STEP)
         finally:
             for task in listening:
                 task.cancel()
@@ -186,7 +186,7 @@ class Trolley:
 async def trolley(capabilities: Capabilities = CAPABILITIES) -> AsyncIterator[tuple[Trolley, Driver]]:
     """Yield a running trolley, with an open driver."""
     clock = SimulatedClock()
-    clock.tell(100.0)
+    clock.set_time(100.0)
     with Bus(uuid4().hex, clock=clock, types=Types(1)) as bus:
         node, face = bus.join("/trolley"), bus.join("/face")
         made = Trolley(node, clock)

@@ -77,7 +77,7 @@ def test_a_goal_that_nobody_waits_for_is_cancelled() -> None:
             one.node.clock = clock = SimulatedClock()  # so a busy machine causes no delay
             late = asyncio.ensure_future(one.send_goal("/count", "kg_test/Count", {"until": 1}, seconds=2))
             sent = [(await asyncio.wait_for(anext(goals), patient(10))).value["goal_id"]["id"]]
-            clock.tell(3.0)
+            clock.set_time(3.0)
             with pytest.raises(RobotError) as error:
                 await late
             assert error.value.code == "KG803"

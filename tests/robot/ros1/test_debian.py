@@ -320,7 +320,7 @@ publisher.publish(message)
 
     async def scene() -> None:
         async with joined(master) as kg:
-            assert not kg.types.knows("odd_msgs/Odd")
+            assert not kg.types.has("odd_msgs/Odd")
             came = await soon(first(await kg.subscribe("/odd")))
             assert came.value["inner"] == [{"value": 1.5}]
             assert came.node == "/odd"

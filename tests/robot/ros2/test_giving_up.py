@@ -53,7 +53,7 @@ def test_a_goal_that_nobody_waits_for_is_cancelled() -> None:
         one.clock = clock = SimulatedClock()  # type: ignore[misc]  # so that nothing is late because the machine is busy
         late = asyncio.ensure_future(one.send_goal("/count", "kg_test/Count", {"until": 1}, seconds=2))
         await _until(lambda: len(sent) == len(("late",)))
-        clock.tell(3.0)
+        clock.set_time(3.0)
         with pytest.raises(RobotError) as error:
             await late
         assert error.value.code == "KG803"

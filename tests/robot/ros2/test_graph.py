@@ -93,7 +93,7 @@ def test_a_quiet_graph_is_complete() -> None:
             watch.changed()
         changed = loop.time()
         with suppress(TimeoutError):
-            await asyncio.wait_for(watch.settled(), 1 if empty else patient(20))
+            await asyncio.wait_for(watch.wait_complete(), 1 if empty else patient(20))
         watch.close()
         assert changed - begun >= 0.8
         return watch.complete, loop.time() - changed

@@ -8,7 +8,7 @@ from search.compose.chaining import answer_of, interface, node, store_of
 from kg.errors import UnknownNameError
 from kg.facts import Role
 from kg.search.compose import Question, compose
-from kg.search.compose.asking import meant_types
+from kg.search.compose.asking import matching_types
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,13 +56,13 @@ def nodes(store: EmbeddedStore, source: str, target: str, *using: str, **more: i
 )
 def test_types_are_meant_in_several_spellings(name: str, types: list[str]) -> None:
     """A type is written in full, in the syntax of ROS 2 or C++, or by its last part, which may match several."""
-    assert meant_types(name, KNOWN) == tuple(types)
+    assert matching_types(name, KNOWN) == tuple(types)
 
 
 def test_a_type_that_is_not_there_gets_near_names() -> None:
     """KG705 contains similar names."""
     with pytest.raises(UnknownNameError, match="LazerScan") as caught:
-        meant_types("LazerScan", KNOWN)
+        matching_types("LazerScan", KNOWN)
     assert caught.value.code == "KG705"
     assert "LaserScan" in (caught.value.hint or "")
 

@@ -55,7 +55,7 @@ async def scene(number: int) -> dict[str, Any]:
                         break
         finally:
             await tester.aclose()
-        return session.told()
+        return session.status()
 
 
 def test_programs_run_and_stop_over_dds() -> None:
@@ -81,7 +81,7 @@ def test_what_an_inactive_node_would_do_is_told_as_not_available() -> None:
         async with Session(f"dds://{number}?settle=1", load({}, environment={})) as session:
 
             def why() -> list[str | None]:
-                known = session.told()["capabilities"]
+                known = session.status()["capabilities"]
                 return [one.get("unavailable") for one in known if one["name"] == "drivingAtVelocity"]
 
             while why() != ["/base is inactive"]:  # noqa: ASYNC110 - nothing tells it

@@ -107,7 +107,7 @@ def test_the_robot_is_told_with_reasons() -> None:
 
     async def ask() -> dict[str, Any]:
         async with met() as (session, _):
-            return session.told()
+            return session.status()
 
     found = asyncio.run(ask())
     assert (found["state"], found["problem"], found["view"]) == ("connected", None, "/robot/view")
@@ -137,7 +137,7 @@ def test_why_it_can_is_proven_down_to_the_node_that_was_seen() -> None:
                 await session.why("brewing")
             codes.append(error.value.code)
             rover.bus.cut("/kg_page", "the cable broke")
-            await until(lambda: session.told()["state"] == "lost")
+            await until(lambda: session.status()["state"] == "lost")
             with pytest.raises(RobotError) as error:
                 await session.why("drivingAtVelocity")
             assert leaves(after[1]["proofs"][0]) == leaves(before["proofs"][0]), "the base was seen as long as before"
@@ -227,7 +227,7 @@ def test_a_program_goes_on_without_pages_until_it_is_stopped() -> None:
             goes_on = not still(rover)
             await session.stop()
             await until(lambda: still(rover))
-            return goes_on, session.told()["program"]["state"], still(rover)
+            return goes_on, session.status()["program"]["state"], still(rover)
 
     assert asyncio.run(run()) == (True, "stopped", True)
 
@@ -391,7 +391,7 @@ def test_what_goes_on_when_the_robot_can_do_more() -> None:
             await until(lambda: session.capabilities != more, 30)
             told(page, "value")
             await until(lambda: bool(told(page, "value")))
-            return session.told()["program"]["state"], set(rover.commands)
+            return session.status()["program"]["state"], set(rover.commands)
 
     assert asyncio.run(go_on()) == ("running", {(0.5, 0.0)})
 
@@ -414,7 +414,7 @@ def test_a_program_whose_capability_is_gone_is_told_so() -> None:
             with_laser = session.capabilities
             rover.bus.cut("/laser", "it was switched off")
             await until(lambda: session.capabilities != with_laser, 30)
-            await until(lambda: session.told()["program"]["state"] == "failed")
+            await until(lambda: session.status()["program"]["state"] == "failed")
             await until(lambda: still(rover))
             events = await hears(page, lambda found: "failed" in states(found, "program") and any(map(unread, found)))
             await laser(session, rover)
@@ -444,7 +444,7 @@ def test_nodes_that_are_dead_are_told_at_the_block() -> None:
             rover.bus.changed()
             await until(lambda: bool(told(page, "robot")), 30)
             asked = judged(None, "drivingAtVelocity forward: 0.1 for 1 s @w", session.robot)
-            return asked["problems"], session.told()["doubts"]
+            return asked["problems"], session.status()["doubts"]
 
     (problem,), doubted = asyncio.run(die())
     assert (problem["id"], problem["severity"], problem["code"]) == ("w", "warning", "KG811")
@@ -465,7 +465,7 @@ def test_a_defect_reaches_the_page(monkeypatch: pytest.MonkeyPatch, caplog: pyte
             session.do(page.identity, "drivingAtVelocity", DRIVE, 1)
             await until(lambda: not session._hands.busy)
             await session.run(parse("drivingAtVelocity forward: 0.1 for 1 s"))
-            await until(lambda: session.told()["program"]["state"] == "failed")
+            await until(lambda: session.status()["program"]["state"] == "failed")
             monkeypatch.setattr(Driver, "read", lambda *_: Broken())
             session.follow(page.identity, ["sensingPose"])
             events = await hears(page, lambda found: any(one.get("event") == "value" for one in found))
@@ -501,11 +501,11 @@ def test_steps_and_values_of_a_program_are_told() -> None:
         async with met() as (session, _):
             page = session.listen()
             await session.run(parse('if x of sense its pose < 5 m then\n  log "near"\n  wait for 0.3 s\nend'))
-            await until(lambda: session.told()["program"]["state"] == "done")
+            await until(lambda: session.status()["program"]["state"] == "done")
             events = []
             while not page.waiting.empty():
                 events.append(page.waiting.get_nowait())
-            return [event for event in events if event], session.told()["program"]["state"]
+            return [event for event in events if event], session.status()["program"]["state"]
 
     events, state = asyncio.run(run())
     assert state == "done"
@@ -522,7 +522,7 @@ def test_what_is_stopped_before_it_began_does_not_go_on_for_pages() -> None:
             page = session.listen()
             await session.run(parse("wait for 60 s"))
             await session.stop()
-            state = session.told()["program"]["state"]
+            state = session.status()["program"]["state"]
             programs = [event["state"] for event in told(page, "program")]
             session.do(page.identity, "drivingAtVelocity", DRIVE, 60)
             await session.stop()
@@ -539,17 +539,17 @@ def test_a_robot_that_comes_later_is_met() -> None:
     async def wait() -> tuple[str, str, str]:
         name = uuid4().hex
         async with Session(f"memory://{name}", load({}, environment={})) as session:
-            await until(lambda: session.told()["problem"] is not None)
-            before = session.told()["state"]
+            await until(lambda: session.status()["problem"] is not None)
+            before = session.status()["state"]
             with pytest.raises(RobotError) as error:
                 await session.run(parse("wait for 1 s"))
             rover = Rover(name)
             await rover.start()
             try:
-                await until(lambda: session.told()["state"] == "connected", 30)
-                met_at_last = session.told()["state"]
+                await until(lambda: session.status()["state"] == "connected", 30)
+                met_at_last = session.status()["state"]
                 rover.bus.cut("/kg_page", "the cable broke")
-                await until(lambda: session.told()["state"] == "lost")
+                await until(lambda: session.status()["state"] == "lost")
             finally:
                 await rover.stop()
             return before, error.value.code, met_at_last
@@ -572,9 +572,9 @@ def test_a_defect_does_not_freeze_the_page(monkeypatch: pytest.MonkeyPatch, capl
         name = uuid4().hex
         try:
             async with Session(f"rover://{name}", load({}, environment={})) as session:
-                await until(lambda: session.told()["problem"] is not None, 30)
-                code = session.told()["problem"]["code"]
-                await until(lambda: session.told()["state"] == "connected", 30)
+                await until(lambda: session.status()["problem"] is not None, 30)
+                code = session.status()["problem"]["code"]
+                await until(lambda: session.status()["state"] == "connected", 30)
                 return str(code)
         finally:
             await Rover.known[name].stop()

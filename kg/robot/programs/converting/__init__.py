@@ -9,7 +9,7 @@ from kg.robot.programs.converting.code import Dialect, Names
 from kg.robot.programs.converting.members import Members
 from kg.robot.programs.converting.node import module
 from kg.robot.programs.converting.statements import Code
-from kg.robot.programs.names import Known
+from kg.robot.programs.names import CapabilityIndex
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,6 +53,6 @@ def convert(
     refuse_errors(program, capabilities, place)
     names = Names(*_METHODS, *_OF_SIGNALS, *_OF_A_NODE, *_IN_METHODS)
     members = Members(Dialect(to), names)
-    code = Code(members, Known(capabilities), kinds_of(program, capabilities), program, place)
+    code = Code(members, CapabilityIndex(capabilities), kinds_of(program, capabilities), program, place)
     run = code.sequence(program.body, "/body")
     return module(program, members, code.used, run)

@@ -21,14 +21,14 @@ _ARTICLES: Final = {"topic": "a topic", "service": "a service", "action": "an ac
 
 def snake(text: str) -> str:
     """Return a text as the name of a function or variable."""
-    made = "_".join(part.lower() for part in _WORD_ENDS.split(text) if part) or "thing"
-    return f"_{made}" if made[0].isdigit() else made
+    words = "_".join(part.lower() for part in _WORD_ENDS.split(text) if part) or "thing"
+    return f"_{words}" if words[0].isdigit() else words
 
 
 def camel(text: str) -> str:
     """Return a text as the name of a class."""
-    made = "".join(part.capitalize() for part in snake(text).split("_"))
-    return made if made[:1].isalpha() else f"Program{made}"
+    words = "".join(part.capitalize() for part in snake(text).split("_"))
+    return words if words[:1].isalpha() else f"Program{words}"
 
 
 def plain(text: str) -> str:
@@ -56,11 +56,11 @@ class Names:
         return self._given[kind, text]
 
     def _free(self, name: str) -> str:
-        found, number = name, 2
-        while found in self._taken or keyword.iskeyword(found) or keyword.issoftkeyword(found):
-            found, number = f"{name}_{number}", number + 1
-        self._taken.add(found)
-        return found
+        candidate, number = name, 2
+        while candidate in self._taken or keyword.iskeyword(candidate) or keyword.issoftkeyword(candidate):
+            candidate, number = f"{name}_{number}", number + 1
+        self._taken.add(candidate)
+        return candidate
 
 
 class Pieces:

@@ -68,7 +68,7 @@ class Reading:
         self.helpers |= {helper, *_NEEDS.get(helper, ())}
 
     def _call(self, call: Call, root: str) -> str:
-        first, *rest = call.arguments
+        first, *others = call.arguments
         match call.function:
             case "yaw" | "pitch" | "roll":
                 self._need(call.function)
@@ -81,20 +81,20 @@ class Reading:
             case "first":
                 return f"next(iter({self.of(first, root)}), None)"
             case "minimum" | "maximum":
-                found = self.of(first, root)
+                operand = self.of(first, root)
                 if self.kind.endswith(_SCAN):
                     self._need("valid")
-                    found = f"valid({root}, {found})"
-                return f"{call.function[:3]}({found}, default=math.nan)"
+                    operand = f"valid({root}, {operand})"
+                return f"{call.function[:3]}({operand}, default=math.nan)"
             case "at":
                 self._need("reading")
-                return f"reading({root}, {', '.join(self.of(one, root) for one in rest)})"
+                return f"reading({root}, {', '.join(self.of(one, root) for one in others)})"
             case "nearest":
                 self._need("length")
-                distance = f"length({self.of(rest[0], 'one')})"
+                distance = f"length({self.of(others[0], 'one')})"
                 return f"min({self.of(first, root)}, key=lambda one: {distance}, default=None)"
             case "scaled":
-                return f"{self.of(first, root)} * {self.of(rest[0], root)}"
+                return f"{self.of(first, root)} * {self.of(others[0], root)}"
         raise RobotError("KG839", f"no code is made for `{call}`")
 
 
@@ -145,13 +145,13 @@ _ARGUMENTS: Final = frozenset({"self", "seconds", "within", "message", "request"
 class Members:
     """The members of a node for the capabilities used so far.
 
-    `made` are statements of the constructor, `connect` and `halt` those of the methods of these names, `methods` whole
-    methods, and `classes` imports of messages.
+    `create` has statements of the constructor, `connect` and `halt` those of the methods of these names, `methods`
+    whole methods, and `classes` imports of messages.
     """
 
     dialect: Dialect
     names: Names
-    made: list[str] = field(default_factory=list)
+    create: list[str] = field(default_factory=list)
     connect: list[str] = field(default_factory=list)
     halt: list[str] = field(default_factory=list)
     methods: list[str] = field(default_factory=list)
@@ -159,7 +159,7 @@ class Members:
     helpers: set[str] = field(default_factory=set)
     goals: bool = False
     topics: bool = False
-    _known: dict[str, Any] = field(default_factory=dict)
+    _names_by_key: dict[str, Any] = field(default_factory=dict)
     _types: Types = field(init=False)
 
     def __post_init__(self) -> None:
@@ -170,8 +170,8 @@ class Members:
         """Return the call that reads a parameter, and add its method on first use."""
         key = f"{capability.name} {parameter.name}"
         name = self.names.of("read", key, f"{snake(capability.name)}_{snake(parameter.name)}")
-        if key not in self._known:
-            self._known[key] = name
+        if key not in self._names_by_key:
+            self._names_by_key[key] = name
             self._reader(name, capability, parameter)
         return f"self.{name}()"
 
@@ -186,7 +186,7 @@ class Members:
         if unit.factor != 1:
             expression = f"{expression} * {unit.factor!r}"
         self.helpers |= reading.helpers
-        source = self._newest(way) if way.kind == "topic" else self._asked(way)
+        source = self._newest(way) if way.kind == "topic" else self._response(way)
         shown = f" in {parameter.unit}" if parameter.unit and unit.factor == 1 else ""
         self._add(
             "reader",
@@ -205,36 +205,36 @@ class Members:
     def _newest(self, way: Way) -> str:
         """Return the method that returns the newest message of a topic."""
         key = f"newest {way.name}"
-        if key not in self._known:
-            held = self.names.of("message", way.name)
+        if key not in self._names_by_key:
+            message = self.names.of("message", way.name)
             callback = self.names.of("callback", way.name, f"on_{snake(way.name)}")
-            self._known[key] = self.names.of("newest", way.name, f"newest_{snake(way.name)}")
+            self._names_by_key[key] = self.names.of("newest", way.name, f"newest_{snake(way.name)}")
             kind = way.type.rpartition("/")[2]
             self.topics = True
             self.classes += self.dialect.of_way("classes of", way)
-            self.made += [f"self.{held}: {kind} | None = None"]
-            self.made += self.dialect.of_way("subscriber", way, attribute=callback)
-            newest = str(self._known[key])
-            self._add("newest", callback=callback, kind=kind, topic=way.name, held=held, newest=newest)
-        return str(self._known[key])
+            self.create += [f"self.{message}: {kind} | None = None"]
+            self.create += self.dialect.of_way("subscriber", way, attribute=callback)
+            newest = str(self._names_by_key[key])
+            self._add("newest", callback=callback, kind=kind, topic=way.name, held=message, newest=newest)
+        return str(self._names_by_key[key])
 
-    def _asked(self, way: Way) -> str:
+    def _response(self, way: Way) -> str:
         """Return the method that returns the response of a service."""
         key = f"ask {way.name}"
-        if key not in self._known:
+        if key not in self._names_by_key:
             client = self._client(way)
-            self._known[key] = self.names.of("ask", way.name, f"ask_{snake(way.name)}")
+            self._names_by_key[key] = self.names.of("ask", way.name, f"ask_{snake(way.name)}")
             call = indented(self.dialect.lines("call", attribute=client))
             request = "\n".join(self.dialect.of_way("message of", way))
-            method = str(self._known[key])
+            method = str(self._names_by_key[key])
             self._add("asked", method=method, service=way.name, request=request, call="\n".join(call))
-        return str(self._known[key])
+        return str(self._names_by_key[key])
 
     @staticmethod
     def argument(name: str) -> str:
         """Return the argument name of a parameter."""
-        made = snake(name)
-        return f"{made}_" if keyword.iskeyword(made) or made in _ARGUMENTS else made
+        word = snake(name)
+        return f"{word}_" if keyword.iskeyword(word) or word in _ARGUMENTS else word
 
     def do(self, capability: Capability, given: tuple[str, ...]) -> tuple[str, str]:
         """Return the method that executes a capability with these parameters; it is a `move`, `once` or `reach`."""
@@ -243,26 +243,26 @@ class Members:
         way = choose(list(capability.ways), given, None, reads=False)
         key = f"do {capability.name}"
         how = "reach" if way.kind == "action" else "move" if way.kind == "topic" and way.rate > 0 else "once"
-        if key not in self._known:
-            self._known[key] = self.names.of("do", key, capability.label)
-            self._doer(str(self._known[key]), capability, way, given, how)
-        return str(self._known[key]), how
+        if key not in self._names_by_key:
+            self._names_by_key[key] = self.names.of("do", key, capability.label)
+            self._doer(str(self._names_by_key[key]), capability, way, given, how)
+        return str(self._names_by_key[key]), how
 
     def _doer(self, name: str, capability: Capability, way: Way, given: tuple[str, ...], how: str) -> None:
         dialect, label = self.dialect, plain(capability.label)
         root = {"topic": "message", "service": "request", "action": "goal"}[way.kind]
-        known = {parameter.name: parameter for parameter in capability.parameters}
+        parameters = {parameter.name: parameter for parameter in capability.parameters}
         arguments = ["self", *(["seconds: float"] if how == "move" else [])]
         named = []
-        for parameter in (known[one] for one in given):
+        for parameter in (parameters[one] for one in given):
             default = "" if parameter.default is None else f" = {_default(parameter)}"
             named.append(f"{self.argument(parameter.name)}: {_TYPES[parameter.type]}{default}")
         named += ["within: float = math.inf"] if how == "reach" else []
         arguments += ["*", *named] if named else []
-        made = "\n".join(dialect.of_way("message of", way))
-        body = [f"{root} = {made}", *self._fields(capability, way, given, root)]
+        message = "\n".join(dialect.of_way("message of", way))
+        body = [f"{root} = {message}", *self._fields(capability, way, given, root)]
         if how == "move":
-            body += self._moving(way, made)
+            body += self._moving(way, message)
         elif how == "reach":
             self.goals = True
             body += dialect.lines("reach", attribute=self._client(way), label=label)
@@ -279,7 +279,7 @@ class Members:
     def _fields(self, capability: Capability, way: Way, given: tuple[str, ...], root: str) -> list[str]:
         """Return the statements that fill a message."""
         lines = []
-        if way.kind == "topic" and any(one.type == "std_msgs/Header" for one in self._told(way.type)[:1]):
+        if way.kind == "topic" and any(one.type == "std_msgs/Header" for one in self._fields_of(way.type)[:1]):
             lines += self.dialect.lines("stamp", target=f"{root}.header.stamp")
         for place, value in way.constants.items():
             lines += setting(parse(place), _literal(value), root)
@@ -299,24 +299,24 @@ class Members:
         if parameter.type != "number" or not isinstance(path, Field):
             return name
         sent = way.type + _GIVEN[way.kind]
-        kind = type_at(path, self._types, sent) if self._types.knows(sent) else None
+        kind = type_at(path, self._types, sent) if self._types.has(sent) else None
         whole = kind is not None and "int" in kind
         return f"round({name})" if whole else self.dialect.text("real number", value=name)
 
-    def _told(self, message: str) -> tuple[FieldOfMessage, ...]:
+    def _fields_of(self, message: str) -> tuple[FieldOfMessage, ...]:
         """Return the fields of a message; none if its type is unknown."""
-        return self._types.fields(message) if self._types.knows(message) else ()
+        return self._types.fields(message) if self._types.has(message) else ()
 
-    def _moving(self, way: Way, made: str) -> list[str]:
+    def _moving(self, way: Way, message: str) -> list[str]:
         publisher = self._publisher(way)
-        halt = f"self.{publisher}.publish({made})"
+        halt = f"self.{publisher}.publish({message})"
         if halt not in self.halt:
             self.halt.append(halt)
         return COMMON.lines("moving", publisher=publisher, period=f"{1 / way.rate:.6g}", halt=halt)
 
     def _called(self, way: Way, label: str) -> list[str]:
         client = self._client(way)
-        if "success" not in [one.name for one in self._told(f"{way.type}_Response")]:
+        if "success" not in [one.name for one in self._fields_of(f"{way.type}_Response")]:
             return self.dialect.lines("call without response", attribute=client)
         body = self.dialect.lines("call", attribute=client)
         return [*body, "if not response.success:", f'    raise RuntimeError("could not {label}")']
@@ -330,12 +330,12 @@ class Members:
     def _end(self, way: Way, kind: str, piece: str) -> str:
         """Return the attribute of the publisher or client of an interface, and create it on first use."""
         key = f"{kind} {way.name}"
-        if key not in self._known:
-            attribute = self._known[key] = self.names.of(kind, way.name)
+        if key not in self._names_by_key:
+            attribute = self._names_by_key[key] = self.names.of(kind, way.name)
             self.classes += self.dialect.of_way("classes of", way)
-            self.made += self.dialect.of_way(piece, way, attribute=attribute)
+            self.create += self.dialect.of_way(piece, way, attribute=attribute)
             self.connect += self.dialect.of_way("connect to", way, attribute=attribute)
-        return str(self._known[key])
+        return str(self._names_by_key[key])
 
 
 def _default(parameter: Parameter) -> str:

@@ -55,7 +55,7 @@ def _imports(members: Members, used: set[str], code: str) -> str:
     return "\n".join(["from __future__ import annotations", "", *standard, "", *plain_ones, *others])
 
 
-def _class(program: Program, members: Members, used: set[str], run: list[str], made: str) -> str:
+def _class(program: Program, members: Members, used: set[str], run: list[str], name_of_class: str) -> str:
     dialect = members.dialect
     parallel = bool(used & {*_PARALLEL})
     limited = program.seconds is not None
@@ -78,11 +78,11 @@ def _class(program: Program, members: Members, used: set[str], run: list[str], m
         methods += ["", *COMMON.lines(piece)]
     begin = [f"self.deadline = self.now() + {program.seconds!r}"] if limited else []
     halt = ["self.over = True", *members.halt, "time.sleep(0.2)  # until it has been sent"]
-    bodies = {"made": constructor + members.made, "connect": members.connect, "halt": halt, "run": begin + run}
+    bodies = {"made": constructor + members.create, "connect": members.connect, "halt": halt, "run": begin + run}
     inner = {name: "\n".join(["", *indented(lines, 2)]) for name, lines in bodies.items()}
     return COMMON.text(
         "class",
-        name=made,
+        name=name_of_class,
         base=dialect.text("base"),
         sentence=_sentence(program),
         methods="\n".join(indented(methods)),

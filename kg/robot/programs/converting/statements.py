@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from kg.errors import Place, RobotError
 from kg.robot.programs import kinds, tree
 from kg.robot.programs.converting.code import indented
-from kg.robot.programs.names import Known, takes_place
+from kg.robot.programs.names import CapabilityIndex, takes_place
 from kg.robot.programs.units import described, unit_of
 
 if TYPE_CHECKING:
@@ -129,8 +129,8 @@ class Code:
     def __init__(
         self,
         members: Members,
-        known: Known,
-        told: kinds.Kinds,
+        index: CapabilityIndex,
+        typed: kinds.Kinds,
         program: tree.Program,
         place: Callable[[str], Place] | None,
     ) -> None:
@@ -139,13 +139,13 @@ class Code:
         every = [statement for _, statement in tree.statements(program.body)]
         self._shared = any(isinstance(one, tree.Parallel | tree.OnEvent) for one in every)
         self._members = members
-        self._known = known
+        self._index = index
         self._names = members.names
         self._place = place
-        self._kinds = told
-        self._said = _said(every)
-        self._given = _given(every, known, self._said)
-        self._expressions = Expressions(told, self._variable, self._read)
+        self._kinds = typed
+        self._components = _assigned_components(every)
+        self._given = _given(every, index, self._components)
+        self._expressions = Expressions(typed, self._variable, self._read)
 
     def sequence(self, body: tuple[tree.Statement, ...], path: str) -> list[str]:
         """Return the lines of statements; RobotError KG839 at the first one without generated code."""
@@ -162,12 +162,12 @@ class Code:
         return lines or ["pass"]
 
     def _variable(self, name: str) -> str:
-        made = self._names.of("variable", name)
-        return f"self.{made}" if self._shared else made
+        variable = self._names.of("variable", name)
+        return f"self.{variable}" if self._shared else variable
 
     def _read(self, read: tree.Read) -> str:
-        capability = self._known.read(read.capability)
-        return self._members.read(capability, self._known.parameter(capability, read.parameter))
+        capability = self._index.read(read.capability)
+        return self._members.read(capability, self._index.parameter(capability, read.parameter))
 
     def _statement(self, statement: tree.Statement, path: str) -> list[str]:
         of = self._expressions.of
@@ -215,8 +215,8 @@ class Code:
             case ():
                 return lines
             case (tree.If(comment="") as chained,):
-                first, *rest = self._if(chained, f"{path}/otherwise/0")
-                return [*lines, f"el{first}", *rest]
+                first, *following = self._if(chained, f"{path}/otherwise/0")
+                return [*lines, f"el{first}", *following]
             case otherwise:
                 return [*lines, "else:", *self._body(otherwise, f"{path}/otherwise")]
 
@@ -236,7 +236,7 @@ class Code:
         return f"for {variable} in counted({', '.join(self._expressions.of(one) for one in parts)}):"
 
     def _do(self, statement: tree.Do) -> str:
-        capability = self._known.write(statement.capability)
+        capability = self._index.write(statement.capability)
         given = self._arguments(capability, statement)
         ordered = [one for one in capability.parameters if one.name in given]
         method, how = self._members.do(capability, self._given[capability.name])
@@ -251,22 +251,22 @@ class Code:
 
     def _arguments(self, capability: Capability, statement: tree.Do) -> dict[str, str]:
         """Return arguments by parameter; explicit arguments override those of a place."""
-        found: dict[str, str] = {}
+        arguments: dict[str, str] = {}
         for name, value in statement.arguments.items():
             if takes_place(capability, name):
-                found = {**self._of_place(capability, value), **found}
+                arguments = {**self._of_place(capability, value), **arguments}
             else:
-                parameter = self._known.parameter(capability, name)
-                found[parameter.name] = self._argument(parameter, value)
-        return found
+                parameter = self._index.parameter(capability, name)
+                arguments[parameter.name] = self._argument(parameter, value)
+        return arguments
 
     def _of_place(self, capability: Capability, place: tree.Expression) -> dict[str, str]:
-        known = {one.name: one for one in capability.parameters}
+        parameters = {one.name: one for one in capability.parameters}
         if isinstance(place, tree.Position):
             parts = place.parts().items()
-            return {name: self._argument(known[name], one) for name, one in parts if name in known}
+            return {name: self._argument(parameters[name], one) for name, one in parts if name in parameters}
         shown = self._expressions.of(place)
-        return {name: f"{shown}.{name}" for name in self._said if name in known}
+        return {name: f"{shown}.{name}" for name in self._components if name in parameters}
 
     def _argument(self, parameter: Parameter, value: tree.Expression) -> str:
         """Return an argument in the unit of its parameter."""
@@ -295,11 +295,11 @@ class Code:
 
     def _parallel(self, statement: tree.Parallel, path: str) -> list[str]:
         self.used.add("together")
-        made = [
+        parts = [
             self._part("part", branch, f"{path}/branches/{number}") for number, branch in enumerate(statement.branches)
         ]
-        lines = [line for _, part in made for line in part]
-        return ["", *lines, f"self.together({', '.join(name for name, _ in made)})"]
+        lines = [line for _, part in parts for line in part]
+        return ["", *lines, f"self.together({', '.join(name for name, _ in parts)})"]
 
     def _on_event(self, statement: tree.OnEvent, path: str) -> list[str]:
         method = "as_soon_as" if statement.end else "whenever"
@@ -310,24 +310,24 @@ class Code:
         return ["", *reaction, *work, f"self.{method}(lambda: {condition}, {then}, {body})"]
 
 
-def _said(every: list[tree.Statement]) -> set[str]:
+def _assigned_components(every: list[tree.Statement]) -> set[str]:
     """Return the components that any place in the program sets."""
     parts = (part for one in every for _, expression in tree.expressions_of(one) for part in tree.parts_of(expression))
     return {name for part in parts if isinstance(part, tree.Position) for name in part.parts()}
 
 
-def _given(every: list[tree.Statement], known: Known, said: set[str]) -> dict[str, tuple[str, ...]]:
+def _given(every: list[tree.Statement], index: CapabilityIndex, components: set[str]) -> dict[str, tuple[str, ...]]:
     """Return the parameters that a program passes to each capability anywhere, in their order."""
-    found: dict[str, set[str]] = {}
+    by_name: dict[str, set[str]] = {}
     order: dict[str, tuple[Parameter, ...]] = {}
     for statement in every:
         if isinstance(statement, tree.Do):
-            capability = known.write(statement.capability)
+            capability = index.write(statement.capability)
             order[capability.name] = capability.parameters
-            given = found.setdefault(capability.name, set())
+            given = by_name.setdefault(capability.name, set())
             for name in statement.arguments:
-                given.update(said if takes_place(capability, name) else {known.parameter(capability, name).name})
-    return {name: tuple(one.name for one in order[name] if one.name in given) for name, given in found.items()}
+                given.update(components if takes_place(capability, name) else {index.parameter(capability, name).name})
+    return {name: tuple(one.name for one in order[name] if one.name in given) for name, given in by_name.items()}
 
 
 def _whole(expression: tree.Expression) -> int | None:

@@ -16,7 +16,7 @@ from kg.errors import RobotError
 from kg.robot.programs import tree
 from kg.robot.programs.check import kinds_of, refuse_errors
 from kg.robot.programs.kinds import constant
-from kg.robot.programs.names import AT, Known, takes_place
+from kg.robot.programs.names import AT, CapabilityIndex, takes_place
 from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, counted, identifier, number, reading, script
 from kg.robot.programs.units import described
 from kg.robot.programs.write import headline
@@ -63,9 +63,9 @@ def behavior_tree(
 
 
 def _node(tag: str, /, *children: _Element, **attributes: str) -> _Element:
-    made = etree.Element(tag, attributes)
-    made.extend(children)
-    return made
+    element = etree.Element(tag, attributes)
+    element.extend(children)
+    return element
 
 
 def _flag(name: str, value: str) -> _Element:
@@ -87,10 +87,10 @@ def _milliseconds(seconds: tree.Expression) -> str:
     always = constant(seconds)
     if always is None:
         raise ScriptError("a time of a behaviour tree is a number, not a calculation")
-    found = round(always.value * 1000)
-    if abs(found - always.value * 1000) > _SLACK or not 0 < found < 1 << 32:
+    rounded = round(always.value * 1000)
+    if abs(rounded - always.value * 1000) > _SLACK or not 0 < rounded < 1 << 32:
         raise ScriptError("a time of a behaviour tree is a whole number of milliseconds")
-    return str(found)
+    return str(rounded)
 
 
 class _Tree:
@@ -99,9 +99,9 @@ class _Tree:
     def __init__(self, program: tree.Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
         self._program = program
         self._place = place
-        self._known = Known(capabilities)
+        self._index = CapabilityIndex(capabilities)
         self._kinds = kinds_of(program, capabilities)
-        self._bare = Bare(self._known, self._kinds)
+        self._bare = Bare(self._index, self._kinds)
         self._used: dict[str, tuple[Capability, bool]] = {}
         self._logs = False
         self._numbers = count(1)
@@ -152,15 +152,15 @@ class _Tree:
 
     def _statement(self, statement: tree.Statement, path: str) -> _Element:
         try:
-            made = self._made(statement, path)
+            element = self._element(statement, path)
         except ScriptError as error:
             raise self._refused(str(error), path) from error
         except ValueError as error:
             raise self._refused("XML has no such characters", path) from error
-        self._note(made, headline(statement), statement.comment, path)
-        return made
+        self._note(element, headline(statement), statement.comment, path)
+        return element
 
-    def _made(self, statement: tree.Statement, path: str) -> _Element:
+    def _element(self, statement: tree.Statement, path: str) -> _Element:
         bare = self._bare.head(statement)
         match bare:
             case tree.Do():
@@ -194,22 +194,26 @@ class _Tree:
         """Record the names of the variables of a statement; ScriptError on a clash."""
         used = [name for _, one in tree.expressions_of(statement) for name in tree.variables_of(one)]
         for name in [*used, *([statement.variable] if isinstance(statement, tree.Set | tree.For) else [])]:
-            made = identifier(name)
-            if self._names.setdefault(made, name) != name or made.startswith(OWN) or made.lower() in {"true", "false"}:
+            short = identifier(name)
+            if (
+                self._names.setdefault(short, name) != name
+                or short.startswith(OWN)
+                or short.lower() in {"true", "false"}
+            ):
                 raise ScriptError(f"the variable `{name}` needs a name of its own, of letters, digits and `_`")
         return ""
 
     def _reading(self, expressions: Iterable[tree.Expression], node: _Element, *before: _Element) -> _Element:
         """Return nodes that read the inputs of expressions, then act."""
-        found: dict[str, dict[str, str]] = {}
+        ports_by_capability: dict[str, dict[str, str]] = {}
         for expression in expressions:
             for capability, parameter in _read_by(expression):
                 name = reading(capability, parameter)
                 if name in self._names:
                     raise ScriptError(f"the variable `{name}` has the name of a reading")
-                found.setdefault(capability, {})[port(parameter)] = f"{{{name}}}"
-                self._use(self._known.read(capability), done=False)
-        reads = [_node(capability, **ports) for capability, ports in found.items()]
+                ports_by_capability.setdefault(capability, {})[port(parameter)] = f"{{{name}}}"
+                self._use(self._index.read(capability), done=False)
+        reads = [_node(capability, **ports) for capability, ports in ports_by_capability.items()]
         return _node("Sequence", *reads, *before, node) if reads or before else node
 
     def _use(self, capability: Capability, *, done: bool) -> None:
@@ -222,7 +226,7 @@ class _Tree:
     def _set(self, statement: tree.Set) -> _Element:
         name, value = statement.variable, statement.value
         if isinstance(value, tree.Read):
-            self._use(self._known.read(value.capability), done=False)
+            self._use(self._index.read(value.capability), done=False)
             return _node(value.capability, **{port(value.parameter): f"{{{name}}}"})
         code = f"'{_place(value)}'" if isinstance(value, tree.Position) else script(value)
         if isinstance(value, tree.Written) and isinstance(value.value, str) and PLACE.fullmatch(value.value):
@@ -230,7 +234,7 @@ class _Tree:
         return self._reading([value], _node("Script", code=f"{name} := {code}"))
 
     def _do(self, statement: tree.Do) -> _Element:
-        capability = self._known.write(statement.capability)
+        capability = self._index.write(statement.capability)
         self._use(capability, done=True)
         ports, before = {}, []
         needed: list[tree.Expression] = []
@@ -268,8 +272,8 @@ class _Tree:
                 return f"{{{variable}}}", []
             case tree.Read():
                 return f"{{{reading(value.capability, value.parameter)}}}", []
-        made = f"{OWN}{capability}_{name}"
-        return f"{{{made}}}", [_node("Script", code=f"{made} := {script(value)}")]
+        port_name = f"{OWN}{capability}_{name}"
+        return f"{{{port_name}}}", [_node("Script", code=f"{port_name} := {script(value)}")]
 
     def _log(self, statement: tree.Log, original: tree.Statement) -> _Element:
         self._logs = True
@@ -302,28 +306,28 @@ class _Tree:
                 turn = _node("IfThenElse", self._condition(statement.condition), body, _left(flag))
                 return _leavable(flag, _node("KeepRunningUntilFailure", turn))
             case tree.Forever():
-                made = _node("KeepRunningUntilFailure", body)
+                element = _node("KeepRunningUntilFailure", body)
             case tree.Repeat():
                 times, before = self._given("repeat", "times", statement.times)
-                made = _node("Repeat", body, num_cycles=times)
+                element = _node("Repeat", body, num_cycles=times)
             case tree.For():
                 numbers = counted(statement)
                 if numbers is None:
                     raise ScriptError("a loop of a behaviour tree counts from number to number, and has no lists")
                 queue = ";".join(number(one) for one in numbers)
-                made = _node("LoopDouble", body, queue=queue, value=f"{{{statement.variable}}}")
-        made = _leavable(flag, made) if leaves else made
+                element = _node("LoopDouble", body, queue=queue, value=f"{{{statement.variable}}}")
+        element = _leavable(flag, element) if leaves else element
         needed = [statement.times] if isinstance(statement, tree.Repeat) else []
-        return self._reading(needed, made, *before)
+        return self._reading(needed, element, *before)
 
     def _wait_until(self, statement: tree.WaitUntil, path: str) -> _Element:
         poll = _node("Delay", self._condition(statement.condition), delay_msec=str(POLL))
-        made = _node("RetryUntilSuccessful", poll, num_attempts="-1")
+        element = _node("RetryUntilSuccessful", poll, num_attempts="-1")
         if statement.seconds is not None:
-            made = _node("Timeout", made, msec=_milliseconds(statement.seconds))
+            element = _node("Timeout", element, msec=_milliseconds(statement.seconds))
         if statement.otherwise is None:
-            return made
-        return _node("Fallback", made, self._body(statement.otherwise, f"{path}/otherwise"))
+            return element
+        return _node("Fallback", element, self._body(statement.otherwise, f"{path}/otherwise"))
 
     def _on_event(self, statement: tree.OnEvent, path: str) -> _Element:
         if not statement.end:
@@ -375,29 +379,29 @@ def _read_by(expression: tree.Expression) -> Iterator[tuple[str, str]]:
 
 def _model_port(tag: str, parameter: Parameter) -> _Element:
     unit = f", in {parameter.unit}" if parameter.unit else ""
-    made = _described(tag, port(parameter.name), _TYPES[parameter.type], f"{parameter.label}{unit}")
+    element = _described(tag, port(parameter.name), _TYPES[parameter.type], f"{parameter.label}{unit}")
     if parameter.default is not None and tag == "input_port":
         default = parameter.default
         texts = {True: "true", False: "false"}
-        made.set("default", texts[default] if isinstance(default, bool) else str(default))
-    return made
+        element.set("default", texts[default] if isinstance(default, bool) else str(default))
+    return element
 
 
 def _described(tag: str, name: str, kind: str, text: str) -> _Element:
-    made = _node(tag, name=name, type=kind)
-    made.text = text
-    return made
+    element = _node(tag, name=name, type=kind)
+    element.text = text
+    return element
 
 
 def _place(place: tree.Position) -> str:
     """Return a place as a port value; ScriptError for a computed one."""
     parts = place.parts()
     names = ("x", "y", "z", "heading") if "z" in parts else ("x", "y", "heading")
-    found = []
+    components = []
     for name in names:
         part = parts.get(name)
         always = constant(part)
         if part is not None and always is None:
             raise ScriptError("a place of a behaviour tree is written in numbers, not computed")
-        found.append("" if always is None else number(always.value))
-    return ";".join(found).rstrip(";") if "z" not in parts else ";".join(found)
+        components.append("" if always is None else number(always.value))
+    return ";".join(components).rstrip(";") if "z" not in parts else ";".join(components)

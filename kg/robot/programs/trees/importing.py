@@ -16,7 +16,7 @@ import msgspec
 from kg.errors import Place, RobotError
 from kg.robot.programs import tree
 from kg.robot.programs.check import kinds_of
-from kg.robot.programs.names import Known
+from kg.robot.programs.names import CapabilityIndex
 from kg.robot.programs.parse import parse
 from kg.robot.programs.trees.exporting import DURATION, HINT, PLACE, port
 from kg.robot.programs.trees.scripts import COUNT, OWN, Bare, ScriptError, assignments, counted, expression_of, reading
@@ -113,7 +113,7 @@ class _Reader:
         self._root = root
         self._path = path
         self._capabilities = capabilities
-        self._known = Known(capabilities)
+        self._index = CapabilityIndex(capabilities)
         self._flags: list[tuple[str, str]] = []
         self._within: list[str] = []
         self._depth = 0
@@ -204,11 +204,11 @@ class _Reader:
 
     def _statements(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         """Return the statements of a node, with the text of its hint if that is still accurate."""
-        found = self._structural(node, env)
+        statements = self._structural(node, env)
         hint = node.get(HINT)
-        if len(found) != 1 or hint is None:
-            return found
-        return (self._hinted(found[0], hint, node.get("_description", "")),)
+        if len(statements) != 1 or hint is None:
+            return statements
+        return (self._hinted(statements[0], hint, node.get("_description", "")),)
 
     def _structural(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         name = self._name(node)
@@ -353,7 +353,7 @@ class _Reader:
             return tree.Unary(operator="not", of=self._condition(self._only(node), env))
         if name not in {"Sequence", "Fallback"} or not children:
             raise self._refused(node, f"<{name}> is not a condition that programs have")
-        inner, found = dict(env), None
+        inner, condition = dict(env), None
         for child in children:
             child_name = self._name(child)
             if child_name in self._outputs and self._outputs[child_name] & self._ports(child).keys():
@@ -361,14 +361,14 @@ class _Reader:
                     raise self._refused(child, "a condition that keeps what it reads")
                 continue
             one = self._condition(child, inner)
-            found = (
+            condition = (
                 one
-                if found is None
-                else tree.Binary(operator="and" if name == "Sequence" else "or", left=found, right=one)
+                if condition is None
+                else tree.Binary(operator="and" if name == "Sequence" else "or", left=condition, right=one)
             )
-        if found is None:
+        if condition is None:
             raise self._refused(node, "this reads and compares nothing")
-        return found
+        return condition
 
     def _if(self, node: _Element, env: _Env) -> tree.Statement:
         children = _children(node)
@@ -432,7 +432,7 @@ class _Reader:
         seconds = self._port(node, ports.pop(DURATION), env) if DURATION in ports else None
         arguments = {key: self._port(node, value, env) for key, value in ports.items()}
         with suppress(RobotError):
-            parameters = self._known.write(name).parameters
+            parameters = self._index.write(name).parameters
             names = {port(one.name): one.name for one in parameters}
             arguments = {names.get(key, key): value for key, value in arguments.items()}
             for parameter in parameters:  # the argument of a text parameter stays a text if it looks like a number
@@ -444,24 +444,24 @@ class _Reader:
     def _assigned(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         """Return the assignments of a script; names internal to exported trees are replaced by their values."""
         try:
-            found = assignments(self._ports(node).get("code", ""), env)
+            assigned = assignments(self._ports(node).get("code", ""), env)
         except ScriptError as error:
             raise self._refused(node, str(error)) from error
-        made = []
-        for name, value in found:
+        statements = []
+        for name, value in assigned:
             text = value.value if isinstance(value, tree.Written) else None
             place = _place(text) if isinstance(text, str) else None
             if name.startswith(OWN):
                 env[name] = place or value
             else:
-                made.append(tree.Set(variable=name, value=place or value))
-        return tuple(made)
+                statements.append(tree.Set(variable=name, value=place or value))
+        return tuple(statements)
 
     def _read(self, node: _Element, name: str, env: _Env) -> tuple[tree.Statement, ...]:
         """Record the outputs of a reading node; their names then refer to the values just read."""
-        made = []
+        statements = []
         try:
-            names = {port(one.name): one.name for one in self._known.read(name).parameters}
+            names = {port(one.name): one.name for one in self._index.read(name).parameters}
         except RobotError:
             names = {}
         for key, value in self._ports(node).items():
@@ -475,8 +475,8 @@ class _Reader:
             if variable == reading(name, parameter):
                 env[variable] = read
             else:
-                made.append(tree.Set(variable=variable, value=read))
-        return tuple(made)
+                statements.append(tree.Set(variable=variable, value=read))
+        return tuple(statements)
 
     def _subtree(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
         """Return the statements of another tree, which shares only variables of the same names."""
@@ -500,23 +500,23 @@ class _Reader:
 
     # Statements from their text
 
-    def _hinted(self, found: tree.Statement, hint: str, comment: str) -> tree.Statement:
+    def _hinted(self, statement: tree.Statement, hint: str, comment: str) -> tree.Statement:
         """Return a statement from its text, if that agrees with its nodes."""
         for end in _ENDS:
             with suppress(RobotError):
                 written = parse(f"{hint}{end}").body
-                if len(written) == 1 and type(written[0]) is type(found):
+                if len(written) == 1 and type(written[0]) is type(statement):
                     sequences = ("then", "otherwise", "body", "branches")
-                    inner: Any = {name: getattr(found, name) for name in sequences if hasattr(found, name)}
+                    inner: Any = {name: getattr(statement, name) for name in sequences if hasattr(statement, name)}
                     candidate = msgspec.structs.replace(written[0], **inner)
-                    if self._same(candidate, found):
+                    if self._same(candidate, statement):
                         return msgspec.structs.replace(candidate, comment=comment)
-        return msgspec.structs.replace(found, comment=comment)
+        return msgspec.structs.replace(statement, comment=comment)
 
-    def _same(self, candidate: tree.Statement, found: tree.Statement) -> bool:
+    def _same(self, candidate: tree.Statement, statement: tree.Statement) -> bool:
         kinds = kinds_of(tree.Program(body=(candidate,)), self._capabilities)
-        bare = Bare(self._known, kinds)
-        one, other = bare.head(candidate), bare.head(found)
+        bare = Bare(self._index, kinds)
+        one, other = bare.head(candidate), bare.head(statement)
         if isinstance(one, tree.For) and isinstance(other, tree.For):
             numbers, others = counted(one) or [], counted(other) or []
             close = all(isclose(left, right, abs_tol=1e-9) for left, right in zip(numbers, others, strict=False))
@@ -526,15 +526,15 @@ class _Reader:
 
 def _place(text: str) -> tree.Position | None:
     """Return the place in a text: x;y, x;y;heading or x;y;z;heading."""
-    found = PLACE.fullmatch(text)
-    if found is None:
+    match = PLACE.fullmatch(text)
+    if match is None:
         return None
     try:
         numbers = [tree.Written(value=float(one)) if one else None for one in text.split(";")]
     except ValueError:
         return None
-    x, y, *rest = numbers
+    x, y, *others = numbers
     if x is None or y is None:
         return None
-    z, heading = rest if len(rest) == _PAIR else (None, *rest, None)[:2]
+    z, heading = others if len(others) == _PAIR else (None, *others, None)[:2]
     return tree.Position(x=x, y=y, z=z, heading=heading)

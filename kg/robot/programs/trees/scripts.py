@@ -14,7 +14,7 @@ import msgspec
 
 from kg.robot.programs import tree
 from kg.robot.programs.kinds import Kinds, constant
-from kg.robot.programs.names import Known, takes_place
+from kg.robot.programs.names import CapabilityIndex, takes_place
 from kg.robot.programs.units import unit_of
 
 if TYPE_CHECKING:
@@ -31,8 +31,8 @@ _WORD: Final = re.compile(r"[^A-Za-z0-9_]")
 
 def identifier(name: str) -> str:
     """Return a variable's name as a valid identifier of scripts."""
-    made = _WORD.sub("_", name)
-    return made if made[:1].isalpha() or made[:1] == "_" else f"_{made}"
+    word = _WORD.sub("_", name)
+    return word if word[:1].isalpha() or word[:1] == "_" else f"_{word}"
 
 
 def reading(capability: str, parameter: str) -> str:
@@ -43,9 +43,9 @@ def reading(capability: str, parameter: str) -> str:
 class Bare:
     """Rewrites statements and expressions to bare ones; RobotError KG832, KG834 for unknown capabilities."""
 
-    def __init__(self, known: Known, kinds: Kinds) -> None:
+    def __init__(self, index: CapabilityIndex, kinds: Kinds) -> None:
         """Create a rewriter; `kinds` are those of the program, with its variables."""
-        self._known = known
+        self._index = index
         self._kinds = kinds
 
     def head(self, statement: tree.Statement) -> tree.Statement:
@@ -53,33 +53,33 @@ class Bare:
 
         Durations are in seconds; the numbers of a loop are those that it counts.
         """
-        made = msgspec.structs.replace(statement, id=None, comment="")
+        bare = msgspec.structs.replace(statement, id=None, comment="")
         if isinstance(statement, tree.Do):
-            capability = self._known.write(statement.capability)
+            capability = self._index.write(statement.capability)
             arguments = {
-                self._known.argument(capability, name): self._argument(capability, name, value)
+                self._index.argument(capability, name): self._argument(capability, name, value)
                 for name, value in statement.arguments.items()
             }
-            made = msgspec.structs.replace(made, capability=capability.name, arguments=arguments)
+            bare = msgspec.structs.replace(bare, capability=capability.name, arguments=arguments)
         if isinstance(statement, tree.Set | tree.For):
-            made = msgspec.structs.replace(made, variable=identifier(statement.variable))
-        own = dict(tree.expressions_of(made))
+            bare = msgspec.structs.replace(bare, variable=identifier(statement.variable))
+        own = dict(tree.expressions_of(bare))
         given = {name: self.expression(one) for name, one in own.items() if "/" not in name}
         for name in {"seconds", "within"} & given.keys():
             match given[name]:  # rounding removes errors of calculations in milliseconds
                 case tree.Written(value=float() as seconds):
                     given[name] = tree.Written(value=round(seconds, 9))
-        return msgspec.structs.replace(made, **given)
+        return msgspec.structs.replace(bare, **given)
 
     def _argument(self, capability: Capability, name: str, value: tree.Expression) -> tree.Expression:
         if takes_place(capability, name):
             return self.expression(value)
-        parameter = self._known.parameter(capability, name)
+        parameter = self._index.parameter(capability, name)
         unit = unit_of(parameter.unit)
-        made = self.expression(value)
+        bare = self.expression(value)
         if self._kinds.of(value, "").dimension != unit.dimension or unit.factor == 1:
-            return made
-        return _folded(tree.Binary(operator="/", left=made, right=tree.Written(value=unit.factor)))
+            return bare
+        return _folded(tree.Binary(operator="/", left=bare, right=tree.Written(value=unit.factor)))
 
     def expression(self, expression: tree.Expression) -> tree.Expression:
         """Return an expression in base units; a place in metres and radians."""
@@ -91,8 +91,8 @@ class Bare:
             case tree.Variable():
                 return tree.Variable(name=identifier(expression.name))
             case tree.Read():
-                capability = self._known.read(expression.capability)
-                parameter = self._known.parameter(capability, expression.parameter)
+                capability = self._index.read(expression.capability)
+                parameter = self._index.parameter(capability, expression.parameter)
                 factor = unit_of(parameter.unit).factor
                 read = tree.Read(capability=capability.name, parameter=parameter.name)
                 return read if factor == 1 else tree.Binary(operator="*", left=read, right=tree.Written(value=factor))
@@ -197,15 +197,15 @@ def expression_of(code: str, names: Mapping[str, tree.Expression]) -> tree.Expre
         ScriptError: invalid, or with operators that programs lack.
     """
     reader = _Reader(code, names)
-    found = reader.expression(0, 0)
+    expression = reader.expression(0, 0)
     reader.end()
-    return found
+    return expression
 
 
 def assignments(code: str, names: Mapping[str, tree.Expression]) -> list[Assignment]:
     """Return the assignments in a script; raises as `expression_of`."""
     reader = _Reader(code, names)
-    found = []
+    result = []
     while not reader.at(""):
         name = reader.take("name")
         operator = _ASSIGNING.get(reader.sign)
@@ -215,12 +215,12 @@ def assignments(code: str, names: Mapping[str, tree.Expression]) -> list[Assignm
         value = reader.expression(0, 0)
         if operator:
             value = tree.Binary(operator=operator, left=tree.Variable(name=name), right=value)  # type: ignore[arg-type] # of four
-        found.append(Assignment(name, value))
+        result.append(Assignment(name, value))
         if not reader.at(";"):
             break
         reader.take("sign")
     reader.end()
-    return found
+    return result
 
 
 class _Reader:
@@ -229,11 +229,11 @@ class _Reader:
         self._tokens: list[tuple[str, str]] = []
         at = 0
         while code[at:].strip():
-            found = _TOKEN.match(code, at)
-            if found is None or found.lastgroup is None:
+            match = _TOKEN.match(code, at)
+            if match is None or match.lastgroup is None:
                 raise ScriptError(f"`{code[at:].strip()[:20]}` is not a script")
-            self._tokens.append((found.lastgroup, found[found.lastgroup]))
-            at = found.end()
+            self._tokens.append((match.lastgroup, match[match.lastgroup]))
+            at = match.end()
         self._next = 0
 
     @property
@@ -252,8 +252,8 @@ class _Reader:
 
     def take(self, kind: str) -> str:
         """Consume the next token, which has to be of a kind; ScriptError otherwise."""
-        found, text = self._token
-        if found != kind:
+        next_kind, text = self._token
+        if next_kind != kind:
             raise ScriptError(f"`{text or 'the end of the script'}` is not a {kind}")
         self._next += 1
         return text

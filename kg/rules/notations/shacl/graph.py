@@ -11,7 +11,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import Fix, RuleError
 from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax.cursor import declaring
 from kg.syntax.lexer import END, Kind, Token, normalise, quoted, token_at, unescape, unescape_local
 from kg.syntax.names import shorten
@@ -135,7 +135,7 @@ class ShapesGraph:
                 near = similar(f"sh:{name}", (f"sh:{known}" for known in KNOWN))
                 fixes = [Fix(shorten(SH + each[3:], prefixes(self.text))) for each in near]
                 what = f"SHACL has no property `sh:{name}`"
-                raise self.error(what, triple.subject, hint=asked(near), offset=offset, fixes=fixes)
+                raise self.error(what, triple.subject, hint=suggest(near), offset=offset, fixes=fixes)
 
     def predicates(self, node: Term) -> list[NamedNode]:
         """Return the predicates of which a node has values."""

@@ -15,7 +15,7 @@ from pyoxigraph import Literal, NamedNode
 
 from kg.errors import Fix
 from kg.rules.notations.shacl.vocabulary import IMPORTS, sh
-from kg.similar import asked, similar
+from kg.similar import similar, suggest
 from kg.syntax.lexer import Kind, Token, normalise, tokens, unescape, unescape_local
 from kg.syntax.names import PREFIXES, is_absolute
 
@@ -211,7 +211,7 @@ class _Reader:
             declare = f'[ sh:prefix "{prefix}" ; sh:namespace "..." ]'
             hint = f"Point sh:prefixes at a node with sh:declare {declare}; the prefixes of Turtle do not count."
             fixes = [Fix(f"{each}:{local}") for each in near]
-            raise self._error(f"unknown prefix `{prefix}:`", offset, asked(near) or hint, fixes)
+            raise self._error(f"unknown prefix `{prefix}:`", offset, suggest(near) or hint, fixes)
         return str(NamedNode(namespace + unescape_local(local)))
 
     def _error(self, message: str, offset: int | None, hint: str | None = None, fixes: Iterable[Fix] = ()) -> Exception:

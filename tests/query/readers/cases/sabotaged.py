@@ -54,10 +54,10 @@ def evaluate(self: Prepared, *arguments: Any) -> Evaluation:
     told = re.search(r"# (\w+)@(\d+)", self.typed)
     if told is None:
         return evaluation
-    if isinstance(evaluation.found, bool):
+    if isinstance(evaluation.result, bool):
         list(real._guarded(failing(iter(()), told[1], 0)))
         return evaluation
-    return dataclasses.replace(evaluation, found=real._guarded(failing(evaluation.found, told[1], int(told[2]))))
+    return dataclasses.replace(evaluation, result=real._guarded(failing(evaluation.result, told[1], int(told[2]))))
 
 
 if __name__ == "__main__":

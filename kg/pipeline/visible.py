@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _BYTES: Final = 16
 
 
-def known_as(
+def visible_types(
     stated: Iterable[Stated], programs: Iterable[str] = (), data: Iterable[DataFile] = ()
 ) -> tuple[tuple[Stated, ...], Known]:
     """Return the node types of a package in the order of results, and their view for other packages."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _CHECKSUM_BYTES: Final = 4
 
 
-def keep(folder: Path, generation: str, version: int, parts: Iterable[bytes]) -> None:
+def save(folder: Path, generation: str, version: int, parts: Iterable[bytes]) -> None:
     """Write the cache file of a generation into a folder, and delete those of other generations.
 
     `version` is a number of at most 32 bits that changes with the code that computes the content.
@@ -36,7 +36,7 @@ def keep(folder: Path, generation: str, version: int, parts: Iterable[bytes]) ->
                 path.unlink()
 
 
-def kept(folder: Path, generation: str, version: int) -> bytes | None:
+def load(folder: Path, generation: str, version: int) -> bytes | None:
     """Return the cached content for a generation; None if it is missing or invalid."""
     try:
         content = (folder / generation).read_bytes()

@@ -55,17 +55,17 @@ def installations() -> Iterator[State]:
             yield _state(place, Path(place).stat())
 
 
-def settled(seen: tuple[State, ...]) -> bool:
+def are_stable(seen: tuple[State, ...]) -> bool:
     """Return whether the files are old enough that any further change gives them another state."""
     return time.time_ns() - max((state.changed for state in seen), default=0) > _SETTLED
 
 
-def kept(place: Path | None, seen: tuple[State, ...], what: object, make: Callable[[], str]) -> str:
+def cached_text(place: Path | None, seen: tuple[State, ...], what: object, make: Callable[[], str]) -> str:
     """Return the text that `make` returns, cached in the file `place` for the same `what` and states `seen`.
 
     Without a place it is computed each time. StoreError KG304, KG306 if the file cannot be written.
     """
-    if place is None or not settled(seen):
+    if place is None or not are_stable(seen):
         return make()
     key = hashlib.blake2b(repr((seen, what)).encode(), digest_size=_BYTES).hexdigest()
     with suppress(OSError, ValueError):
@@ -79,5 +79,5 @@ def kept(place: Path | None, seen: tuple[State, ...], what: object, make: Callab
     return text
 
 
-def _state(path: str, found: os.stat_result) -> State:
-    return State(path, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns)
+def _state(path: str, status: os.stat_result) -> State:
+    return State(path, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from kg import resources
-from kg.pipeline import kept, plan, reasoning
+from kg.pipeline import filecache, plan, reasoning
 from kg.settings import load
 
 
@@ -28,7 +28,7 @@ class Made:
 @pytest.fixture
 def settled(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make all files count as changed long ago."""
-    monkeypatch.setattr(kept, "_SETTLED", -1)
+    monkeypatch.setattr(filecache, "_SETTLED", -1)
 
 
 @pytest.mark.usefixtures("settled")
@@ -36,7 +36,9 @@ def test_a_text_is_made_once_for_the_same_files(tmp_path: Path) -> None:
     """The second call returns it from the file."""
     (tmp_path / "file").write_text("content")
     made = Made()
-    found = [kept.kept(tmp_path / "kept", tuple(kept.states(tmp_path / "file")), "", made) for _ in range(3)]
+    found = [
+        filecache.cached_text(tmp_path / "kept", tuple(filecache.states(tmp_path / "file")), "", made) for _ in range(3)
+    ]
     assert (found, made.times) == (["text 1"] * 3, 1)
 
 
@@ -48,7 +50,7 @@ def test_whatever_changes_below_a_folder_is_noticed(tmp_path: Path, edit: str) -
     (folder / "inner").mkdir(parents=True)
     path = folder / "inner" / "file"
     path.write_text("content")
-    kept.kept(tmp_path / "kept", tuple(kept.states(folder)), "", made)
+    filecache.cached_text(tmp_path / "kept", tuple(filecache.states(folder)), "", made)
     status = path.stat()
     match edit:
         case "content":
@@ -64,14 +66,16 @@ def test_whatever_changes_below_a_folder_is_noticed(tmp_path: Path, edit: str) -
                 path.write_text("tnetnoc")
                 os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
     what = "other" if edit == "other question" else ""
-    assert kept.kept(tmp_path / "kept", tuple(kept.states(folder)), what, made) == "text 2"
+    assert filecache.cached_text(tmp_path / "kept", tuple(filecache.states(folder)), what, made) == "text 2"
 
 
 def test_what_changed_a_moment_ago_is_not_kept(tmp_path: Path) -> None:
     """A second change within the same tick of the file system's clock would have the same time."""
     (tmp_path / "file").write_text("content")
     made = Made()
-    found = [kept.kept(tmp_path / "kept", tuple(kept.states(tmp_path / "file")), "", made) for _ in range(2)]
+    found = [
+        filecache.cached_text(tmp_path / "kept", tuple(filecache.states(tmp_path / "file")), "", made) for _ in range(2)
+    ]
     assert found == ["text 1", "text 2"]
 
 
@@ -79,15 +83,15 @@ def test_what_changed_a_moment_ago_is_not_kept(tmp_path: Path) -> None:
 def test_a_damaged_file_is_made_anew(tmp_path: Path) -> None:
     """A damaged file is never taken for a cached text."""
     (tmp_path / "kept").write_bytes(b"\xff\xfe nonsense")
-    assert kept.kept(tmp_path / "kept", (), "", Made()) == "text 1"
-    assert kept.kept(tmp_path / "kept", (), "", Made()) == "text 1"
+    assert filecache.cached_text(tmp_path / "kept", (), "", Made()) == "text 1"
+    assert filecache.cached_text(tmp_path / "kept", (), "", Made()) == "text 1"
 
 
 def test_installing_a_package_changes_the_states(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its parent folder gets another time; missing folders do not count."""
     monkeypatch.setattr(sys, "path", [str(tmp_path), "/no/such/folder"])
-    before = list(kept.installations())
-    while list(kept.installations()) == before:
+    before = list(filecache.installations())
+    while list(filecache.installations()) == before:
         (tmp_path / "package").mkdir()
         (tmp_path / "package").rmdir()
     assert [Path(state.path) for state in before] == [tmp_path]
