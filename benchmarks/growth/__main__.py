@@ -95,7 +95,7 @@ def _spent(command: tuple[str, ...], store: Path) -> float:
     # Modules are compiled once, as after an installation.
     left_out = ("KG_", "PYTHONDONTWRITEBYTECODE")
     environment = {name: value for name, value in os.environ.items() if not name.startswith(left_out)}
-    subprocess.run(words, env=environment, capture_output=True, check=False)
+    subprocess.run(words, env=environment, capture_output=True, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
