@@ -29,10 +29,22 @@ import { element } from "./table.js";
 const STEP = 60;
 const ZOOM = 1.25;
 const LARGEST = 1.2;
+// dagre fails where a bend of an edge falls on the middle of a node, which depends on how it breaks cycles.
+const ATTEMPTS = [{}, { acyclicer: "greedy" }, { name: "breadthfirst", directed: true }];
 const LEGIBLE = 0.45; // below that names cannot be read
 const READ = 0.6;
 const MARGIN = 24;
 const drawn = new Set();
+
+/** Run a layout; return whether it could place everything. */
+function ran(layout) {
+  try {
+    layout.run();
+    return true;
+  } catch {
+    return false;
+  }
+}
 
 /** Return cytoscape with its layout, or null where the libraries are not installed. */
 async function library() {
@@ -133,10 +145,11 @@ class Picture {
   place(shown) {
     // Rows of what is joined to nothing, by edges that hold them together while they are laid out.
     const rows = this.cy.add(loose(shown, this.options.direction).map(([source, target]) => ({ group: "edges", data: { source, target } })));
-    this.cy.layout({
+    const options = {
       name: "dagre", rankDir: this.options.direction, nodeSep: 14, rankSep: shown.edges.some((edge) => edge.label) ? 130 : 56, edgeSep: 8,
       fit: false, animate: false,
-    }).run();
+    };
+    ATTEMPTS.some((other) => ran(this.cy.layout({ ...options, ...other })));
     rows.remove();
     this.look();
   }
