@@ -122,7 +122,7 @@ def _check_variants(settings: Settings, store: EmbeddedStore, question: Question
     found = variants(settings, store, question.launch, question.arguments, question.environment)
     with trial(settings, store, found.system) as transaction:
         checked = check(transaction, question, settings, folder)
-    known = {one.fingerprint for one in (*checked.report.raw, *checked.report.allowed, *checked.report.known)}
+    known = {one.fingerprint for one in (*checked.report.raw, *checked.report.allowed, *checked.report.baselined)}
     only: dict[str, tuple[Finding, list[str]]] = {}
     for label, system in found.others:
         with trial(settings, store, system) as transaction:
