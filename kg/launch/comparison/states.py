@@ -297,11 +297,11 @@ def _finding_changes(
 ) -> Iterator[Change]:
     """Yield the findings added or removed; a finding about renamed things is the same finding."""
 
-    def known(finding: Finding) -> tuple[str, str, str, str]:
+    def identity(finding: Finding) -> tuple[str, str, str, str]:
         neutral = renames.get(finding.system, Renames()).neutral
         return finding.system, finding.code, neutral(finding.subject), neutral(finding.message)
 
-    for one, other in paired(sorted(before, key=_finding_key), sorted(after, key=_finding_key), known):
+    for one, other in paired(sorted(before, key=_finding_key), sorted(after, key=_finding_key), identity):
         found = one or other
         if found is None or (one and other):
             continue

@@ -159,7 +159,7 @@ def _first(value: object) -> LaunchParameter | None:
     return value if isinstance(value, LaunchParameter) else None
 
 
-def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
+def effective(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
     """Return the interfaces that an instance makes, without those whose place at the same line another has.
 
     A name that falls back to an earlier argument of the command line does so where a later one is not given, and one
@@ -239,14 +239,14 @@ def switched_on(node: NodeType, settings: Settings, place: Place, plugin: Loaded
     if not any(one.switches for one in node.interfaces):
         return node
 
-    def is_made(one: Interface) -> bool:
+    def is_created(one: Interface) -> bool:
         switches = map(Switch.parse, one.switches)
         return all(_may_be(switch, node, settings, *read_as(switch.parameter)) for switch in switches)
 
     def read_as(parameter: str) -> tuple[str, Place]:
         return (parameter, place) if plugin is None else plugin.read_as(parameter, place)
 
-    return replace(node, interfaces=tuple(filter(is_made, node.interfaces)))
+    return replace(node, interfaces=tuple(filter(is_created, node.interfaces)))
 
 
 def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place: Place) -> bool:

@@ -32,7 +32,7 @@ from kg.holes import ANONYMOUS, is_known, is_partial
 from kg.launch.wiring.families import switched_on
 from kg.launch.wiring.inner_nodes import Inner, Spelling, addressed, filled_defaults, inner_nodes, without_inner
 from kg.launch.wiring.interfaces import Ends
-from kg.launch.wiring.parameters import Asked
+from kg.launch.wiring.parameters import Reads
 from kg.launch.wiring.place import Place, place_of
 from kg.launch.wiring.plugin_table import load_rows
 from kg.launch.wiring.plugins import Loaded, loaded_plugins
@@ -160,7 +160,7 @@ class Draft:
     """Its remappings that changed a name, here, in a nodelet that it manages, or in a node that it makes."""
     makes: tuple[Inner, ...] = ()
     """The nodes that it makes itself."""
-    made_by: Inner | None = None
+    creator: Inner | None = None
     """What says that another node makes it."""
     process: str | None = None
     """What has the command line that such a node gets, by absolute name."""
@@ -180,22 +180,22 @@ class Draft:
     """Packages that the unknown one it is started from may mean."""
 
 
-def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, made_by: Inner | None = None) -> Draft:
+def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, creator: Inner | None = None) -> Draft:
     """Return the draft of a node by itself: its type, its place and its rules."""
     typed, missing, reason = types.of(started, repository)
     place = place_of(started, typed[1] if typed is not None else None)
-    makes = inner_nodes(typed) if made_by is None else ()
+    makes = inner_nodes(typed) if creator is None else ()
     if typed is not None and makes:
         typed = typed[0], without_inner(typed[1], makes)
     written = started
     if ros != 1:
-        given = addressed(written.parameters, place.full, alone=made_by is None)
+        given = addressed(written.parameters, place.full, alone=creator is None)
         started = replace(started, parameters=tuple({parameter.name: parameter for parameter in given}.values()))
     draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
-    draft.makes, draft.made_by, draft.repository = makes, made_by, repository
+    draft.makes, draft.creator, draft.repository = makes, creator, repository
     if missing is MissingType.UNKNOWN_PACKAGE and started.package:
         draft.similar = types.like(started.package)
-    if made_by is None:
+    if creator is None:
         draft.written = written
     else:
         for_many = (one for one in written.parameters if "*" in (one.node or ""))
@@ -207,8 +207,8 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
                 continue
             if ros != 1 or name.startswith("~/"):  # ROS 1: code that asks without `~` asks for what is not the node's
                 draft.defaults[name.removeprefix("~/")] = parameter.default
-    if made_by is not None:
-        draft.defaults.update(filled_defaults(made_by, place))
+    if creator is not None:
+        draft.defaults.update(filled_defaults(creator, place))
     if ros != 1:
         draft.set_here = [(f"{place.full}/{given.name.lstrip('~/')}", given) for given in started.parameters]
     return draft
@@ -228,10 +228,10 @@ def loads(draft: Draft, types: NodeTypes) -> None:
 
 def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
     """Return a plugin without the code of the inner nodes that it is handed."""
-    if plugin.found is None or not makes:
+    if plugin.typed is None or not makes:
         return plugin
-    owner, node = plugin.found
-    return replace(plugin, found=(owner, without_inner(node, makes)))
+    owner, node = plugin.typed
+    return replace(plugin, typed=(owner, without_inner(node, makes)))
 
 
 def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeInstance:
@@ -242,20 +242,20 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     overrides = Overrides(settings.own)
     ends = Ends(draft.place, settings, remapping, overrides, draft.ros, _spelling(draft), draft.defaults)
     interfaces = _interfaces(draft, ends)
-    asked = Asked(draft.place, draft.ros, remapping)
+    reads = Reads(draft.place, draft.ros, remapping)
     if draft.typed is not None:
         owner, node = draft.typed
-        asked.add_node(owner, node)
-        asked.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
-        asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
+        reads.add_node(owner, node)
+        reads.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
+        reads.add_of_framework(overrides.names, node, owner, "qos_overrides")
     for plugin in draft.plugins:
-        asked.add_plugin(plugin)
-    parameters = tuple(one for one in asked.settled(draft.set_here) if one.declared or one.set not in draft.for_many)
+        reads.add_plugin(plugin)
+    parameters = tuple(one for one in reads.resolved(draft.set_here) if one.declared or one.set not in draft.for_many)
     draft.used |= remapping.used
     if host is not None:
         host.used |= remapping.used
     tool = any(end.declared.origin == TOOL for end in interfaces)
-    loaded = [plugin.found[0] for plugin in draft.plugins if plugin.found is not None]
+    loaded = [plugin.typed[0] for plugin in draft.plugins if plugin.typed is not None]
     loaded += [node.typed[0] for node in draft.tree_nodes]
     return NodeInstance(
         name=draft.place.full,
@@ -267,7 +267,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         host=draft.started.host,
         interfaces=interfaces,
         parameters=parameters,
-        remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.made_by is None),
+        remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.creator is None),
         complete=_complete(draft, interfaces, tool=tool),
         missing=None if tool else draft.missing,
         similar=draft.similar,
@@ -276,9 +276,9 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
 
 def _spelling(draft: Draft) -> Spelling | None:
     """Return how names change in a node that another makes."""
-    if draft.made_by is None or draft.typed is None:
+    if draft.creator is None or draft.typed is None:
         return None
-    row = draft.made_by
+    row = draft.creator
     ids = (one.id for one in draft.plugins if one.parameter.startswith(one.id) and one.class_name not in row.unless)
     return Spelling(row, own_name(draft.typed[1]), draft.place.name, tuple(ids))
 
@@ -289,10 +289,10 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
         owner, node = draft.typed
         found += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
     for plugin in draft.plugins:
-        if plugin.found is not None:
-            owner, node = plugin.found
+        if plugin.typed is not None:
+            owner, node = plugin.typed
             node = switched_on(node, ends.settings, draft.place, plugin)
-            found += ends.of_plugin(replace(plugin, found=(owner, node)))
+            found += ends.of_plugin(replace(plugin, typed=(owner, node)))
     of_trees: dict[object, InstanceInterface] = {}
     for tree_node in draft.tree_nodes:
         for end in ends.of_tree_node(tree_node):
@@ -330,7 +330,7 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
         return True
     if draft.typed is None and not tool and not draft.tree_nodes:
         return False
-    if any(plugin.found is None for plugin in draft.plugins):
+    if any(plugin.typed is None for plugin in draft.plugins):
         return False
     if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found

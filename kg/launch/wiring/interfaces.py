@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Interface, LaunchParameter, Location, NodeReference, NodeType, Resolution
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
-from kg.launch.wiring.families import meant, members, switched_on
+from kg.launch.wiring.families import effective, members, switched_on
 from kg.launch.wiring.values import Settings, parsed, shown
 from kg.names import join, normalise
 
@@ -154,7 +154,7 @@ class Ends:
         """Yield the ends that the node type declares."""
         made: dict[Location, list[InstanceInterface]] = {}
         later: list[Interface] = []
-        for declared in meant(node.interfaces, self.settings):
+        for declared in effective(node.interfaces, self.settings):
             spelled = self.spelling.names(declared) if self.spelling is not None else None
             if spelled is not None:
                 for one in spelled:
@@ -205,9 +205,9 @@ class Ends:
 
     def of_plugin(self, plugin: Loaded) -> Iterator[InstanceInterface]:
         """Yield the ends that a loaded plugin declares."""
-        if plugin.found is None:
+        if plugin.typed is None:
             return
-        owner, node = plugin.found
+        owner, node = plugin.typed
         framework, place = plugin.framework, plugin.place(self.place)
         for declared in node.interfaces:
             if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
@@ -255,9 +255,9 @@ class Ends:
         return Named(before + value + after, Resolution.PARAMETER_DEFAULT)
 
     def _for_each(self, declared: Interface, element: str, plugin: Loaded, place: Place) -> Iterator[InstanceInterface]:
-        if plugin.found is None:
+        if plugin.typed is None:
             return
-        (owner, node), framework = plugin.found, plugin.framework
+        (owner, node), framework = plugin.typed, plugin.framework
         for identifier in _ids_of(framework, self.settings, place):
             below = join("~", framework.below.replace("{id}", identifier))
             if framework.chosen is not None and declared.type is not None:

@@ -49,12 +49,12 @@ class _Channels:
             known, wider = Alike(names), Related(names)
             for name in lonely:
                 near = known.find(name)
-                found = [other for other in near if self._fit(name, other) and not self._both_meant(name, other)]
+                found = [other for other in near if self._fit(name, other) and not self._both_intended(name, other)]
                 found += [other for other in wider.find(name) if other not in near and self._lost(name, other)]
                 for other in found:
                     yield min(name, other), max(name, other)
 
-    def _both_meant(self, lonely: str, other: str) -> bool:
+    def _both_intended(self, lonely: str, other: str) -> bool:
         """Return whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
         given = self.ends[lonely] == {0}
         return given and len(self.ends[other]) > 1 and (lonely.endswith(other) or other.endswith(lonely))

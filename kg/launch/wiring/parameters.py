@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _Owned: TypeAlias = "tuple[Parameter, NodeReference]"
 
 
-class Asked:
+class Reads:
     """The parameters that the code of one instance asks for, by absolute name (`/node/x`, also in ROS 2)."""
 
     def __init__(self, place: Place, ros: int, remapping: Remapping) -> None:
@@ -40,9 +40,9 @@ class Asked:
 
     def add_plugin(self, plugin: Loaded) -> None:
         """Add the parameters of a loaded plugin."""
-        if plugin.found is None:
+        if plugin.typed is None:
             return
-        owner, node = plugin.found
+        owner, node = plugin.typed
         place = plugin.place(self._place)
         for parameter in _read_first(node):
             name = parameter.name
@@ -79,7 +79,7 @@ class Asked:
             made = Parameter(name, None, None, Access.READ, node.location, implicit=True, origin=origin)
             self._add(f"{self._place.full}/{name}", made, owner)
 
-    def settled(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
+    def resolved(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
         """Yield the parameters set for the instance, given by absolute name, with what they set."""
         pairs = list(set_for)
         names = {name for name, _ in pairs}

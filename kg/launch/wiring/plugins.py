@@ -58,7 +58,7 @@ class Loaded:
     id: str
     class_name: str
     scope: str
-    found: Typed | None
+    typed: Typed | None
     framework: Framework
     parameter: str
     """The parameter that says so, relative to the node (`global_costmap/plugins`)."""
@@ -85,7 +85,7 @@ class Loaded:
         spelled = self.spelled(parameter)
         if spelled is not None:
             return spelled, node
-        own = below_id(parameter) if self.found is not None and self.found[1].ros != 1 else None
+        own = below_id(parameter) if self.typed is not None and self.typed[1].ros != 1 else None
         return parameter if own is None else f"~/{own}", self.place(node)
 
     def of_element(self, parameter: str | None) -> str | None:

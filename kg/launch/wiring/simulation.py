@@ -60,14 +60,14 @@ class Simulated:
     def ends(self, node: Place, remapping: Remapping) -> Iterator[InstanceInterface]:
         """Return the ends that the plugin makes in the instance at `node`."""
         if self.row.ros == 1:
-            return self._ends_at(self._beside(node), remapping)
+            return self._ends_at(self._handle_place(node), remapping)
         return self._ends_at(*self._own_node())
 
     def _values(self) -> dict[str, str]:
         values = {one.element: one.text for one in reversed(self.plugin.values)}
         return {**values, "plugin": self.plugin.name or "", "model": self.model}
 
-    def _beside(self, node: Place) -> Place:
+    def _handle_place(self, node: Place) -> Place:
         """Return the place of the plugin's node handle (ROS 1)."""
         given = self._values().get("robotNamespace")
         namespace = self.namespace if given is None else given
