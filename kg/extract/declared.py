@@ -96,7 +96,7 @@ def _worth(parameter: Parameter) -> tuple[bool, bool, bool]:
 def name_of(framework: Framework, nodes: Iterable[Object]) -> str | None:
     """Return the name that the code gives to a node, one of these objects; None if it gives none."""
     own = (one.native.get("name") for one in nodes)
-    known = (value.known for value in (*own, *framework.node_names) if isinstance(value, Text))
+    known = (value.exact for value in (*own, *framework.node_names) if isinstance(value, Text))
     return next((name for name in known if name), None)
 
 
@@ -158,11 +158,11 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     """Return name, resolution, parameter and reason."""
     if isinstance(name, Unknown):
         return None, Resolution.UNRESOLVED, name.parameter, name.reason
-    if name.nothing_known:
+    if name.wholly_unknown:
         given = name.parameter is not None and name.parameter.startswith("argv")
         return None, Resolution.LAUNCH_ARGUMENT if given else Resolution.UNRESOLVED, name.parameter, name.reason
     shown = with_slash(name.shown)
-    if name.known is None:
+    if name.exact is None:
         return shown, Resolution.PARTIAL, name.parameter, name.reason or _OF_NODE
     if not shown:
         empty = f"the parameter {name.parameter} is empty by default" if name.parameter else "the name is empty"
@@ -206,9 +206,9 @@ def _resolved(name: str, one: Declared, alone: str) -> str:
     """Return a name for the node started alone; the namespace that the code gives is in front of private names."""
     native = one.node.native if one.node is not None else {}
     own, namespace = native.get("name"), native.get("namespace")
-    known = namespace.known if isinstance(namespace, Text) and "of" not in native else None
+    known = namespace.exact if isinstance(namespace, Text) and "of" not in native else None
     inside = known if known and name.startswith("~") and not known.startswith("~") else "/"
-    return resolve(name, (own.known if isinstance(own, Text) else None) or alone, inside)
+    return resolve(name, (own.exact if isinstance(own, Text) else None) or alone, inside)
 
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
@@ -253,7 +253,7 @@ def _written(value: Value) -> str | None:
         found = [shown for shown in map(_written, value.items) if shown is not None]
         return found[0] if found else None
     if isinstance(value, Text):
-        return _quoted(value.known) if value.known is not None else None
+        return _quoted(value.exact) if value.exact is not None else None
     if isinstance(value, Number):
         return value.written
     if isinstance(value, Truth):

@@ -146,7 +146,7 @@ def _once(items: tuple[_Item, ...]) -> tuple[_Item, ...]:
     return tuple(dict.fromkeys(items))
 
 
-def settled(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
+def canonical(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
     """Return the nodes with resolved names, without exact duplicates, and everything in an order of its own."""
     complete = (
         replace(
@@ -263,7 +263,7 @@ def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tup
     ]
     whole = merge(read)
     complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
-    found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
+    found = canonical(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
     named = tuple(replace(node, aliases=_aliases(node, build)) for node in found)
     silent_methods = frozenset(described.silent_methods | of_python.silent_methods)
     sending = guard(reader, add_sending, named, named, reader, package, silent_methods)

@@ -59,10 +59,10 @@ def _slot(one: Loading, parameters: list[Declared], home: Home) -> PluginSlot:
     empty = PluginSlot(one.base, place, one.names, one.parameter, via=via, reason=one.reason)
     if one.plugin is None:
         return empty if one.reason or one.parameter else replace(empty, reason="no call that loads a plugin was found")
-    known = one.plugin.known if isinstance(one.plugin, Text) else None
+    known = one.plugin.exact if isinstance(one.plugin, Text) else None
     given: str | None = getattr(one.plugin, "parameter", None)
     names, parameter, item = _named(given, parameters) if given is not None else (None, None, None)
-    name = one.name.known if isinstance(one.name, Text) else item
+    name = one.name.exact if isinstance(one.name, Text) else item
     defaults = (PluginDefault(known, name),) if known else ()
     fixed = bool(known) and parameter is None
     reason = _reason(one.plugin) if known is None else None
@@ -84,13 +84,13 @@ def _named(given: str, parameters: list[Declared]) -> tuple[str | None, str, str
     if _ELEMENT in given:
         return given.partition(_ELEMENT)[0], given, None
     name = next((n for one in parameters if isinstance(n := one.name, Text) and with_slash(n.shown) == given), None)
-    if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.known is None:
+    if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.exact is None:
         before, _, after = partition(given, hole_of(name.parameter))
         return with_slash(name.parameter.removesuffix(_ELEMENT)), f"{before}{_ID}{after}", None
     parts = list(_PART.finditer(given))
     for one in sorted(parameters, key=lambda one: not isinstance(one.default, Sequence)):
         for item in one.default.items if isinstance(one.default, Sequence) else (one.default,):
-            known = item.known if isinstance(item, Text) else None
+            known = item.exact if isinstance(item, Text) else None
             part = next((part for part in parts if part[0] == known), None)
             if part is not None and isinstance(one.name, Text):
                 return with_slash(one.name.shown), f"{given[: part.start()]}{_ID}{given[part.end() :]}", known

@@ -49,7 +49,7 @@ def elements(of: Value) -> list[Value]:
         return [Sequence(pair) for pair in of.items] + ([_some(of)] if of.open else [])
     if is_unknown_parameter(of):
         return [part_of(f"{of.parameter}[]")]
-    if isinstance(of, Object) and not of.made:
+    if isinstance(of, Object) and not of.created:
         return [Unknown("it is an element of a container from outside the sources")]
     return [Unknown("it is an element of an unknown container")]
 
@@ -66,7 +66,7 @@ def _argument_at(index: Value) -> Value:
 
 def is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:
     """Check whether a value is a parameter of which no default is known."""
-    return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.known is None)
+    return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.exact is None)
 
 
 def is_unset(of: Value) -> TypeGuard[Sequence | Mapping]:
@@ -76,7 +76,7 @@ def is_unset(of: Value) -> TypeGuard[Sequence | Mapping]:
     """
     if not isinstance(of, Sequence | Mapping) or of.parameter in (None, "argv"):
         return False
-    return not of.items or (len(of.items) == 1 and isinstance(of.items[0], Text) and of.items[0].known == "")
+    return not of.items or (len(of.items) == 1 and isinstance(of.items[0], Text) and of.items[0].exact == "")
 
 
 def key_of(parameter: str | None) -> Text:
@@ -114,7 +114,7 @@ def element(of: Value, key: Value) -> Value:
     if isinstance(of, Mapping):
         same = [(_same(key, own), value) for own, value in of.items]
         found = [value for equal, value in same if equal]
-        plain = isinstance(key, Number) or (isinstance(key, Text) and key.known is not None)
+        plain = isinstance(key, Number) or (isinstance(key, Text) and key.exact is not None)
         if not found and not plain and any(equal is None for equal, _ in same):
             found = [value for equal, value in same if equal is None]
             choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
@@ -123,7 +123,7 @@ def element(of: Value, key: Value) -> Value:
     if isinstance(of, Text) and of.parts[0] in _NAMESPACES and isinstance(key, Number) and key.value == 0:
         return Text.of("/")
     if is_unknown_parameter(of):
-        part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
+        part = f".{key.exact}" if isinstance(key, Text) and key.exact is not None else "[]"
         return part_of(f"{of.parameter}{part}")
     return Unknown("the elements of the container are unknown")
 
@@ -136,11 +136,11 @@ def _same(key: Value, own: Value) -> bool | None:
             return False
         return None if None in parts else True
     if isinstance(key, Text) and isinstance(own, Text):
-        if own.known is None:
+        if own.exact is None:
             return None
-        if key.known is not None:
-            return key.known == own.known
-        return None if fits(key.shown, own.known, ".*") else False
+        if key.exact is not None:
+            return key.exact == own.exact
+        return None if fits(key.shown, own.exact, ".*") else False
     if isinstance(key, Number) and isinstance(own, Number):
         return key.value == own.value
     if isinstance(key, Enumerator) and isinstance(own, Enumerator):

@@ -164,7 +164,7 @@ class Descriptions:
     classes: dict[str, list[ClassDescription]] = field(default_factory=lambda: defaultdict(list))
     silent_methods: set[str] = field(default_factory=set)
     """Methods of publishers that publish nothing."""
-    _found: dict[tuple[str, ...], ClassDescription | None] = field(default_factory=dict, repr=False)
+    _resolved: dict[tuple[str, ...], ClassDescription | None] = field(default_factory=dict, repr=False)
 
     def read(self, text: str) -> None:
         """Add the descriptions of a file."""
@@ -207,11 +207,11 @@ class Descriptions:
     def class_named(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a class by its qualified name; the namespaces that both have must agree."""
         # Programs construct the same few classes many times.
-        if names not in self._found:
+        if names not in self._resolved:
             listed = self.classes.get(names[-1] if names else "", ())
             found = next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
-            self._found[names] = found or self._presumed(names)
-        return self._found[names]
+            self._resolved[names] = found or self._presumed(names)
+        return self._resolved[names]
 
     def _presumed(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a managed node of an unknown library: `other::RobotLifecycleNode`.

@@ -45,7 +45,7 @@ def duration(seconds: float | None, kind: Kind = DURATION) -> Object:
     return Object(kind, native={} if seconds is None else {"seconds": number(seconds)})
 
 
-def made_duration(kind: Kind, unit: float, arguments: list[Value]) -> Object:
+def construct_duration(kind: Kind, unit: float, arguments: list[Value]) -> Object:
     """Return the duration that a constructor makes: of one number in its unit, of two, or of another duration."""
     if len(arguments) != 1:
         return duration(seconds_of(Sequence(tuple(arguments))), kind)

@@ -243,7 +243,7 @@ class Framework:
             return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
         if what == "duration":
             parts: list[Value] = [number(0) if one is ABSENT else one for one in arguments]
-            return durations.made_duration(kind, float(detail), parts or [number(0)])
+            return durations.construct_duration(kind, float(detail), parts or [number(0)])
         made = self.machine.created(Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0))
         self._construct(made, kind, described, given)
         return made
@@ -349,7 +349,7 @@ class Framework:
 
     # Calls
 
-    def knows_method(self, of: Object, name: str) -> bool:
+    def describes_method(self, of: Object, name: str) -> bool:
         """Check whether a method that an object calls on itself is described."""
         if any(self._applies(one, of) for one in self.descriptions.calls.get(name, ()) if one.on):
             return True
@@ -509,7 +509,7 @@ class Framework:
             return None
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
-        if isinstance(whole, Text) and whole.known == "" and whole.parameter is None:
+        if isinstance(whole, Text) and whole.exact == "" and whole.parameter is None:
             return None  # the framework refuses an empty name
         given = call.argument(effect.qos)
         usual = Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
@@ -539,7 +539,7 @@ class Framework:
         kinds = [language.nested_type(inner.kind, name) for name in ("Message", "Service")]
         kind = next((type_name(one) for one in kinds if one is not None), None)
         name = language.static_member(inner.kind, "name")
-        known = name.known if isinstance(name, Text) else None
+        known = name.exact if isinstance(name, Text) else None
         policies = ("depth", "reliability", "durability")
         fields = {one: value for one in policies if (value := language.static_member(inner.kind, one)) is not None}
         profile = qos.with_fields(Qos(history="keep_last"), fields) if isinstance(fields.get("depth"), Number) else None

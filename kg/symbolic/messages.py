@@ -86,14 +86,14 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
         found = _callback_type(language, argument, 2 if effect.role is Role.SERVICES else 1)
         return found if found is not None else _first_parameter(language, call, int(index))
     if what == "text":
-        return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
+        return _of_names(argument.exact.split("/")) if isinstance(argument, Text) and argument.exact else None
     if isinstance(argument, TypeValue):
         return _type_of_argument(argument) if GENERATED & set(argument.kind.names[:-1]) else None
     if not isinstance(argument, Object):
         return None
     if what == "options":
         held = argument.native.get("options type")
-        return held.known if isinstance(held, Text) else None
+        return held.exact if isinstance(held, Text) else None
     return type_name(argument.kind)
 
 

@@ -137,7 +137,7 @@ def _literal(value: str | float) -> Value:
 def _whole_name(owner: Object | None, name: Value) -> Text | Unknown:
     namespace = namespace_of(owner)
     rooted = isinstance(name, Text) and (
-        name.parts[0] in (NODE_NAME, OWN_NAMESPACE) or (name.known or "x").startswith(("~", "/"))
+        name.parts[0] in (NODE_NAME, OWN_NAMESPACE) or (name.exact or "x").startswith(("~", "/"))
     )
     whole = below(namespace, name) if namespace != EMPTY or rooted else name
     return whole if isinstance(whole, (Text, Unknown)) else Unknown("the name of the parameter is not known")
@@ -148,7 +148,7 @@ def _value(default: Value | None, known: Value | None, before: Value | None, nam
         return with_parameter(default, name)
     if known is not None:
         return known
-    if isinstance(before, (Number, Truth)) or (isinstance(before, Text) and before.known):
+    if isinstance(before, (Number, Truth)) or (isinstance(before, Text) and before.exact):
         return with_parameter(before, name)
     if name is None:
         return Unknown("it is a parameter with an unknown name")
@@ -191,7 +191,7 @@ def listed(effect: Effect, call: Invocation) -> list[tuple[Value, Value]]:
 
 def prefixed(prefix: Value, name: Value) -> Value:
     """Return the name of a parameter below a prefix, which can end with the dot that separates them."""
-    if isinstance(prefix, Text) and prefix.known == "":
+    if isinstance(prefix, Text) and prefix.exact == "":
         return name
     last = prefix.parts[-1] if isinstance(prefix, Text) else None
     dot = "" if isinstance(last, str) and last.endswith(".") else "."

@@ -41,7 +41,7 @@ def loading(slot: SlotDescription, call: Invocation, node: Object | None, stack:
     held = call.node.native.get("base") if isinstance(call.node, Object) else None
     base = _filled(slot.base, call) if slot.base is not None else _template(call)
     if slot.base is None and isinstance(held, Text):
-        base = held.known
+        base = held.exact
     return Loading(
         base,
         node,
@@ -66,7 +66,7 @@ def _filled(pattern: str, call: Invocation) -> str | None:
     values = {"T": template}
     for number in _ARGUMENT.findall(pattern):
         given = call.argument(int(number))
-        values[number] = given.known if isinstance(given, Text) else template
+        values[number] = given.exact if isinstance(given, Text) else template
     if any(f"{{{key}}}" in pattern and value is None for key, value in values.items()):
         return None
     return _PLACE.sub(lambda found: str(values[found[1]]), pattern)

@@ -213,4 +213,4 @@ def _enumerator(name: str, value: Value) -> str | None:
         return dict(enumerate(_NUMBERED[name])).get(int(value.value))
     if name not in _POLICIES:
         return None
-    return value.name if isinstance(value, Enumerator) else value.known if isinstance(value, Text) else None
+    return value.name if isinstance(value, Enumerator) else value.exact if isinstance(value, Text) else None

@@ -43,7 +43,7 @@ class Registered:
 def port_value(port: PortDescription, call: Invocation, defaults: dict[str, Value]) -> Value:
     """Return the value of a port, a text from a parameter `port[name]`; a call with a default adds it to `defaults`."""
     name = call.argument(port.name)
-    known = name.known if isinstance(name, Text) else None
+    known = name.exact if isinstance(name, Text) else None
     if known is None:
         return Unknown("the name of the port is not known")
     default = call.argument(port.default)
@@ -51,6 +51,6 @@ def port_value(port: PortDescription, call: Invocation, defaults: dict[str, Valu
         defaults[known] = default
     held = defaults.get(known)
     parameter = f"port[{known}]"
-    if isinstance(held, Text) and held.known:
+    if isinstance(held, Text) and held.exact:
         return replace(held, parameter=parameter, resolution=Resolution.PARAMETER_DEFAULT)
     return Text.hole(_PORT, parameter=parameter)

@@ -60,7 +60,7 @@ class Text:
         return cls((Hole(label_of(parameter or label)),), Resolution.PARTIAL, parameter, reason)
 
     @property
-    def known(self) -> str | None:
+    def exact(self) -> str | None:
         """The string; None if it has a hole."""
         if len(self.parts) == 1:
             only = self.parts[0]
@@ -75,7 +75,7 @@ class Text:
         return written(self.parts)
 
     @property
-    def nothing_known(self) -> bool:
+    def wholly_unknown(self) -> bool:
         """Whether no letter of it is known."""
         return not any(
             part.label == PARENT if isinstance(part, Hole) else part.strip("/~._") for part in self.parts
@@ -163,10 +163,10 @@ class TypeValue:
 
 @dataclass(slots=True, eq=False)
 class Object:
-    """An instance of a class. `made` is False if it comes from outside: no code that was run creates it."""
+    """An instance of a class. `created` is False if it comes from outside: no code that was run creates it."""
 
     kind: Kind
-    made: bool = True
+    created: bool = True
     fields: dict[str, Value] = field(default_factory=dict)
     native: dict[str, Value] = field(default_factory=dict)
     """State of an object of a framework class, by the names that `kg.symbolic.effects` uses."""
@@ -394,7 +394,7 @@ def whole_parameter(value: Value) -> bool:
     """Check whether a value is exactly the value of a parameter without default."""
     if isinstance(value, Unknown):
         return value.parameter is not None
-    return isinstance(value, Text) and value.parameter is not None and len(value.parts) == 1 and value.known is None
+    return isinstance(value, Text) and value.parameter is not None and len(value.parts) == 1 and value.exact is None
 
 
 def join(*values: Value) -> Value:
@@ -449,7 +449,7 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
 
 def _or_unknown(value: Value) -> Value:
     """Return a value that can also be unknown: comparisons with a text that is empty at first decide nothing."""
-    if isinstance(value, Text) and value.parameter is None and value.known == "":
+    if isinstance(value, Text) and value.parameter is None and value.exact == "":
         return replace(value, unsure=True)
     return value
 
@@ -498,8 +498,8 @@ def _with_defaults(found: list[Value]) -> list[Value]:
     result: list[Value] = []
     others: list[Value] = []
     for item in found:
-        if isinstance(item, Text) and item.parameter is None and item.known is not None:
-            if item.known:
+        if isinstance(item, Text) and item.parameter is None and item.exact is not None:
+            if item.exact:
                 resolution = worse(item.resolution, Resolution.PARAMETER_DEFAULT)
                 result.append(replace(item, parameter=parameter, resolution=resolution))
         elif isinstance(item, (Number, Truth, Sequence, Mapping)) and item.parameter is None:

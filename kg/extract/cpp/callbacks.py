@@ -51,7 +51,7 @@ def _parts(of: Object) -> list[Object]:
     return found
 
 
-def _held(of: Object) -> list[tuple[str, Closure | Bound]]:
+def _callables(of: Object) -> list[tuple[str, Closure | Bound]]:
     """Return the functions that an object and what it holds have, each with the name of the field."""
     found: list[tuple[str, Closure | Bound]] = []
     seen = {id(of)}
@@ -125,7 +125,7 @@ class Callbacks:
     def _is_idle(self, function: Function, this: Value | None) -> bool:
         """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""
         reach = self._language.linker.project.reach
-        if reach.reaches(function) or (isinstance(this, Object) and self._runs_held(function, this)):
+        if reach.reaches(function) or (isinstance(this, Object) and self._runs_callable(function, this)):
             return False
         changed = reach.changes(function)
         for of in _parts(this) if isinstance(this, Object) and changed else ():
@@ -134,11 +134,11 @@ class Callbacks:
                     self._language.machine.write(of.fields, name, Unknown("a callback changes it"))
         return True
 
-    def _runs_held(self, function: Function, this: Object) -> bool:
+    def _runs_callable(self, function: Function, this: Object) -> bool:
         """Check whether a callback can call a function that its object holds, and that reaches an effect."""
         reach = self._language.linker.project.reach
-        held = {name for name, one in _held(this) if any(map(reach.reaches, self._functions(one)))}
-        return not held.isdisjoint(reach.uses([function])) if held else False
+        names = {name for name, one in _callables(this) if any(map(reach.reaches, self._functions(one)))}
+        return not names.isdisjoint(reach.uses([function])) if names else False
 
     def _functions(self, called: Closure | Bound) -> Iterable[Function]:
         if isinstance(called, Closure):

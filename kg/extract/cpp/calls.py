@@ -142,7 +142,7 @@ class Calls:
         if local and isinstance(this, Object):
             if self._kinds.has_field(this, last):
                 return self.value(self._language.member(this, last), replace(given, template=()))
-            if self._language.methods(this.kind, last) or machine.framework.knows_method(this, last):
+            if self._language.methods(this.kind, last) or machine.framework.describes_method(this, last):
                 return self.method(this, last, given)
         scoped = self._sibling(last, given, frame) if local else self._scoped(function, this, given, frame)
         return scoped if scoped is not None else self._function(function, given, frame)
@@ -265,21 +265,21 @@ class Calls:
         if known is None:
             known = library.method(self._language, of, name, given, written)
         if known is None and name in ("first", "second"):
-            known = self._held(self._language.member(of, name), given)  # `found->second(value)`
+            known = self._call_member(self._language.member(of, name), given)  # `found->second(value)`
         if known is not None:
             return known
         self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
 
-    def _held(self, held: Value | None, given: Arguments) -> Value | None:
+    def _call_member(self, member: Value | None, given: Arguments) -> Value | None:
         """Call a function that a member holds; return None for other values."""
-        functions = held is not None and all(isinstance(one, Closure | Bound) for one in alternatives(held))
-        return self.value(held, given) if held is not None and functions else None
+        functions = member is not None and all(isinstance(one, Closure | Bound) for one in alternatives(member))
+        return self.value(member, given) if member is not None and functions else None
 
     def _node_of(self, given: Arguments) -> Object | None:
         """Return the node that a method of an unknown object gives, if its template argument is a class of nodes."""
         first = given.template[0]
-        made = Object(pointee(first.kind), made=False) if isinstance(first, TypeValue) else None
+        made = Object(pointee(first.kind), created=False) if isinstance(first, TypeValue) else None
         framework = self._language.machine.framework
         if made is None or not framework.is_node(made):
             return None
@@ -289,7 +289,7 @@ class Calls:
         """Call a method of an object; return None for methods unknown to the sources and the frameworks."""
         language = self._language
         fitting = self._fitting(of.kind, name, given)
-        if fitting and of.made:
+        if fitting and of.created:
             return self._on(of, fitting, given)
         node = language.machine.framework.is_node(of)
         if not fitting or node:
@@ -299,7 +299,7 @@ class Calls:
         if fitting and node:  # what it creates on a node that was passed in belongs to the caller
             return self._on(of, fitting, given)
         if not fitting and name in of.fields:
-            return self._held(of.fields[name], given)
+            return self._call_member(of.fields[name], given)
         if fitting:
             self._leave(given, name)
             chosen, bound = self.overload(fitting, given.values)
@@ -315,7 +315,7 @@ class Calls:
     def _pointed(self, of: Object) -> Value | None:
         """Return what the `operator->` of an object gives; None if its class has none."""
         found = self._language.methods(of.kind, "operator->")[-1:]
-        value = self._on(of, found, Arguments([])) if found and of.made else None
+        value = self._on(of, found, Arguments([])) if found and of.created else None
         for one, bound in found if value is None or isinstance(value, Unknown) else ():
             value = self._language.unknown(one.returns, frame_of(one, bound), one.name)
         return value if value is not of else None

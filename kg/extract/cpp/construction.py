@@ -256,6 +256,6 @@ class Constructions:
 def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:
     """Return the field and the value of `.name = value`, as the interpreter represents it; None for other values."""
     if isinstance(value, Sequence) and len(value.items) == _PAIR and isinstance(value.items[0], Text):
-        field = cls.fields.get(value.items[0].known or "")
+        field = cls.fields.get(value.items[0].exact or "")
         return (field, value.items[1]) if field is not None else None
     return None

@@ -381,7 +381,7 @@ class Expressions:
         sides = [node.child_by_field_name(name) for name in ("left", "right")]
         return Binary(line_of(node), ",", self.expressions(side for side in sides if side is not None))
 
-    def knows(self, node: Node) -> bool:
+    def is_expression(self, node: Node) -> bool:
         """Return whether a node is an expression."""
         return node.type in self._lowered
 

@@ -69,17 +69,17 @@ class Kinds:
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
         """Return the meaning of a type in a frame: a `Kind`, or the value of a template parameter."""
         if frame.templated:
-            return self._meant(kind, frame, depth)
+            return self._resolve(kind, frame, depth)
         key = (id(kind), frame.unit, frame.scope, depth)
         known = self._plain.get(key)
         if known is None:
-            found = self._meant(kind, frame, depth)
+            found = self._resolve(kind, frame, depth)
             if _is_plain(kind):
                 self._plain[key] = (kind, found)
             return found
         return known[1]
 
-    def _meant(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
+    def _resolve(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
         names = kind.names if "" not in kind.names else tuple(filter(None, kind.names))
         if not names or depth > _DEEPEST:
             return Kind(names)
@@ -107,10 +107,10 @@ class Kinds:
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""
-        found = self.held(kind, frame) if kind is not None else None
+        found = self.variable_kind(kind, frame) if kind is not None else None
         return pointee(found) if found is not None else None
 
-    def held(self, kind: Type, frame: Frame) -> Kind | None:
+    def variable_kind(self, kind: Type, frame: Frame) -> Kind | None:
         """Return the type of a variable's value, a pointer or an object; None if it is unknown."""
         found = self.kind(kind, frame)
         if isinstance(found, TypeValue):

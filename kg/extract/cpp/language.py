@@ -306,7 +306,7 @@ class Cpp:
             found = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
             if found is not None:
                 return self._global(found, name)
-        if not of.made:
+        if not of.created:
             return self.unknown(declared.type, frame, name)
         return Unknown(f"{name} is given no value in the code that was run")
 
@@ -336,7 +336,7 @@ class Cpp:
         if found.name in library.TEXTS or found.name == "char":
             return Text.hole(f"{name} comes from outside")
         if found.cls is not None or (len(found.names) > 1 and found.names[0] != "std"):
-            return Object(found, made=False)
+            return Object(found, created=False)
         return Unknown(f"{name} comes from outside")
 
     def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
@@ -344,7 +344,7 @@ class Cpp:
         if isinstance(value, (Closure, Bound, Pack)):
             return value
         if written is not None and (kind is None or not (kind.reference or kind.pointer)):
-            value = self.copies.kept(value, kind, frame, written, frame)
+            value = self.copies.copy(value, kind, frame, written, frame)
         if kind is None or type(value) not in _STORED:
             return value
         if isinstance(value, Object):
@@ -374,7 +374,7 @@ class Cpp:
 
         Classes that hide the type of what they hold (type erasure) have such constructors.
         """
-        held = self.kinds.held(kind, frame) if not kind.pointer else None
+        held = self.kinds.variable_kind(kind, frame) if not kind.pointer else None
         wrapper = held.cls if held is not None else None
         if held is None or wrapper is None or wrapper is value.kind.cls or value.kind.cls is None:
             return value
@@ -385,7 +385,7 @@ class Cpp:
 
     def _nothing(self, kind: Type, frame: Frame) -> Value:
         """Return the value of `{}` in a variable of a type."""
-        held = self.kinds.held(kind, frame)
+        held = self.kinds.variable_kind(kind, frame)
         if held is None or held.name in library.LISTS:
             return _NOTHING
         return self.construct(held, [], frame, listed=True)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.units import CppUnit, Macro
     from kg.symbolic.form import Class, Declare, Function, Type, Unit
 
-_Found = TypeVar("_Found")
+_Item = TypeVar("_Item")
 _Scope: TypeAlias = tuple[str, ...]
 Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"
 """The declaration of a variable, with its file and scope."""
@@ -47,7 +47,7 @@ class Linker:
         """The files that define methods outside of a class, by its name."""
         self._methods: dict[Class, dict[str, list[Function]]] = {}
         self._meanings: dict[tuple[object, ...], list[Any]] = {}
-        self._held: dict[tuple[str, str, Unit], tuple[CppUnit, ...]] = {}
+        self._holders: dict[tuple[str, str, Unit], tuple[CppUnit, ...]] = {}
         self._generated: dict[tuple[str, Unit], _Scope | None] = {}
         self._macros: dict[tuple[str, Unit], Macro | None] = {}
         self._defined: set[tuple[object, ...]] = set()
@@ -88,7 +88,7 @@ class Linker:
                     self.load(file)
             if len(self.units) > loaded:
                 self._meanings.pop(("function", names, unit, scope), None)
-                self._held.pop(("function", names[-1], unit), None)
+                self._holders.pop(("function", names[-1], unit), None)
                 found = self._named("function", _functions, names, unit, scope)
         return found
 
@@ -157,7 +157,7 @@ class Linker:
 
     def _holding(self, unit: Unit, kind: str, name: str) -> tuple[CppUnit, ...]:
         """Return the files, nearest first, that can give a name of a kind its meaning in a file."""
-        found = self._held.get((kind, name, unit))
+        found = self._holders.get((kind, name, unit))
         if found is None:
             own = cast("CppUnit", unit)
             found = self.project.holding(own, kind, name)
@@ -169,17 +169,17 @@ class Linker:
                 # bodies of templates use, in a file that their header includes at its end.
                 files = [one.key for one in self.units.values()]
                 found = tuple(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))
-            self._held[kind, name, unit] = found
+            self._holders[kind, name, unit] = found
         return found
 
     def _named(
         self,
         kind: str,
-        listed: Callable[[CppUnit, str], Iterable[tuple[_Scope, _Found]]],
+        listed: Callable[[CppUnit, str], Iterable[tuple[_Scope, _Item]]],
         names: _Scope,
         unit: Unit,
         scope: _Scope,
-    ) -> list[_Found]:
+    ) -> list[_Item]:
         """Return the nearest declarations of one kind that a qualified name means."""
         key = (kind, names, unit, scope)
         known = self._meanings.get(key)
@@ -193,7 +193,7 @@ class Linker:
             meanings = self.project.meanings
             if key in meanings:
                 return meanings[key]
-        ranked: list[tuple[float, _Found]] = []
+        ranked: list[tuple[float, _Item]] = []
         if names[:1] == ("",):
             scope = ()
         *outer, last = [name for name in names if name]

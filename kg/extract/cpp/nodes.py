@@ -305,7 +305,7 @@ class _Nodes:
     def _of_trees(self, framework: Framework, files: list[FilePath]) -> Iterator[Extracted]:
         """Yield the nodes of behavior trees that a run registered, each once, and that have interfaces."""
         for one in framework.registered:
-            name = one.name.known if isinstance(one.name, Text) else None
+            name = one.name.exact if isinstance(one.name, Text) else None
             if name and (name, one.kind) not in self._in_trees:
                 self._in_trees.add((name, one.kind))
                 yield from self._tree_node(one, name, files)
@@ -425,7 +425,7 @@ class _Nodes:
         parameters: list[Parameter] = []
         for row in framework.loaded:
             name, kind = row[0], row[1]
-            shown = kind.known if isinstance(kind, Text) else None
+            shown = kind.exact if isinstance(kind, Text) else None
             home, plugin = self._plugin_of(shown) if shown is not None else (None, None)
             own = isinstance(name, Text) and name.parts == (NODE_NAME,)
             renamed = dict(_remappings(row[2])) if len(row) > 2 else {}  # noqa: PLR2004 - the third argument
@@ -544,7 +544,7 @@ def _version(framework: Framework) -> int:
 
 def _remappings(value: Value) -> Iterator[tuple[str, str]]:
     for key, given in value.items if isinstance(value, Mapping) else ():
-        old, new = (one.known if isinstance(one, Text) else None for one in (key, given))
+        old, new = (one.exact if isinstance(one, Text) else None for one in (key, given))
         if old is not None and new is not None:
             yield normalise(old), normalise(new)
 

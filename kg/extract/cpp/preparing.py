@@ -113,9 +113,9 @@ def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[r
 class _Group:
     """An `#if` with its directives so far."""
 
-    def __init__(self, first: re.Match[bytes], known: bool | None) -> None:  # noqa: FBT001 - a truth of three values
+    def __init__(self, first: re.Match[bytes], condition: bool | None) -> None:  # noqa: FBT001 - a truth of three values
         self.marks = [first]
-        self.known = [known]
+        self.conditions = [condition]
         """Whether each side is compiled if none before it is; None if that is unknown."""
         self.guarded = False
 
@@ -123,9 +123,9 @@ class _Group:
         """Return whether the side that was begun last is compiled; None if that is unknown."""
         if self.guarded:
             return True
-        if True in self.known[:-1] or self.known[-1] is False:
+        if True in self.conditions[:-1] or self.conditions[-1] is False:
             return False
-        return None if None in self.known else True
+        return None if None in self.conditions else True
 
 
 def _without_branches(source: bytes, ros: int, absent: frozenset[str]) -> bytes:
@@ -149,9 +149,9 @@ def _without_branches(source: bytes, ros: int, absent: frozenset[str]) -> bytes:
             groups[-1].marks.append(directive)
             if kind == b"endif":
                 group = groups.pop()
-                _keep_sides(found, group.marks, group.known)
+                _keep_sides(found, group.marks, group.conditions)
             else:
-                groups[-1].known.append(holds(directive[0], macros))
+                groups[-1].conditions.append(holds(directive[0], macros))
                 groups[-1].guarded = False
         before = directive
     return bytes(found)

@@ -62,8 +62,8 @@ _LEFT_OUT: Final = re.compile(rb"^[ \t]*//+[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
-_KEPT: Final = b"_:("
-_NAMES: Final = bytes(code if code < 128 and (chr(code).isalnum() or code in _KEPT) else 32 for code in range(256))  # noqa: PLR2004 - ASCII
+_MARKS: Final = b"_:("
+_NAMES: Final = bytes(code if code < 128 and (chr(code).isalnum() or code in _MARKS) else 32 for code in range(256))  # noqa: PLR2004 - ASCII
 """A table that replaces by spaces what is not part of a name, `::` or `(`."""
 
 
@@ -71,23 +71,23 @@ class _Cache:
     """Units with their contents, kept for later packages until they are those least recently used."""
 
     def __init__(self) -> None:
-        self._held: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
+        self._units_by_file: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
         self._bytes = 0
 
     def get(self, file: FilePath, content: bytes, ros: int, absent: frozenset[str]) -> CppUnit | None:
         """Return the unit of a file with these contents, as a package of ROS 1 or 2 without some macros compiles it."""
-        known = self._held.get(file)
+        known = self._units_by_file.get(file)
         if known is None or known[0] != content or (known[1].ros, known[1].absent) != (ros, absent):
             return None
-        self._held.move_to_end(file)
+        self._units_by_file.move_to_end(file)
         return known[1]
 
     def keep(self, content: bytes, unit: CppUnit) -> None:
         """Add a unit, and evict others."""
-        self._bytes += len(content) - len(self._held.pop(unit.key, (b"",))[0])
-        self._held[unit.key] = (content, unit)
-        while self._bytes > _CACHE_BYTES and len(self._held) > 1:
-            self._bytes -= len(self._held.popitem(last=False)[1][0])
+        self._bytes += len(content) - len(self._units_by_file.pop(unit.key, (b"",))[0])
+        self._units_by_file[unit.key] = (content, unit)
+        while self._bytes > _CACHE_BYTES and len(self._units_by_file) > 1:
+            self._bytes -= len(self._units_by_file.popitem(last=False)[1][0])
 
 
 _cache: Final = _Cache()
@@ -141,7 +141,7 @@ class Project:
         """For each package its sources, by the names in them with the `::` or `(` that follows."""
         self._libraries = {self._place: self._headers_of(self._place, build)}
         """The YAML files of parameter libraries by the names of their headers, for each package."""
-        self._made: dict[FilePath, bytes] = {}
+        self._converted: dict[FilePath, bytes] = {}
         """The headers made of YAML files."""
 
     def close(self) -> None:
@@ -213,7 +213,7 @@ class Project:
         return None if path in _OF_ROS and not of_framework else found
 
     def _content(self, file: FilePath) -> bytes | None:
-        return self._made[file] if file in self._made else self.reader.read(file)
+        return self._converted[file] if file in self._converted else self.reader.read(file)
 
     def _parameter_library(self, file: FilePath, path: str) -> FilePath | None:
         """Return the YAML file of the parameter library whose header `path` is, `library.hpp` or `package/library.hpp`.
@@ -231,8 +231,8 @@ class Project:
             build = read_build(self.reader, package) if _GENERATOR in (makefile or b"") else None
             self._libraries[home] = self._headers_of(home, build) if build is not None else {}
         found = self._libraries[home].get(name)
-        if found is not None and found not in self._made:
-            self._made[found] = listener(self.reader.read(found) or b"", found.path)
+        if found is not None and found not in self._converted:
+            self._converted[found] = listener(self.reader.read(found) or b"", found.path)
         return found
 
     def _headers_of(self, place: Place, build: BuildModel) -> dict[str, FilePath]:

@@ -77,7 +77,7 @@ class Statements:
             lower = self._lowered.get(node.type)
             if lower is not None:
                 return list(lower(self, node))
-            if self._expressions.knows(node):
+            if self._expressions.is_expression(node):
                 return [Step(line_of(node), self._expressions.expression(node))]
             return []
         finally:

@@ -99,7 +99,7 @@ class CppFunction(Function):
         self.unit, self.name, self.scope, self.template, self.owner = unit, name, scope, template, None
         self.node, self.declarator = nodes
         self.line = line_of(self.declarator if self.node.type == "function_definition" else self.node)
-        self.outer, self.static, self.marks, self.source, self.body_made = (), False, frozenset(), None, None
+        self.outer, self.static, self.marks, self.source, self.lowered_body = (), False, frozenset(), None, None
         self._words: frozenset[str] | None = None
         self._assigned: frozenset[str] | None = None
 
@@ -561,7 +561,7 @@ class CppUnit(Unit):
         definition = next(iter(syntax.of_type(syntax.parse(source).root_node, "function_definition")), None)
         block = statements.block(definition.child_by_field_name("body") if definition is not None else None)
         parameters = tuple(Parameter(name, None) for name in macro.parameters or ())
-        macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, body_made=block)
+        macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, lowered_body=block)
         return macro.functions[line]
 
 

@@ -181,12 +181,12 @@ class _Targets:
             target.generated.append(text)
 
     def target_sources(self, run: Run, words: list[str]) -> None:
-        target = self._known(words)
+        target = self._target(words)
         if target:
             self._take(run, target, words[1:])
 
     def target_link_libraries(self, _: Run, words: list[str]) -> None:
-        target = self._known(words)
+        target = self._target(words)
         if target is None:
             return
         for word in words[1:]:
@@ -194,7 +194,7 @@ class _Targets:
                 if part and part not in _TARGET_WORDS and not part.startswith("-"):
                     target.links[part] = None
 
-    def _known(self, words: list[str]) -> _Target | None:
+    def _target(self, words: list[str]) -> _Target | None:
         name = strip_generators(words[0]) if words else ""
         return self.model.targets.get(self.model.aliases.get(name, name))
 
@@ -217,26 +217,26 @@ class _Targets:
 
     def define(self, _: Run, words: list[str], command: str) -> None:
         """target_compile_definitions(target PRIVATE NAME=1), target_compile_options(target PRIVATE -DNAME)."""
-        target = self._known(words)
+        target = self._target(words)
         if target:
             target.macros.update(macros_of(command, (word for word in words[1:] if word not in _TARGET_WORDS)))
 
     def _define_by_property(self, names: list[str], name: str, values: list[str]) -> None:
         command = _MACRO_PROPERTIES.get(name)
         parts = [part for value in values for part in re.split(r"[;\s]+", value) if part]
-        for target in map(self._known, ([one] for one in names)) if command else ():
+        for target in map(self._target, ([one] for one in names)) if command else ():
             if target:
                 target.macros.update(macros_of(command or "", parts))
 
     def _rename(self, names: list[str], output: str | None) -> None:
         for name in names if output else ():
-            target = self._known([name])
+            target = self._target([name])
             if target:
                 target.output_name = output
 
     def register_node(self, run: Run, words: list[str]) -> None:
         """rclcpp_components_register_node(target PLUGIN class EXECUTABLE name)."""
-        target = self._known(words)
+        target = self._target(words)
         values = dict(zip(words[1::2], words[2::2], strict=False))
         if values.get("PLUGIN"):
             self._component(run, words[0], values["PLUGIN"], values.get("EXECUTABLE"), target)
@@ -245,7 +245,7 @@ class _Targets:
         """rclcpp_components_register_nodes(target class...)."""
         for plugin in words[1:]:
             if plugin != "RESOURCE_INDEX":
-                self._component(run, words[0], plugin, None, self._known(words))
+                self._component(run, words[0], plugin, None, self._target(words))
 
     def _component(self, run: Run, name: str, plugin: str, executable: str | None, target: _Target | None) -> None:
         library = (target.output_name if target else None) or name

@@ -136,11 +136,11 @@ class _Parser:
 
     def _value(self, token: Token) -> str | None:
         """Return the text of an operand: the value of the variable it names, else itself; None when uncertain."""
-        if not token.certain or token.text in self.scope.uncertain or self._is_found(token):
+        if not token.certain or token.text in self.scope.uncertain or self._is_libraries(token):
             return None
         return token.text if token.quoted else self.scope.variables.get(token.text, token.text)
 
-    def _is_found(self, token: Token) -> bool:
+    def _is_libraries(self, token: Token) -> bool:
         """Return whether an operand is a list of libraries that packages which are looked for export."""
         found = self.scope.variables.get("catkin_LIBRARIES")
         return bool(found) and token.text in (found, "catkin_LIBRARIES")

@@ -85,7 +85,7 @@ class Installed:
     def _pair(self, pair: Value) -> Iterator[tuple[str, str]]:
         """Yield each file of a pair of a destination and a list of files."""
         match pair:
-            case Sequence(items=(Text(known=str() as destination), Sequence(open=False) as files)):
+            case Sequence(items=(Text(exact=str() as destination), Sequence(open=False) as files)):
                 names = lines(files)
                 self._unknown |= len(names) != len(files.items)
                 for source in names:

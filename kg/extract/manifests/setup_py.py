@@ -36,7 +36,7 @@ class Setup:
 
 def read_setup(reader: Reader, folder: PackageFolder) -> Setup:
     """Return the console scripts, scripts and parameter modules that a package declares."""
-    found = _Found(reader, folder)
+    found = _Collector(reader, folder)
     for name, read in (("setup.py", _setup_py), ("setup.cfg", _setup_cfg), ("pyproject.toml", _pyproject)):
         path = folder.join(name)
         if reader.workspace.entry(reader.file(path)):
@@ -46,7 +46,7 @@ def read_setup(reader: Reader, folder: PackageFolder) -> Setup:
     return found.setup
 
 
-class _Found:
+class _Collector:
     """Collects entry points and scripts, the first of a name counts."""
 
     def __init__(self, reader: Reader, folder: PackageFolder) -> None:
@@ -87,7 +87,7 @@ class _Found:
         return found.path if found and found.repository == self.reader.repository else None
 
 
-def _setup_py(found: _Found, path: str, text: bytes) -> None:
+def _setup_py(found: _Collector, path: str, text: bytes) -> None:
     written = text.decode().splitlines()
     for call in calls_of(found.reader, found.reader.file(path)):
         if call.name == "generate_parameter_module":
@@ -115,7 +115,7 @@ def _scripts_of(call: Called) -> list[str]:
     return found
 
 
-def _setup_cfg(found: _Found, path: str, text: bytes) -> None:
+def _setup_cfg(found: _Collector, path: str, text: bytes) -> None:
     config = configparser.RawConfigParser(strict=False, allow_no_value=True)
     try:
         config.read_string(text.decode())
@@ -140,7 +140,7 @@ def _line_of(lines: list[str], written: str) -> int:
     return 1
 
 
-def _pyproject(found: _Found, path: str, text: bytes) -> None:
+def _pyproject(found: _Collector, path: str, text: bytes) -> None:
     try:
         project = tomllib.loads(text.decode()).get("project", {})
     except (tomllib.TOMLDecodeError, RecursionError) as error:

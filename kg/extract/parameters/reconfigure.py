@@ -42,7 +42,7 @@ def generates(reader: Reader, file: FilePath, package: str, name: str) -> bool:
     """
     for call in calls_of(reader, file):
         given = {**dict(zip(_GENERATE_ARGUMENTS, call.values, strict=False)), **call.named}
-        home, stem = (one.known if isinstance(one := given.get(key), Text) else None for key in ("pkgname", "name"))
+        home, stem = (one.exact if isinstance(one := given.get(key), Text) else None for key in ("pkgname", "name"))
         if call.name == "generate" and stem == name and package in {"", home}:
             return True
     return False
@@ -61,14 +61,14 @@ def _added(call: Called, repository: str) -> Iterator[Parameter]:
             access=Access.READ,
             location=Location(call.file.path, call.line, other),
             resolution=Resolution.PARTIAL if is_partial(name.shown) else Resolution.LITERAL,
-            description=description.known if isinstance(description, Text) else None,
+            description=description.exact if isinstance(description, Text) else None,
         )
 
 
 def _default(value: Value | None) -> str | None:
     """Return a default as YAML; None for one that is not known."""
-    if isinstance(value, Text) and value.known is not None:
-        return json.dumps(value.known)
+    if isinstance(value, Text) and value.exact is not None:
+        return json.dumps(value.exact)
     if isinstance(value, Truth):
         return str(value.value).lower()
     return value.written if isinstance(value, Number) else None

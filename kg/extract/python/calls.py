@@ -90,7 +90,7 @@ class Calls:
             if name != "**":
                 named[name] = value
             elif isinstance(value, Mapping):
-                named.update((key.known, held) for key, held in value.items if isinstance(key, Text) and key.known)
+                named.update((key.exact, held) for key, held in value.items if isinstance(key, Text) and key.exact)
         return Arguments(values, (), expression, frame, named)
 
     def _decorated(self, expression: form.Call, frame: Frame) -> Value:

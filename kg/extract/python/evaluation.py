@@ -50,7 +50,7 @@ __all__ = [
     "MISSING",
     "Dialect",
     "ExpressionError",
-    "NotKnownError",
+    "UnknownValueError",
     "UnsupportedError",
     "evaluate_text",
     "failure",
@@ -81,7 +81,7 @@ _CONVERSIONS: Final[dict[str, Callable[[object], object]]] = {
 }
 
 
-class NotKnownError(Exception):
+class UnknownValueError(Exception):
     """The value depends on something that is not known, which whoever made it unknown has reported."""
 
 
@@ -119,7 +119,7 @@ class Dialect:
     `names` looks a name up before all others, `arguments` after those of `math` and before those of Python; both give
     `MISSING` for a name that they do not have. `functions` are called by name, which may have dots. `modules` are the
     names of modules with what they are in Python; names of `math` can be used without it. `member` gives `value.name`
-    of an object of the language's own, else `MISSING`. All may raise `NotKnownError`.
+    of an object of the language's own, else `MISSING`. All may raise `UnknownValueError`.
     """
 
     names: Callable[[str], object] = _nothing
@@ -135,7 +135,7 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
     Raises:
         ExpressionError: if the text is not an expression, or Python raises an error.
         UnsupportedError: if the expression uses what is not evaluated here, or grows too large.
-        NotKnownError: if the value depends on an unknown value.
+        UnknownValueError: if the value depends on an unknown value.
     """
     if len(source) > _MOST_SOURCE:
         raise UnsupportedError(f"the expression is longer than {_MOST_SOURCE} characters")
@@ -146,7 +146,7 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
             raise ExpressionError("it is not an expression")
         value = evaluation.value(lowered)
         if not evaluation.is_known(value, holes=True):
-            raise NotKnownError
+            raise UnknownValueError
     except RecursionError:
         raise UnsupportedError("the expression takes too long") from None
     return value
@@ -225,7 +225,7 @@ class _Evaluation:
         if self._steps > _MOST_STEPS:
             raise UnsupportedError("the expression takes too long")
 
-    def _made(self, value: object) -> object:
+    def _checked(self, value: object) -> object:
         """Return a value that Python computed, if it is of a size and a type that expressions may have."""
         if isinstance(value, str):
             refuse_over(len(value))
@@ -252,7 +252,7 @@ class _Evaluation:
         is_enough = self._is_container if shallow else self.is_known
         if not all(map(is_enough, (*args, *(named or {}).values()))):
             return _UNKNOWN
-        return self._made(called(function, args, named or {}))
+        return self._checked(called(function, args, named or {}))
 
     def _given(
         self, function: Callable[..., object], args: list[Any], named: Mapping[str, Any] | None = None
@@ -260,7 +260,7 @@ class _Evaluation:
         """Return the result of a function of the dialect."""
         try:
             return called(function, args, named or {})
-        except NotKnownError:
+        except UnknownValueError:
             return _UNKNOWN
 
     @staticmethod
@@ -275,10 +275,10 @@ class _Evaluation:
     def _literal(self, expression: form.Literal) -> object:
         if type(expression.value) is float:
             try:
-                return self._made(int(expression.written, 0))
+                return self._checked(int(expression.written, 0))
             except ValueError:
                 return expression.value
-        return self._made(expression.value)
+        return self._checked(expression.value)
 
     def _name(self, expression: form.Name) -> object:
         name = expression.names[-1]
@@ -344,7 +344,7 @@ class _Evaluation:
             and any(texts)
             and all(one or two is _UNKNOWN for one, two in zip(texts, (left, right), strict=True))
         ):
-            return self._made(f"{left}{right}")
+            return self._checked(f"{left}{right}")
         if sign == "%" and isinstance(left, str):
             return self._percent(left, right)
         if sign in ("==", "!=") and any(texts) and (left is None or right is None):
@@ -384,13 +384,13 @@ class _Evaluation:
             return _UNKNOWN
         if expression.kind == "set":
             return self._applied(FUNCTIONS["builtins.set"], [found])
-        return self._made(tuple(found) if expression.kind == "tuple" else found)
+        return self._checked(tuple(found) if expression.kind == "tuple" else found)
 
     def _pairs(self, expression: form.Pairs) -> object:
         pairs = [(self.value(key), self.value(value)) for key, value in expression.items]
         if not self.is_known([key for key, _ in pairs]):
             return _UNKNOWN
-        return self._made(called(dict, [pairs], {}))
+        return self._checked(called(dict, [pairs], {}))
 
     def _index(self, expression: form.Index) -> object:
         of, key = self.value(expression.of), self.value(expression.key)
@@ -450,7 +450,7 @@ class _Evaluation:
                 return _UNKNOWN
             texts = [HOLE if item is _UNKNOWN else item for item in items]
             refuse_over(sum(len(text) for text in texts if isinstance(text, str)) + len(of) * len(texts))
-            return self._made(called(of.join, [texts], {}))
+            return self._checked(called(of.join, [texts], {}))
         if isinstance(of, str) and name == "format":
             return self._braces(of, args, named) if self.is_known(of) else _UNKNOWN
         kind = type(of)
@@ -482,7 +482,7 @@ class _Evaluation:
             return HOLE
         if not _SPEC.fullmatch(spec):
             raise UnsupportedError("the format of a text is not evaluated")
-        return str(self._made(called(format, [_CONVERSIONS[conversion](value), spec], {})))
+        return str(self._checked(called(format, [_CONVERSIONS[conversion](value), spec], {})))
 
     def _braces(self, template: str, args: list[Any], named: Mapping[str, Any]) -> object:
         """Return `template.format(*args, **named)`."""
@@ -499,7 +499,7 @@ class _Evaluation:
             value = called(operator.getitem, [given, int(key) if key.isdecimal() else key], {})
             made += self._formatted(value, spec, conversion or "")
             refuse_over(len(made))
-        return self._made(made)
+        return self._checked(made)
 
     def _percent(self, template: str, operand: object) -> object:
         """Return `template % operand`."""
@@ -513,7 +513,7 @@ class _Evaluation:
         given = operand.values() if isinstance(operand, dict) else values
         longest = max((len(str(value)) for value in given), default=0)
         refuse_over(len(template) + (1 + longest) * template.count("%"))
-        return self._made(called(operator.mod, [template, operand], {}))
+        return self._checked(called(operator.mod, [template, operand], {}))
 
     _evaluators: ClassVar[dict[type, Callable[..., object]]] = {
         form.Literal: _literal,

@@ -289,7 +289,7 @@ class Expressions:
         return Lambda(line, self._function(line, self.parameters(node), body))
 
     def _function(self, line: int, parameters: tuple[Parameter, ...], body: Block) -> Function:
-        return Function(self._unit, "<lambda>", (), parameters, line, body_made=body)
+        return Function(self._unit, "<lambda>", (), parameters, line, lowered_body=body)
 
     def parameters(self, node: Node) -> tuple[Parameter, ...]:
         """Return the parameters of a function or lambda."""

@@ -43,8 +43,8 @@ def elements(of: Value) -> list[Value]:
     if isinstance(of, Mapping):
         keys = [key for key, _ in of.items]
         return keys if keys or of.parameter is None else [key_of(of.parameter)]
-    if isinstance(of, Text) and of.known is not None and of.parameter is None:
-        return [replace(of, parts=(letter,), own=False) for letter in of.known[:_MOST_ITEMS]]
+    if isinstance(of, Text) and of.exact is not None and of.parameter is None:
+        return [replace(of, parts=(letter,), own=False) for letter in of.exact[:_MOST_ITEMS]]
     return containers.elements(of)
 
 
@@ -58,7 +58,7 @@ def _listed(values: list[Value]) -> Value:
     if not values:
         return Sequence(())
     of = values[0]
-    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.known is not None):
+    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.exact is not None):
         return Sequence(tuple(elements(of)), is_open(of))
     return of
 
@@ -66,7 +66,7 @@ def _listed(values: list[Value]) -> Value:
 def countable(value: Value) -> list[Value] | None:
     """Return the items of a value, if all are known; None for others."""
     known = isinstance(value, Sequence | Mapping) and not value.open
-    known = known or (isinstance(value, Text) and value.known is not None)
+    known = known or (isinstance(value, Text) and value.exact is not None)
     return elements(value) if known or is_unknown_parameter(value) else None
 
 
@@ -93,7 +93,7 @@ def _length(values: list[Value]) -> Value:
         return LENGTH
     if isinstance(of, Sequence | Mapping) and not of.open and (of.items or of.parameter is None):
         return number(len(of.items), of.parameter)
-    return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
+    return number(len(of.exact), of.parameter) if isinstance(of, Text) and of.exact is not None else _COMPUTED
 
 
 def _join_names(values: list[Value]) -> Value:
@@ -111,7 +111,7 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
     """`get_message_class("package/Type")` and its like."""
 
     def apply(values: list[Value]) -> Value:
-        name = values[0].known if values and isinstance(values[0], Text) else None
+        name = values[0].exact if values and isinstance(values[0], Text) else None
         parts = name.split("/") if name else []
         return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
 
@@ -146,7 +146,7 @@ def _absolute(values: list[Value]) -> Value:
 
 def _plain(found: list[Value] | None) -> list[str] | list[float] | None:
     """Return texts, or numbers, that are all known; None for others."""
-    texts = [one.known for one in found or () if isinstance(one, Text) and one.known is not None]
+    texts = [one.exact for one in found or () if isinstance(one, Text) and one.exact is not None]
     if texts and len(texts) == len(found or ()):
         return texts
     numbers = [one.value for one in found or () if isinstance(one, Number)]
@@ -286,7 +286,7 @@ def _environment(values: list[Value], named: Names[str, Value]) -> Value:
 
 def from_environment(name: Value) -> Value:
     """Return a variable of the environment."""
-    return Text.hole("it is read from the environment", name.known or "" if isinstance(name, Text) else "")
+    return Text.hole("it is read from the environment", name.exact or "" if isinstance(name, Text) else "")
 
 
 NAMED: Final[dict[str, Callable[[list[Value], Names[str, Value]], Value]]] = {

@@ -299,9 +299,9 @@ class Python:
 
     def member_named(self, of: Value, name: Text) -> Value:
         """Return the member that a text names; if part of the text is unknown (`"on_" + event`), what it can be."""
-        if name.known is not None:
-            return self.member(of, name.known) if name.known else Unknown("the member has no name")
-        if not isinstance(of, Object) or name.nothing_known:
+        if name.exact is not None:
+            return self.member(of, name.exact) if name.exact else Unknown("the member has no name")
+        if not isinstance(of, Object) or name.wholly_unknown:
             return Unknown("the name of the member is not known")
         names = dict.fromkeys((*of.fields, *(one for cls, _ in self.chain(of.kind)[0] for one in cls.methods)))
         fitting = [self.of_object(of, one) for one in names if fits(name.shown, one, ".*")]

@@ -77,11 +77,11 @@ def element(of: Value, key: Value) -> Value:
     if isinstance(of, TypeValue) and of.kind.names == ("os", "environ"):
         return from_environment(key)
     if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0 and not is_unset(of):
-        items = elements(of) if not isinstance(of, Text) or of.known is not None else []
+        items = elements(of) if not isinstance(of, Text) or of.exact is not None else []
         count = int(-key.value)
         return items[-count] if len(items) >= count and not is_open(of) else Unknown("it is one of the last elements")
-    if isinstance(of, Text) and of.known is not None and isinstance(key, Number) and key.value < len(of.known):
-        return replace(of, parts=(of.known[int(key.value)],))
+    if isinstance(of, Text) and of.exact is not None and isinstance(key, Number) and key.value < len(of.exact):
+        return replace(of, parts=(of.exact[int(key.value)],))
     return containers.element(of, key)
 
 
@@ -125,8 +125,8 @@ def _set_attribute(language: Python, given: Arguments) -> Value:
     """`setattr(object, name, value)`."""
     of, name, value = (*given.values, *[_COMPUTED] * 3)[:3]
     for one in alternatives(of):
-        if isinstance(one, Object) and isinstance(name, Text) and name.known:
-            language.machine.write(one.fields, name.known, value)
+        if isinstance(one, Object) and isinstance(name, Text) and name.exact:
+            language.machine.write(one.fields, name.exact, value)
     return _NOTHING
 
 
@@ -215,7 +215,7 @@ def _tests(language: Python, given: Arguments) -> Value:
 
 def _preset(language: Python, given: Arguments) -> Value:
     """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
-    name = given.values[0].known if given.values and isinstance(given.values[0], Text) else None
+    name = given.values[0].exact if given.values and isinstance(given.values[0], Text) else None
     return language.member(TypeValue(Kind(("rclpy", "qos", "QoSPresetProfiles"))), name) if name else _COMPUTED
 
 
@@ -350,11 +350,11 @@ def _got(of: Value, values: list[Value], given: Arguments | None) -> Value | Non
 
 
 def _begins(of: Text, name: str, value: Value) -> Value:
-    given = value.known if isinstance(value, Text) else None
+    given = value.exact if isinstance(value, Text) else None
     part = of.parts[0 if name == "startswith" else -1] if of.parts else ""
     if given is None or of.parameter is not None or not isinstance(part, str):
         return Unknown("it depends on a value", of.parameter)
-    if of.known is None and len(part) < len(given):
+    if of.exact is None and len(part) < len(given):
         return Unknown("it depends on a value")
     return Truth(part.startswith(given) if name == "startswith" else part.endswith(given))
 
@@ -366,9 +366,9 @@ def _slice(of: Value, bounds: list[Value]) -> Value | None:
     if isinstance(of, Sequence) and of.parameter == "argv":
         return of
     if isinstance(of, Text):
-        if of.known is None or not known:
+        if of.exact is None or not known:
             return Text.hole("it is cut when the program runs", parameter=of.parameter)
-        return replace(of, parts=(of.known[slice(*numbers)],))
+        return replace(of, parts=(of.exact[slice(*numbers)],))
     if isinstance(of, Sequence) and known and numbers[2] != 0:
         return replace(of, items=of.items[slice(*numbers)])
     return of if isinstance(of, Sequence) or is_unknown_parameter(of) else None
@@ -398,7 +398,7 @@ def object_method(language: Python, of: Object, name: str, given: Arguments) -> 
     if name in ("parse_args", "parse_known_args", "parse_intermixed_args"):
         known = of.native.get("options")
         pairs = known.items if isinstance(known, Mapping) else ()
-        fields = {key.known: value for key, value in pairs if isinstance(key, Text) and key.known}
+        fields = {key.exact: value for key, value in pairs if isinstance(key, Text) and key.exact}
         made = Object(Kind(("argparse", "Namespace")), fields=fields)
         both = name == "parse_known_args" or of.kind.name == "OptionParser"
         return Sequence((made, COMMAND_LINE)) if both else made
@@ -407,12 +407,12 @@ def object_method(language: Python, of: Object, name: str, given: Arguments) -> 
 
 def _option(given: Arguments) -> tuple[Value, Value] | None:
     """Return the name and the value of an option of the command line."""
-    flags = [value.known for value in given.values if isinstance(value, Text) and value.known]
+    flags = [value.exact for value in given.values if isinstance(value, Text) and value.exact]
     target = given.named.get("dest")
     long = [flag for flag in flags if flag.startswith("--")] or flags[:1]
     name = long[0].lstrip("-").replace("-", "_") if long else None
     if isinstance(target, Text):
-        name = target.known
+        name = target.exact
     if not name:
         return None
     single = bool(flags) and flags[0].startswith("-") and not {"nargs", "action"} & given.named.keys()

@@ -121,7 +121,7 @@ class _Nodes:
             yield self._extracted(framework, root)
             return
         for row in framework.loaded:
-            asked = row[1].known if isinstance(row[1], Text) else None
+            asked = row[1].exact if isinstance(row[1], Text) else None
             for plugin in self._build.plugins:
                 cls = self._plugin_class(plugin) if asked in (plugin.name, plugin.type) else None
                 if cls is not None:

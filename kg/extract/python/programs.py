@@ -84,12 +84,12 @@ def lines(value: Value | None) -> list[str]:
     for one in alternatives(value) if value is not None else ():
         if isinstance(one, Sequence):
             found += [line for item in one.items for line in lines(item)]
-        elif isinstance(one, Text) and one.known is not None:
-            found += one.known.splitlines()
+        elif isinstance(one, Text) and one.exact is not None:
+            found += one.exact.splitlines()
     return found
 
 
 def entries(value: Value | None) -> dict[str, Value]:
     """Return the entries of a dictionary whose keys are known texts; none of other values."""
     pairs = [pair for one in alternatives(value) if isinstance(one, Mapping) for pair in one.items] if value else []
-    return {key.known: held for key, held in pairs if isinstance(key, Text) and key.known is not None}
+    return {key.exact: held for key, held in pairs if isinstance(key, Text) and key.exact is not None}

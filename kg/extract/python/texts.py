@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping as Names
 
 _HOLE: Final = Unknown("part of it is not known")
-_KEPT: Final = frozenset({"strip", "lstrip", "rstrip"})
+_STRIPS: Final = frozenset({"strip", "lstrip", "rstrip"})
 """Methods that leave a text that is not known as it is."""
-_METHODS: Final = _KEPT | {
+_METHODS: Final = _STRIPS | {
     "capitalize", "casefold", "count", "find", "index", "isalnum", "isalpha", "isdecimal", "isdigit", "islower",
     "isspace", "isupper", "lower", "partition", "removeprefix", "removesuffix", "replace", "rfind", "rpartition",
     "rsplit", "split", "splitlines", "swapcase", "title", "upper",
@@ -60,21 +60,21 @@ def percent(template: Value, value: Value) -> Value:
     if any(isinstance(one, Either) for one in (template, *items)):
         whole = isinstance(value, Sequence)
         return over((template, *items), lambda one, *row: percent(one, Sequence(row) if whole else row[0]))
-    if not isinstance(template, Text) or template.known is None:
+    if not isinstance(template, Text) or template.exact is None:
         return concatenate(template, _HOLE)
     pairs = value.items if isinstance(value, Mapping) else ()
-    of_keys = {own.known: held for own, held in pairs if isinstance(own, Text)}
+    of_keys = {own.exact: held for own, held in pairs if isinstance(own, Text)}
     pieces: list[Value] = []
     waiting, end = iter(items), 0
-    for found in _DIRECTIVE.finditer(template.known):
-        pieces.append(Text.of(template.known[end : found.start()]))
+    for found in _DIRECTIVE.finditer(template.exact):
+        pieces.append(Text.of(template.exact[end : found.start()]))
         end = found.end()
         if found["kind"] == "%":
             pieces.append(Text.of("%"))
         else:
             given = next(waiting, None) if found["key"] is None else of_keys.get(found["key"])
             pieces.append(_converted(given, found["flags"], found["kind"]))
-    return _carried(template, concatenate(*pieces, Text.of(template.known[end:])))
+    return _carried(template, concatenate(*pieces, Text.of(template.exact[end:])))
 
 
 def _converted(value: Value | None, flags: str, kind: str) -> Value:
@@ -98,10 +98,10 @@ def braces(template: Value, positional: list[Value], named: Names[str, Value]) -
             everything,
             lambda one, *row: braces(one, list(row[:count]), dict(zip(named, row[count:], strict=True))),
         )
-    if not isinstance(template, Text) or template.known is None:
+    if not isinstance(template, Text) or template.exact is None:
         return concatenate(template, _HOLE)
     try:
-        fields = list(Formatter().parse(template.known))
+        fields = list(Formatter().parse(template.exact))
     except ValueError:
         return concatenate(_HOLE)
     pieces: list[Value] = []
@@ -145,14 +145,14 @@ def method(of: Text, name: str, arguments: list[Value]) -> Value | None:
         return of
     if name not in _METHODS:
         return None
-    if of.known is None:
+    if of.exact is None:
         kept = replace(of, parts=of.parts)
-        return kept if name in _KEPT else concatenate(Unknown("it is computed when the program runs", of.parameter))
+        return kept if name in _STRIPS else concatenate(Unknown("it is computed when the program runs", of.parameter))
     given = [plain(one) for one in arguments]
-    if None in given or (name == "replace" and len(of.known) > _LONGEST_TO_REPLACE):
+    if None in given or (name == "replace" and len(of.exact) > _LONGEST_TO_REPLACE):
         return concatenate(_HOLE) if name not in ("split", "rsplit") else None
     try:
-        return _result(of, getattr(of.known, name)(*given))
+        return _result(of, getattr(of.exact, name)(*given))
     except (ValueError, TypeError):
         return Unknown(f"`str.{name}` fails")
 

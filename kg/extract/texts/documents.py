@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
-    from kg.extract.texts.readme import Found
+    from kg.extract.texts.readme import Passage
 
 _SIGNS: Final = re.compile(r"^\s*(?:/\*\*?!?|///?|\*/|\*+(?=\s|$))?")
 _COMMAND: Final = re.compile(r"^\s*[@\\](\w+)\s*(.*)$")
 _LEVELS: Final = {"mainpage": 1, "page": 1, "section": 2, "subsection": 3, "subsubsection": 4, "par": 5}
 _LABELLED: Final = frozenset({"page", "section", "subsection", "subsubsection"})
 _FENCES: Final = frozenset({"verbatim", "endverbatim", "code", "endcode", "dot", "enddot"})
-_SAID: Final = frozenset({"brief", "details", "b", "c", "e", "p", "a", "em", "ref", "note", "li", "i"})
+_TEXT_COMMANDS: Final = frozenset({"brief", "details", "b", "c", "e", "p", "a", "em", "ref", "note", "li", "i"})
 
 
 def markdown(text: str) -> str:
@@ -49,7 +49,7 @@ def _lines(text: str) -> Iterator[str]:
             closed = any(f"{sign}end{word}" in rest for sign in "\\@")
             yield "" if closed else "```"
         else:
-            yield line.strip() if word in _SAID else ""
+            yield line.strip() if word in _TEXT_COMMANDS else ""
 
 
 _MOST_PAGES: Final = 300
@@ -97,7 +97,7 @@ def _of_page(file: FilePath, text: str, about: About) -> Iterator[Description]:
         yield from (_description(file, one, DescriptionKind.USAGE) for one in remaining)
 
 
-def _description(file: FilePath, found: Found, kind: DescriptionKind) -> Description:
+def _description(file: FilePath, found: Passage, kind: DescriptionKind) -> Description:
     return Description(found.text, kind, Location(file.path, found.line), found.node, found.heading)
 
 

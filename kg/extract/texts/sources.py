@@ -257,7 +257,7 @@ def of_sources(
     sources = _Sources(reader, package, {plugin.name: last_part(plugin.type) for plugin in build.plugins})
     for node in nodes:
         sources.uses.update({node.location.path, *node.sources})
-        sources.makers.update(set(_made(node)) - {node.location.path, *node.sources})
+        sources.makers.update(set(_interface_files(node)) - {node.location.path, *node.sources})
     functions = {entry.name: entry.function for entry in build.entry_points}
     for node in nodes:
         if node.location.repository is not None:
@@ -273,7 +273,7 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
     files = list(dict.fromkeys(path for file in files for path in (file, *sources.headers(file))))[:_MOST_FILES]
     main = sources.text(node.location.path) or ""
     # The classes that a program may be are where it begins, and where few programs make interfaces.
-    own = (path for path in _made(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES)
+    own = (path for path in _interface_files(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES)
     used = {_stem(path) for path in (node.location.path, *own)}
     for path in files:
         comments = sources.cpp(path)
@@ -291,10 +291,10 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
 
 def _files(node: NodeType) -> list[str]:
     """Return the files of a node: where it begins, its sources, and where it makes interfaces itself."""
-    return list(dict.fromkeys([node.location.path, *node.sources, *_made(node)]))[:_MOST_FILES]
+    return list(dict.fromkeys([node.location.path, *node.sources, *_interface_files(node)]))[:_MOST_FILES]
 
 
-def _made(node: NodeType) -> list[str]:
+def _interface_files(node: NodeType) -> list[str]:
     """Return the files of the source in which a node makes interfaces itself."""
     found = (one.location for one in node.interfaces if not one.implicit)
     return list(dict.fromkeys(place.path for place in found if place.repository is None))

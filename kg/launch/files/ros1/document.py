@@ -52,7 +52,7 @@ def _text(parent: Element, text: str, line: int) -> None:
         parent.pieces.append((line, text))
 
 
-_MARKUP: Final = Markup(Element, _text, kept=1024)
+_MARKUP: Final = Markup(Element, _text, cached=1024)
 
 
 def read_document(text: bytes) -> Document[Element]:

@@ -21,7 +21,7 @@ from kg.facts import (
     Remap,
     StartedNode,
 )
-from kg.launch.files.access import MOST, Budget, Files, Found
+from kg.launch.files.access import MOST, Budget, Files, Match
 from kg.launch.files.ros1.parameterfile import Leaf, canonical, global_namespace, join, shown, truth
 from kg.launch.files.ros1.substitute import Note, Substituter
 from kg.launch.files.xacro.plugins import Descriptions
@@ -298,7 +298,7 @@ class State:
         """Return the file that a text names, or None and the reason: a problem, of the kind `unknown` for holes."""
         found = self.files.find(text)
         if HOLE in text:
-            found = Found(None, unknown, f"the file {text} depends on an unknown value", text)
+            found = Match(None, unknown, f"the file {text} depends on an unknown value", text)
         if found.reason is None:
             return found.file, None
         self.problem(scope, line, found.kind, found.reason, found.subject)

@@ -15,7 +15,7 @@ from kg.extract.python.evaluation import (
     MISSING,
     Dialect,
     ExpressionError,
-    NotKnownError,
+    UnknownValueError,
     UnsupportedError,
     evaluate_text,
     is_builtin,
@@ -185,7 +185,7 @@ class _Commands:
         try:
             dialect = Dialect(lambda name: _TRUTH.get(name, MISSING), self._variable, functions)
             return str(evaluate_text(expression, dialect))
-        except NotKnownError:
+        except UnknownValueError:
             return HOLE
         except UnsupportedError as error:
             self._note(LaunchProblemKind.UNRESOLVED, f"the expression is not evaluated: {error}", expression)

@@ -91,7 +91,7 @@ def read_actions(context: Context, file: FilePath, dialect: LaunchDialect | None
     if content is None:
         unreadable(context, file)
         return ()
-    context.found.files.setdefault(file)
+    context.results.files.setdefault(file)
     if not context.allows("bytes of files", len(content)):
         return ()
     dialect = dialect or dialect_of(file, content)
@@ -143,7 +143,7 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
         message = f"the included file is unknown: {reason or f'`{written}`'}"
         context.problem(LaunchProblemKind.UNKNOWN_PART, message, written)
     file = find(context, written)
-    context.found.includes.append(
+    context.results.includes.append(
         LaunchInclude(
             written,
             context.location,
@@ -320,8 +320,8 @@ def _declare(context: Context, action: kinds.DeclareArgument) -> None:
     if action.choices and value not in action.choices and HOLE not in value:
         message = f"the argument `{action.name}` is `{value}`, none of {', '.join(action.choices)}"
         context.problem(LaunchProblemKind.MALFORMED, message, action.name)
-    if len(context.stack) == 1 and action.name not in context.found.arguments:
-        context.found.arguments[action.name] = LaunchArgument(
+    if len(context.stack) == 1 and action.name not in context.results.arguments:
+        context.results.arguments[action.name] = LaunchArgument(
             action.name, default, value, action.location, action.description, choices=action.choices
         )
 
@@ -377,13 +377,13 @@ def evaluate(
         run(context, read_actions(context, file, dialect))
     except RecursionError:
         context.limit("something is nested too deep to be read")
-    for name, defaults in context.found.defaults.items():
+    for name, defaults in context.results.defaults.items():
         value = next((one for one in defaults if one.strip("'\"")), None)
         if value is not None and "" in defaults:
             message = f"the environment variable {name} is `{value}` by default here, but empty by default elsewhere"
             context.problem(LaunchProblemKind.UNSET_VARIABLE, message, name, defaults[value])
     owner = files.reader.workspace.owner(file)
-    found = context.found
+    found = context.results
     nodes = without_others(found.nodes)
     return LaunchConfiguration(
         repository=file.repository,

@@ -16,7 +16,7 @@ from kg.facts import LaunchParameter, LaunchPlugin, LaunchProblemKind, StartedNo
 from kg.holes import ANONYMOUS
 from kg.launch.files.access import SCHEME
 from kg.launch.files.ros2.actions import Condition, ParameterFile, Substitution, Text
-from kg.launch.files.ros2.context import HOLE, Context, Found, find, read
+from kg.launch.files.ros2.context import HOLE, Context, Results, find, read
 from kg.launch.files.ros2.parameters import Entry, Rewriting, read_parameters
 from kg.launch.files.ros2.values import truth
 from kg.launch.files.xacro.plugins import Descriptions, named_description, started
@@ -36,12 +36,12 @@ def describe(context: Context, words: Sequence[str]) -> None:
         return
     descriptions = Descriptions(context.files, context.stack[0], context.initial)
     made = descriptions.read(file, named[1], (*context.chain, context.location))
-    context.found.problems.update(dict.fromkeys(made.problems))
-    context.found.files.update(dict.fromkeys(made.files))
-    context.found.printed = made.plugins
+    context.results.problems.update(dict.fromkeys(made.problems))
+    context.results.files.update(dict.fromkeys(made.files))
+    context.results.printed = made.plugins
 
 
-def described(found: Found, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlugin]:
+def described(found: Results, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlugin]:
     """Yield the plugins in the parameters of nodes, each with the absolute name of its parameter."""
     names = {name for name, _, _ in found.described}
     for node in nodes:
@@ -80,11 +80,11 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
     if found is None:
         return HOLE
     texts = [context.perform(text) for text in pairs]
-    known = _made_before(context, (path, *texts))
+    known = _generated_before(context, (path, *texts))
     if known is not None:
         return known
     replacements = list(zip(texts[::2], texts[1::2], strict=False))
-    before = context.found.generated.get(path)
+    before = context.results.generated.get(path)
     entries = before.entries if before is not None else None
     content = _replaced(found[1].decode(), replacements)
     if content is None:
@@ -126,7 +126,7 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
         context.perform(source.root) if source.root is not None else "",
         source.location,
     )
-    known = _made_before(context, (path, rewriting))
+    known = _generated_before(context, (path, rewriting))
     if known is not None:
         return known
     listed = read_parameters(context, path)
@@ -135,14 +135,14 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
     return _named(context, path, Generated(*found, rewriting.applied(listed[1]), (path, rewriting)))
 
 
-def _made_before(context: Context, recipe: tuple[object, ...]) -> str | None:
+def _generated_before(context: Context, recipe: tuple[object, ...]) -> str | None:
     """Return the name of the file made in the same way before."""
-    return next((name for name, other in context.found.generated.items() if other.recipe == recipe), None)
+    return next((name for name, other in context.results.generated.items() if other.recipe == recipe), None)
 
 
 def _named(context: Context, path: str, made: Generated) -> str:
     """Store the generated file, and return its name."""
-    known = context.found.generated
+    known = context.results.generated
     if not context.allows("generated files"):
         return HOLE
     name = f"{path.partition('#')[0]}#{len(known) + 1}"
@@ -203,7 +203,7 @@ def _var(context: Context, name: Text, default: Text | None = None) -> str:
         return perform(context, default)
     if context.scope.unread:
         return context.unresolved(f"`{wanted}` may be set by an included file that is not in the build", wanted)
-    if context.found.reads_first(wanted, context.location.path, context.chain):
+    if context.results.reads_first(wanted, context.location.path, context.chain):
         message = f"the argument `{wanted}` is read, but nothing declares or sets it before"
         context.problem(LaunchProblemKind.UNDECLARED_ARGUMENT, message, wanted)
     return HOLE
@@ -216,7 +216,7 @@ def _env(context: Context, name: Text, default: Text | None = None) -> str:
         return value
     if default is not None:
         text = perform(context, default)
-        context.found.defaults.setdefault(wanted, {}).setdefault(text, context.location)
+        context.results.defaults.setdefault(wanted, {}).setdefault(text, context.location)
         return text
     return context.unresolved(f"the variable `{wanted}` of the environment is known only when it runs", wanted)
 

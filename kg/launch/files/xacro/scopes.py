@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.evaluation import HOLE, NotKnownError
+from kg.extract.python.evaluation import HOLE, UnknownValueError
 from kg.launch.files.markup import Markup
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _text(parent: Element, text: str, _line: int) -> None:
         parent.children.append(text)
 
 
-DESCRIPTION: Final = Markup(Element, _text, whole_texts=True, kept=512)
+DESCRIPTION: Final = Markup(Element, _text, whole_texts=True, cached=512)
 """The language of robot descriptions."""
 
 
@@ -111,7 +111,7 @@ class Table:
         return self._holder(name) is not None
 
     def __getitem__(self, name: str) -> object:
-        """Return the value of a property; `NotKnownError` for one that depends on itself, `KeyError` for none."""
+        """Return the value of a property; `UnknownValueError` for one that depends on itself, `KeyError` for none."""
         holder = self._holder(name)
         if holder is None:
             raise KeyError(name)
@@ -119,7 +119,7 @@ class Table:
         if not isinstance(value, _Lazy):
             return value
         if value.busy:
-            raise NotKnownError
+            raise UnknownValueError
         value.busy = True
         try:
             known = literal(self.evaluate(value.text, holder))
@@ -193,10 +193,10 @@ def literal(value: object) -> object:
 
 
 def truth(value: object) -> bool:
-    """Return the truth of a condition; `NotKnownError` for an unknown one, `ValueError` if it is neither."""
+    """Return the truth of a condition; `UnknownValueError` for an unknown one, `ValueError` if it is neither."""
     if isinstance(value, str):
         if HOLE in value:
-            raise NotKnownError
+            raise UnknownValueError
         return _WORDS[value] if value in _WORDS else bool(int(value))
     return bool(value)
 
@@ -244,7 +244,7 @@ def _default(name: str, default: tuple[bool, str | None], caller: Table, texts: 
     if forward and name in caller:
         try:
             return caller[name]
-        except NotKnownError:
+        except UnknownValueError:
             return HOLE
     return HOLE if written is None and forward else texts.value(written or "", caller)
 

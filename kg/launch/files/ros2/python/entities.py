@@ -30,7 +30,7 @@ from kg.launch.files.ros2.actions import (
 )
 from kg.launch.files.ros2.actions import Text as LaunchText
 from kg.launch.files.ros2.python.values import (
-    Made,
+    Instance,
     condition_of,
     condition_on,
     entries_of,
@@ -59,7 +59,7 @@ _MAX_ENTRIES: Final = 20_000
 
 def value_of(name: LaunchText, value: Value, location: Location) -> ParameterValue:
     """Return one parameter."""
-    if isinstance(value, Made) and value.name in ("ParameterValue", "Parameter"):
+    if isinstance(value, Instance) and value.name in ("ParameterValue", "Parameter"):
         kind, inner = value.fields.get("value_type"), value.fields.get("value", NULL)
         is_text = isinstance(kind, TypeValue) and kind.kind.names == ("builtins", "str")
         if is_text or isinstance(inner, Text):
@@ -69,14 +69,14 @@ def value_of(name: LaunchText, value: Value, location: Location) -> ParameterVal
         found = plain(value)
         return ParameterValue(name, found if isinstance(found, bool | int | float) else 0, location)
     if isinstance(value, Text):
-        return ParameterValue(name, launch_text(value), location, as_text=value.known is not None)
+        return ParameterValue(name, launch_text(value), location, as_text=value.exact is not None)
     if isinstance(value, Sequence):
         return _list_value(name, list(value.items), location)
     return ParameterValue(name, launch_text(value), location)
 
 
 def _is_later(value: Value) -> bool:
-    return is_substitution(value) or (isinstance(value, Text) and value.known is None)
+    return is_substitution(value) or (isinstance(value, Text) and value.exact is None)
 
 
 def _list_value(name: LaunchText, values: list[Value], location: Location) -> ParameterValue:
@@ -90,12 +90,12 @@ def _list_value(name: LaunchText, values: list[Value], location: Location) -> Pa
     return ParameterValue(name, list(found), location)
 
 
-def sources_of(reading: Reading, made: Made) -> tuple[ParameterSource, ...]:
+def sources_of(reading: Reading, made: Instance) -> tuple[ParameterSource, ...]:
     """Return the parameters that a node gets, in their order."""
     value, location = made.value("parameters"), made.place("parameters")
     if value is None:
         return ()
-    whole = isinstance(value, Mapping) or (isinstance(value, Text) and value.known is not None)
+    whole = isinstance(value, Mapping) or (isinstance(value, Text) and value.exact is not None)
     found = [(value, ())] if whole else reading.machine.items(value)
     if found is None:
         return (ParameterFile(unknown_text(f"parameters are not known: {reason_of(value)}"), location),)
@@ -112,7 +112,7 @@ def sources_of(reading: Reading, made: Made) -> tuple[ParameterSource, ...]:
 def _sources(reading: Reading, item: Value, location: Location) -> list[ParameterSource]:
     if isinstance(item, Mapping):
         return list(islice(_entries(reading, item, (), location), _MAX_ENTRIES))
-    if isinstance(item, Made) and item.name == "Parameter":
+    if isinstance(item, Instance) and item.name == "Parameter":
         return [value_of(item.text("name") or (), item, item.location)]
     if isinstance(item, Sequence | Text) or is_substitution(item):
         return [file_of(item, location)]
@@ -147,7 +147,7 @@ _NAMING: Final = ("package", "executable", "plugin", "name", "namespace", "node_
 _MAX_OPTIONS: Final = 16
 
 
-def _rows(made: Made) -> list[tuple[Condition | None, Made]]:
+def _rows(made: Instance) -> list[tuple[Condition | None, Instance]]:
     """Return a node for each option of its type and name, with the condition of the option."""
     names = [name for name in _NAMING if isinstance(made.fields.get(name), Either)]
     if not names:
@@ -166,8 +166,8 @@ def _optional(value: Value | None) -> LaunchText | None:
     return None if value is None else launch_text(value)
 
 
-def _node(kind: str) -> Callable[[Reading, Made], list[Action]]:
-    def read(reading: Reading, made: Made) -> list[Action]:
+def _node(kind: str) -> Callable[[Reading, Instance], list[Action]]:
+    def read(reading: Reading, made: Instance) -> list[Action]:
         found: list[Action] = []
         for condition, one in _rows(made):
             found += reading.under(condition, [_started(reading, one, kind)])
@@ -176,7 +176,7 @@ def _node(kind: str) -> Callable[[Reading, Made], list[Action]]:
     return read
 
 
-def _started(reading: Reading, made: Made, kind: str) -> NodeAction:
+def _started(reading: Reading, made: Instance, kind: str) -> NodeAction:
     component = kind == "component"
     return NodeAction(
         location=made.location,
@@ -196,22 +196,22 @@ def _started(reading: Reading, made: Made, kind: str) -> NodeAction:
     )
 
 
-def _settings(made: Made) -> tuple[tuple[str, LaunchText], ...]:
+def _settings(made: Instance) -> tuple[tuple[str, LaunchText], ...]:
     given = {name: held for name in _SETTINGS if (held := made.value(name)) is not None}
     output = given.get("output")
     if isinstance(output, Mapping):
-        streams = {key.known: value for key, value in output.items if isinstance(key, Text)}
+        streams = {key.exact: value for key, value in output.items if isinstance(key, Text)}
         given["output"] = streams.get("stdout", streams.get("both", Text.of("")))
     found = [("launch-prefix" if name == "prefix" else name, launch_text(value)) for name, value in given.items()]
     for name in ("env", "additional_env"):
         found += [(f"env {_flat(key)}", launch_text(value)) for key, value in entries_of(made.value(name))]
     end = made.value("on_exit")
-    if isinstance(end, Made) and end.name in ("Shutdown", "ShutdownAction", "EmitEvent"):
+    if isinstance(end, Instance) and end.name in ("Shutdown", "ShutdownAction", "EmitEvent"):
         found.append(("required", ("true",)))
     return tuple(found)
 
 
-def _extra(made: Made) -> tuple[tuple[str, LaunchText], ...]:
+def _extra(made: Instance) -> tuple[tuple[str, LaunchText], ...]:
     value = made.value("extra_arguments")
     tables = value.items if isinstance(value, Sequence) else ()
     return tuple((_flat(key), launch_text(item)) for table in tables for key, item in entries_of(table))
@@ -221,7 +221,7 @@ def _flat(value: Value) -> str:
     return "".join(part if isinstance(part, str) else ANONYMOUS for part in launch_text(value))
 
 
-def _words(reading: Reading, made: Made, name: str) -> tuple[LaunchText, ...]:
+def _words(reading: Reading, made: Instance, name: str) -> tuple[LaunchText, ...]:
     value = made.value(name)
     if value is None:
         return ()
@@ -238,7 +238,7 @@ def _dependent(terms: tuple[str, ...]) -> LaunchText:
     return unknown_text(f"it depends on `{terms[0].lstrip('!?')}`")
 
 
-def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText, Location], ...]:
+def _remaps(reading: Reading, made: Instance) -> tuple[tuple[LaunchText, LaunchText, Location], ...]:
     value = made.value("remappings")
     if value is None:
         return ()
@@ -256,18 +256,18 @@ def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText,
     return tuple(remaps)
 
 
-def _components(reading: Reading, made: Made) -> list[NodeAction]:
+def _components(reading: Reading, made: Instance) -> list[NodeAction]:
     """Return the components of a list, whatever conditions it has; unknown parts are reported."""
     value = made.value("composable_node_descriptions")
     return _listed(reading, made, value, None) if value is not None else []
 
 
-def _listed(reading: Reading, made: Made, value: Value, condition: Condition | None) -> list[NodeAction]:
+def _listed(reading: Reading, made: Instance, value: Value, condition: Condition | None) -> list[NodeAction]:
     if isinstance(value, Either):
         return [one for each, item in options(value) for one in _listed(reading, made, item, each or condition)]
     if isinstance(value, Sequence):
         return [one for item in value.items for one in _listed(reading, made, item, condition)]
-    if isinstance(value, Made) and value.name in ("ComposableNode", "ComposableLifecycleNode"):
+    if isinstance(value, Instance) and value.name in ("ComposableNode", "ComposableLifecycleNode"):
         found = ((each or condition, _started(reading, one, "component")) for each, one in _rows(value))
         return [replace(one, condition=one.condition or each) for each, one in found]
     if value != NULL:
@@ -275,9 +275,9 @@ def _listed(reading: Reading, made: Made, value: Value, condition: Condition | N
     return []
 
 
-def _load(reading: Reading, made: Made) -> list[Action]:
+def _load(reading: Reading, made: Instance) -> list[Action]:
     target = made.value("target_container")
-    found = reading.actions(target, made.location) if isinstance(target, Made) and target.name in NODES else []
+    found = reading.actions(target, made.location) if isinstance(target, Instance) and target.name in NODES else []
     container = found[0] if found and isinstance(found[0], NodeAction) else None
     return [
         LoadComponents(
@@ -290,7 +290,7 @@ def _load(reading: Reading, made: Made) -> list[Action]:
     ]
 
 
-NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
+NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Instance], list[Action]]]]] = {
     "Node": ((), _node("node")),
     "LifecycleNode": ((), _node("lifecycle-node")),
     "ComposableNodeContainer": ((), _node("container")),
@@ -304,10 +304,10 @@ NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Act
 _MANAGER: Final = "controller_manager_name"
 
 
-def _setting(what: str, *names: str) -> Callable[[Reading, Made], list[Action]]:
+def _setting(what: str, *names: str) -> Callable[[Reading, Instance], list[Action]]:
     """Return the reader of a setting whose operands are arguments of these names."""
 
-    def read(reading: Reading, made: Made) -> list[Action]:
+    def read(reading: Reading, made: Instance) -> list[Action]:
         del reading
         operands = tuple(made.text(name) or () for name in names)
         return [kinds.Setting(location=made.location, condition=condition_on(made), what=what, operands=operands)]
@@ -315,12 +315,12 @@ def _setting(what: str, *names: str) -> Callable[[Reading, Made], list[Action]]:
     return read
 
 
-def _description(reading: Reading, made: Made) -> list[Action]:
+def _description(reading: Reading, made: Instance) -> list[Action]:
     return reading.actions(made.fields.get("entities", NULL), made.location)
 
 
-def _declare(reading: Reading, made: Made) -> list[Action]:
-    name = reading.known(made.value("name"))
+def _declare(reading: Reading, made: Instance) -> list[Action]:
+    name = reading.exact(made.value("name"))
     if name is None:
         reason = reason_of(made.value("name"))
         reading.unresolved(f"the name of an argument is not known: {reason}", made.location)
@@ -333,13 +333,13 @@ def _declare(reading: Reading, made: Made) -> list[Action]:
             condition=condition_on(made),
             name=name,
             default=made.text("default_value"),
-            description=reading.known(made.value("description")),
-            choices=tuple(one.known for one in listed if isinstance(one, Text) and one.known is not None),
+            description=reading.exact(made.value("description")),
+            choices=tuple(one.exact for one in listed if isinstance(one, Text) and one.exact is not None),
         )
     ]
 
 
-def _environment(reading: Reading, made: Made) -> list[Action]:
+def _environment(reading: Reading, made: Instance) -> list[Action]:
     name, value = made.text("name") or (), made.text("value")
     if made.name.startswith("Append"):
         before: LaunchText = (Substitution("env", (name, ())),)
@@ -350,7 +350,7 @@ def _environment(reading: Reading, made: Made) -> list[Action]:
     return [kinds.Setting(location=made.location, condition=condition_on(made), what="variable", operands=operands)]
 
 
-def _parameters(reading: Reading, made: Made) -> list[Action]:
+def _parameters(reading: Reading, made: Instance) -> list[Action]:
     del reading
     source: ParameterSource
     if made.name == "SetParametersFromFile":
@@ -361,7 +361,7 @@ def _parameters(reading: Reading, made: Made) -> list[Action]:
     return [kinds.SetParameters(location=made.location, condition=condition_on(made), source=source)]
 
 
-def _group(reading: Reading, made: Made) -> list[Action]:
+def _group(reading: Reading, made: Instance) -> list[Action]:
     actions = reading.actions(made.fields.get("actions", NULL), made.location)
     given = made.value("launch_configurations")
     known = given is None or isinstance(given, Mapping)
@@ -381,9 +381,9 @@ def _group(reading: Reading, made: Made) -> list[Action]:
     ]
 
 
-def _process(reading: Reading, made: Made) -> list[Action]:
+def _process(reading: Reading, made: Instance) -> list[Action]:
     value = made.value("cmd")
-    text = value.known if isinstance(value, Text) else None
+    text = value.exact if isinstance(value, Text) else None
     if text is not None:
         try:
             command: tuple[LaunchText, ...] = tuple((word,) if word else () for word in shlex.split(text))
@@ -396,11 +396,11 @@ def _process(reading: Reading, made: Made) -> list[Action]:
     return [kinds.Executable(location=made.location, condition=condition_on(made), command=command)]
 
 
-def _opaque(reading: Reading, made: Made) -> list[Action]:
+def _opaque(reading: Reading, made: Instance) -> list[Action]:
     return [kinds.Opaque(location=made.location, condition=condition_on(made), run=partial(reading.run_function, made))]
 
 
-def _ignored(reading: Reading, made: Made) -> list[Action]:
+def _ignored(reading: Reading, made: Instance) -> list[Action]:
     del reading, made
     return []
 
@@ -408,7 +408,7 @@ def _ignored(reading: Reading, made: Made) -> list[Action]:
 # Includes
 
 
-def _include(reading: Reading, made: Made) -> list[Action]:
+def _include(reading: Reading, made: Instance) -> list[Action]:
     found: list[Action] = []
     for condition, source in options(made.fields.get("launch_description_source", NULL)):
         found += reading.under(condition, _included(reading, made, source))
@@ -416,18 +416,18 @@ def _include(reading: Reading, made: Made) -> list[Action]:
 
 
 def _source(value: Value) -> Value:
-    if not isinstance(value, Made) or not value.name.endswith("LaunchDescriptionSource"):
+    if not isinstance(value, Instance) or not value.name.endswith("LaunchDescriptionSource"):
         return value
     given = value.first("launch_file_path", "launch_description", "location")
     return given if given is not None else Unknown("no launch file is given")
 
 
-def _included(reading: Reading, made: Made, source: Value) -> list[Action]:
+def _included(reading: Reading, made: Instance, source: Value) -> list[Action]:
     inner, condition, arguments = _source(source), condition_on(made), _arguments(reading, made)
     if isinstance(inner, Either):
         found = ((each, _included(reading, made, option)) for each, option in options(inner))
         return [action for each, actions in found for action in reading.under(each, actions)]
-    if isinstance(inner, Made) and inner.name == "LaunchDescription":
+    if isinstance(inner, Instance) and inner.name == "LaunchDescription":
         actions = tuple(reading.actions(inner, made.location))
         scoped = bool(arguments)
         return [
@@ -438,7 +438,7 @@ def _included(reading: Reading, made: Made, source: Value) -> list[Action]:
     return [kinds.Include(location=made.location, condition=condition, path=path, arguments=arguments, reason=reason)]
 
 
-def _arguments(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText], ...]:
+def _arguments(reading: Reading, made: Instance) -> tuple[tuple[LaunchText, LaunchText], ...]:
     """Return `launch_arguments`: pairs, or a dictionary's items."""
     value = made.value("launch_arguments")
     if value is None:
@@ -460,10 +460,10 @@ def _arguments(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchTe
 # Events
 
 
-def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading, Made], list[Action]]:
+def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading, Instance], list[Action]]:
     """Return the reader of a handler; `names` are its arguments with actions."""
 
-    def read(reading: Reading, made: Made) -> list[Action]:
+    def read(reading: Reading, made: Instance) -> list[Action]:
         value = made.first(*names)
         if isinstance(value, Closure):
             value = reading.called(value, [Unknown("an event"), Unknown("a context")])
@@ -477,7 +477,7 @@ def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading
 
 def _subject(reading: Reading, value: Value | None) -> str:
     """Return the subject of an event, for the words of the condition."""
-    found = reading.actions(value, reading.location) if isinstance(value, Made) and value.name in ENTITIES else []
+    found = reading.actions(value, reading.location) if isinstance(value, Instance) and value.name in ENTITIES else []
     action = found[0] if found else None
     texts: LaunchText = ()
     if isinstance(action, NodeAction):
@@ -487,7 +487,7 @@ def _subject(reading: Reading, value: Value | None) -> str:
     return "".join(part if isinstance(part, str) else ANONYMOUS for part in texts)
 
 
-def _register(reading: Reading, made: Made) -> list[Action]:
+def _register(reading: Reading, made: Instance) -> list[Action]:
     value = made.fields.get("event_handler", NULL)
     actions = reading.actions(value, made.location)
     condition = condition_on(made)
@@ -499,7 +499,7 @@ def _register(reading: Reading, made: Made) -> list[Action]:
 # Other packages
 
 
-def _spawner(reading: Reading, made: Made) -> list[Action]:
+def _spawner(reading: Reading, made: Instance) -> list[Action]:
     """Return a node that loads controllers: `controller_manager.launch_utils`."""
     names, table = made.value("controller_names"), made.value("controller_info_dict")
     files: list[LaunchText] = []
@@ -536,7 +536,7 @@ _NOTHING: Final = (
 )  # fmt: skip
 """Actions and handlers that start nothing."""
 _SPAWNERS: Final = "generate_controllers_spawner_launch_description"
-ENTITIES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
+ENTITIES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Instance], list[Action]]]]] = {
     **NODES,
     "LaunchDescription": (("entities",), _description),
     "DeclareLaunchArgument": (("name", "default_value"), _declare),

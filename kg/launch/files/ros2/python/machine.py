@@ -17,8 +17,8 @@ from kg.facts import LaunchProblemKind
 from kg.launch.files.ros2.python.values import (
     MARK,
     Fork,
+    Instance,
     Later,
-    Made,
     guarded,
     is_substitution,
     reason_of,
@@ -120,8 +120,8 @@ class LaunchMachine(Machine):
         if isinstance(value, Either):
             found = {self.truth(item) for item in value.items}
             return found.pop() if len(found) == 1 else Unknown("it depends")
-        value = self.language.settled(value)
-        if isinstance(value, Text) and value.known is None:
+        value = self.language.resolved(value)
+        if isinstance(value, Text) and value.exact is None:
             return Truth(True) if any(isinstance(part, str) and part for part in value.parts) else Unknown("it depends")
         if isinstance(value, Sequence) and value.items:
             certain = any(not guarded(item)[1] and not isinstance(item, Unknown) for item in value.items)
@@ -309,7 +309,7 @@ class LaunchMachine(Machine):
                 found += [(item, (*terms_of_way(way), *terms)) for item, terms in inner]
             return found
         known = isinstance(value, Mapping) and not value.open
-        if isinstance(value, Sequence) or known or (isinstance(value, Text) and value.known is not None):
+        if isinstance(value, Sequence) or known or (isinstance(value, Text) and value.exact is not None):
             rest: list[Value] = [Unknown("there may be more")] if isinstance(value, Sequence) and value.open else []
             items = value.items if isinstance(value, Sequence) else self.language.elements(value)
             return [guarded(item) for item in (*items, *rest)]
@@ -397,7 +397,7 @@ class LaunchMachine(Machine):
     def computed(self, sign: str, row: tuple[Value, ...]) -> Value:
         """Return the result of an operator; texts and lists do not grow beyond a bound."""
         if sign in _COMPARISONS:
-            row = tuple(map(self.language.settled, row))
+            row = tuple(map(self.language.resolved, row))
             objects = [is_substitution(value) for value in row]
             if sign in ("==", "!=") and any(objects) and not isinstance(row[objects.index(True) - 1], Unknown | Either):
                 return Truth((row[0] is row[1]) == (sign == "=="))
@@ -444,7 +444,7 @@ class LaunchMachine(Machine):
         """Set a variable, a member or an element; keys of dictionaries remember where they were set."""
         if isinstance(target, form.Index):
             of, key = self.value(target.of, frame), self.value(target.key, frame)
-            if isinstance(of, Made):
+            if isinstance(of, Instance):
                 self.language.configure(of, key, value)
                 return
             self.place(key, frame.unit.key, target.line)
@@ -454,9 +454,9 @@ class LaunchMachine(Machine):
         super().assign(target, value, frame)
 
 
-def settle(value: Value, perform: Callable[[Substitution], str | None]) -> Value:
+def resolve_text(value: Value, perform: Callable[[Substitution], str | None]) -> Value:
     """Return a text with the parts that are known by now."""
-    if not isinstance(value, Text) or value.known is not None:
+    if not isinstance(value, Text) or value.exact is not None:
         return value
     found = [perform(part.part) if isinstance(part, Later) else None for part in value.parts]
     pieces = [part if known is None else known for part, known in zip(value.parts, found, strict=True)]
@@ -488,7 +488,7 @@ def _same(one: Value, other: Value) -> bool:
 
 
 def _key(key: Value) -> object:
-    return key.known if isinstance(key, Text) and key.known is not None else key
+    return key.exact if isinstance(key, Text) and key.exact is not None else key
 
 
 def _with_added(values: list[tuple[Sequence, int]], choice: object) -> Value | None:

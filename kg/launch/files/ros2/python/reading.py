@@ -17,7 +17,7 @@ from kg.launch.files.ros2.python.entities import ENTITIES, NODES
 from kg.launch.files.ros2.python.language import LaunchPython, parse
 from kg.launch.files.ros2.python.machine import Halt, LaunchMachine
 from kg.launch.files.ros2.python.values import (
-    Made,
+    Instance,
     condition_of,
     entries_of,
     launch_text,
@@ -71,9 +71,9 @@ class Reading:
         self.machine = LaunchMachine(self.language, framework)
         self.language.machine = framework.machine = self.machine
         self.machine.start()
-        self._held: list[str] = []
+        self._terms: list[str] = []
         """The terms of the alternatives that are read now."""
-        self._read: dict[int, tuple[Made, list[Action]]] = {}
+        self._read: dict[int, tuple[Instance, list[Action]]] = {}
 
     # Places
 
@@ -104,10 +104,10 @@ class Reading:
 
     # Values
 
-    def known(self, value: Value | None) -> str | None:
+    def exact(self, value: Value | None) -> str | None:
         """Return a text that is wholly known now; None for all else."""
-        held = self.language.settled(value) if value is not None else None
-        return held.known if isinstance(held, Text) else None
+        held = self.language.resolved(value) if value is not None else None
+        return held.exact if isinstance(held, Text) else None
 
     def perform(self, value: Value) -> Value:
         """Return the text that a substitution gives now."""
@@ -136,7 +136,7 @@ class Reading:
         if depth > _MAX_DEPTH:
             self.unresolved("actions are nested too deeply", location)
             return []
-        if isinstance(value, Made) and value.name in ENTITIES:
+        if isinstance(value, Instance) and value.name in ENTITIES:
             if value.name not in NODES:
                 return ENTITIES[value.name][1](self, value)
             if id(value) not in self._read:  # containers are known by the identity of their action
@@ -153,12 +153,12 @@ class Reading:
     def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
         """Return the actions of an alternative; none if its conditions exclude it."""
         terms = terms_of_way(way)
-        if any(negated_term(term) in self._held for term in terms):
+        if any(negated_term(term) in self._terms for term in terms):
             return []
-        more = tuple(term for term in terms if term not in self._held)
-        self._held += more
+        more = tuple(term for term in terms if term not in self._terms)
+        self._terms += more
         found = self.actions(item, location, depth)
-        del self._held[len(self._held) - len(more) :]
+        del self._terms[len(self._terms) - len(more) :]
         return self.under(condition_of(more), found)
 
     def under(self, condition: Condition | None, actions: list[Action]) -> list[Action]:
@@ -167,17 +167,17 @@ class Reading:
             return actions
         return [Group(location=actions[0].location, condition=condition, actions=tuple(actions), scoped=False)]
 
-    def run_function(self, made: Made, context: Context) -> list[Action]:
+    def run_function(self, made: Instance, context: Context) -> list[Action]:
         """Return the actions of an `OpaqueFunction`, whose body is read in the context of the moment."""
         before, self.context = self.context, context
         self.machine.more()
 
         def body() -> Value:
-            held = library.made_of(self.language, "LaunchContext", {})
-            held.fields["launch_configurations"] = library.made_of(self.language, library.CONFIGURATIONS, {})
+            held = library.create(self.language, "LaunchContext", {})
+            held.fields["launch_configurations"] = library.create(self.language, library.CONFIGURATIONS, {})
             given = made.fields.get("args", Sequence(()))
             rest = [item for item, _ in self.machine.items(given) or ()]
-            named = {key.known: one for key, one in entries_of(made.value("kwargs")) if isinstance(key, Text)}
+            named = {key.exact: one for key, one in entries_of(made.value("kwargs")) if isinstance(key, Text)}
             known = {name: one for name, one in named.items() if name is not None}
             return self.called(made.fields.get("function", NULL), [held, *rest], known)
 

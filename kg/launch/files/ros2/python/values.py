@@ -67,7 +67,7 @@ class Fork:
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
-class Made(Object):
+class Instance(Object):
     """An object of a class of launch: its arguments by name in `fields`, and the call that made it."""
 
     given: Arguments
@@ -160,7 +160,7 @@ def reason_of(value: Value | None) -> str:
         return f"it depends on `{written}`"
     if isinstance(value, Unknown):
         return value.reason
-    if isinstance(value, Made):
+    if isinstance(value, Instance):
         parts = [part for part in launch_text(value) if isinstance(part, Substitution)]
         return _why(parts[0]) if parts else f"a `{value.name}` is not allowed here"
     if isinstance(value, Text):
@@ -196,7 +196,7 @@ def launch_text(value: Value) -> LaunchText:
             else:
                 parts.append(part if isinstance(part, str) else Substitution("unknown", reason=reason))
         return join(parts)
-    if isinstance(value, Made):
+    if isinstance(value, Instance):
         if value.substituted is None:
             value.substituted = substituted(value)
         return value.substituted
@@ -211,7 +211,7 @@ def launch_text(value: Value) -> LaunchText:
 
 def _common(value: Either) -> LaunchText:
     """Return the common prefix and suffix of several texts, with an unknown part between."""
-    texts = [item.known or "" for item in value.items if isinstance(item, Text) and item.known is not None]
+    texts = [item.exact or "" for item in value.items if isinstance(item, Text) and item.exact is not None]
     if len(texts) < len(value.items) or len(texts) == 1:
         return unknown_text(reason_of(value))
     first = _shared(texts)
@@ -249,17 +249,17 @@ CONDITIONS: Final[dict[str, tuple[str, ...]]] = {
 """The names of the parameters of each condition, in order."""
 
 
-def condition_on(made: Made) -> Condition | None:
+def condition_on(made: Instance) -> Condition | None:
     """Return the condition of an action; one that is not known is kept in the words of the file."""
     value = made.value("condition")
     if value is None:
         return None
-    if isinstance(value, Made) and value.name in CONDITIONS:
+    if isinstance(value, Instance) and value.name in CONDITIONS:
         return condition(value)
     return Condition(None, written=made.words("condition"))
 
 
-def condition(made: Made) -> Condition:
+def condition(made: Instance) -> Condition:
     """Return the condition of an object."""
     negated = made.name.startswith(("Unless", "LaunchConfigurationNot"))
     name, *expected = CONDITIONS[made.name]
@@ -304,7 +304,7 @@ _UNKNOWN: Final[dict[str, str]] = {
 }
 
 
-def substituted(made: Made) -> LaunchText:
+def substituted(made: Instance) -> LaunchText:
     """Return the text that an object of launch gives when it is substituted."""
     name = made.name
     if name in PLAIN:
@@ -323,28 +323,28 @@ def substituted(made: Made) -> LaunchText:
 
 def is_substitution(value: Value) -> bool:
     """Return whether a value is an object that is substituted later."""
-    return isinstance(value, Made) and any(value.name in names for names in (PLAIN, SUBSTITUTIONS, _UNKNOWN, _OWN))
+    return isinstance(value, Instance) and any(value.name in names for names in (PLAIN, SUBSTITUTIONS, _UNKNOWN, _OWN))
 
 
-def _text(made: Made) -> LaunchText:
+def _text(made: Instance) -> LaunchText:
     return made.text("text") or ()
 
 
-def _items(made: Made, name: str) -> list[Value] | None:
+def _items(made: Instance, name: str) -> list[Value] | None:
     value = made.value(name)
     return list(value.items) if isinstance(value, Sequence) else None
 
 
-def _path(made: Made) -> LaunchText:
+def _path(made: Instance) -> LaunchText:
     found = _items(made, "substitutions")
     operands = [launch_text(part) for part in found] if found is not None else [made.text("substitutions") or ()]
     return (Substitution("path-join", tuple(operands)),)
 
 
-def _several(kind: str) -> Callable[[Made], LaunchText]:
+def _several(kind: str) -> Callable[[Instance], LaunchText]:
     """Return the reader of a substitution of any number of operands, given one by one or as a list."""
 
-    def read(made: Made) -> LaunchText:
+    def read(made: Instance) -> LaunchText:
         values = list(made.given.values)
         if len(values) == 1 and isinstance(values[0], Sequence):
             values = list(values[0].items)
@@ -353,20 +353,20 @@ def _several(kind: str) -> Callable[[Made], LaunchText]:
     return read
 
 
-def _choice(made: Made) -> LaunchText:
+def _choice(made: Instance) -> LaunchText:
     chosen = made.text("if_value"), made.text("else_value")
     operands = tuple(("",) if operand is None else operand for operand in chosen)
     return (Substitution("if", (made.text("condition") or (), *operands)),)
 
 
-def _joined(made: Made) -> LaunchText:
+def _joined(made: Instance) -> LaunchText:
     parts: list[str | Substitution] = []
     for number, value in enumerate(_items(made, "substitutions") or ()):
         parts += [*((made.text("delimiter") or ()) if number else ()), *launch_text(value)]
     return join(parts)
 
 
-def _described(made: Made) -> LaunchText:
+def _described(made: Instance) -> LaunchText:
     """Return the text that xacro prints of a file: `xacro.process_file(path, mappings={...})`."""
     words: list[str | Substitution] = ["xacro ", *(made.text("input_file_name") or ())]
     for name, value in entries_of(made.value("mappings")):
@@ -374,12 +374,12 @@ def _described(made: Made) -> LaunchText:
     return (Substitution("command", (join(words),)),)
 
 
-def pairs_of(made: Made, name: str) -> tuple[tuple[LaunchText, LaunchText], ...]:
+def pairs_of(made: Instance, name: str) -> tuple[tuple[LaunchText, LaunchText], ...]:
     """Return the entries of a dictionary that is an argument."""
     return tuple((launch_text(key), launch_text(value)) for key, value in entries_of(made.value(name)))
 
 
-def _replaced(made: Made) -> LaunchText:
+def _replaced(made: Instance) -> LaunchText:
     """Return nav2's `ReplaceString`: the name of a copy of a file in which texts are replaced."""
     condition = condition_on(made)
     held: LaunchText = ("true",)
@@ -397,12 +397,12 @@ _REWRITES: Final = ("param_rewrites", "key_rewrites", "value_rewrites")
 
 def file_of(value: Value | None, location: Location) -> ParameterFile:
     """Return a file of parameters; its path is unknown if the value is."""
-    if isinstance(value, Made) and value.name == "ParameterFile":
+    if isinstance(value, Instance) and value.name == "ParameterFile":
         inner = file_of(value.value("param_file"), value.location)
         allowed = value.fields.get("allow_substs", Truth(False))
-        off = allowed == Truth(False) or (isinstance(allowed, Text) and allowed.known in ("false", "False"))
+        off = allowed == Truth(False) or (isinstance(allowed, Text) and allowed.exact in ("false", "False"))
         return replace(inner, location=value.location, substitutions=not off)
-    if isinstance(value, Made) and value.name == "RewrittenYaml":
+    if isinstance(value, Instance) and value.name == "RewrittenYaml":
         root, given = value.text("root_key"), [value.value(name) for name in _REWRITES]
         unknown = next((one for one in given if one not in (None, Text.of("")) and not isinstance(one, Mapping)), None)
         return ParameterFile(
@@ -418,11 +418,11 @@ def file_of(value: Value | None, location: Location) -> ParameterFile:
     return ParameterFile(launch_text(value) if value is not None else (), location)
 
 
-def _file(made: Made) -> LaunchText:
+def _file(made: Instance) -> LaunchText:
     return file_of(made, made.location).read
 
 
-SUBSTITUTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[Made], LaunchText]]]] = {
+SUBSTITUTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[Instance], LaunchText]]]] = {
     "TextSubstitution": (("text",), _text),
     "BooleanSubstitution": (("text",), _text),
     "PathJoinSubstitution": (("substitutions",), _path),
