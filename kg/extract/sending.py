@@ -162,11 +162,11 @@ class _Files:
 def _variable(file: CodeText, line: int) -> str | None:
     """Return the variable or field that gets the publisher created on a line."""
     start = file.line_start(line)
-    found = _CREATES.search(file.code, start, file.line_start(line + _CREATES_LINES))
-    if found is None:
+    match = _CREATES.search(file.code, start, file.line_start(line + _CREATES_LINES))
+    if match is None:
         return None
     begin = max(file.code.rfind(mark, 0, start) for mark in ("\n" if file.python else ";{}")) + 1
-    before = file.code[begin : found.start()]
+    before = file.code[begin : match.start()]
     if file.python:
         before = before[before.rfind("\n") + 1 :]
     assigned = _ASSIGNED.search(before) or (None if file.python else _INITIALISED.search(before))

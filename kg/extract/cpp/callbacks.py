@@ -44,39 +44,39 @@ def closure_frame(called: Closure) -> Frame:
 
 def _parts(of: Object) -> list[Object]:
     """Return an object of the sources, and those that it holds."""
-    found = [of]
-    for one in found:
-        held = (value for value in one.fields.values() if isinstance(value, Object) and value.kind.cls is not None)
-        found += [value for value in dict.fromkeys(held) if value not in found][: _MOST_PARTS - len(found)]
-    return found
+    parts = [of]
+    for one in parts:
+        members = (value for value in one.fields.values() if isinstance(value, Object) and value.kind.cls is not None)
+        parts += [value for value in dict.fromkeys(members) if value not in parts][: _MOST_PARTS - len(parts)]
+    return parts
 
 
 def _callables(of: Object) -> list[tuple[str, Closure | Bound]]:
     """Return the functions that an object and what it holds have, each with the name of the field."""
-    found: list[tuple[str, Closure | Bound]] = []
+    callables: list[tuple[str, Closure | Bound]] = []
     seen = {id(of)}
     pending = [of]
     while pending and len(seen) < _MOST_PARTS:
         for name, field in pending.pop().fields.items():
             for value in _elements(field):
                 if isinstance(value, Closure | Bound):
-                    found.append((name, value))
+                    callables.append((name, value))
                 elif isinstance(value, Object) and value.kind.cls is not None and id(value) not in seen:
                     seen.add(id(value))
                     pending.append(value)
-    return found
+    return callables
 
 
-def _elements(held: object) -> Iterator[object]:
+def _elements(value: object) -> Iterator[object]:
     """Yield a value and, of a container, the values in it."""
-    if isinstance(held, Sequence | Either):
-        for item in held.items:
+    if isinstance(value, Sequence | Either):
+        for item in value.items:
             yield from _elements(item)
-    elif isinstance(held, Mapping):
-        for _, item in held.items:
+    elif isinstance(value, Mapping):
+        for _, item in value.items:
             yield from _elements(item)
     else:
-        yield held
+        yield value
 
 
 class Callbacks:

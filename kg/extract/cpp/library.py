@@ -160,12 +160,12 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
     value = alternatives(value)[0]
     if kind is None or (kind.names and kind.names[0] in template):
         return 0.5
-    found = language.kind_of(kind, frame)
-    if found is None or found.name in ("auto", "T"):
+    resolved = language.kind_of(kind, frame)
+    if resolved is None or resolved.name in ("auto", "T"):
         return 0.5
-    name = found.name
+    name = resolved.name
     if isinstance(value, Text):
-        return 2.0 if name in TEXTS or name == "char" else (0.2 if found.cls is not None else -1.0)
+        return 2.0 if name in TEXTS or name == "char" else (0.2 if resolved.cls is not None else -1.0)
     if isinstance(value, Number):
         floating = "." in value.written
         if name in NUMBERS:
@@ -178,7 +178,7 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
     if isinstance(value, (Closure, Bound)):
         return 1.5 if name in ("function", "CallbackT", "Callback") else -0.5
     if isinstance(value, Object):
-        if value.kind.cls is not None and value.kind.cls is found.cls:
+        if value.kind.cls is not None and value.kind.cls is resolved.cls:
             return 2.5
         if language.kinds.is_a(value.kind, name):
             return 2.0
@@ -319,8 +319,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
-    known = tokens.call(language, names, given)
-    return known if known is not None else _command_line(language, name, given)
+    result = tokens.call(language, names, given)
+    return result if result is not None else _command_line(language, name, given)
 
 
 _WRITERS: Final[dict[str, Callable[[list[Value]], Value]]] = {
@@ -353,10 +353,10 @@ def _make_shared(language: Cpp, names: tuple[str, ...], given: Arguments) -> Val
     return None
 
 
-def _on_heap(made: Value) -> Value:
-    if isinstance(made, Object):
-        made.heap = True
-    return made
+def _on_heap(value: Value) -> Value:
+    if isinstance(value, Object):
+        value.heap = True
+    return value
 
 
 def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
@@ -400,8 +400,8 @@ def _bind(arguments: list[Value]) -> Value:
         target, given = (first.of, rest) if isinstance(first.of, Object) else (next(objects, first.of), rest[1:])
         return replace(first, of=target, functions=(), given=tuple(given))
     if isinstance(first, Closure):
-        known = tuple(value for value in rest if not isinstance(value, Unknown))
-        return Closure(first.function, first.frame, known, captured=first.captured)
+        bound = tuple(value for value in rest if not isinstance(value, Unknown))
+        return Closure(first.function, first.frame, bound, captured=first.captured)
     return first
 
 
@@ -409,10 +409,10 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     """Return the result of a method of a string, a container or a pointer; None for other methods."""
     frame, values = given.frame, given.values
     if name == "emplace" and written is not None and frame is not None:
-        held = _emplace(language, given, written, frame)
-        if held is not None:
-            language.machine.assign(written, held, frame)
-            return held
+        emplaced = _emplace(language, given, written, frame)
+        if emplaced is not None:
+            language.machine.assign(written, emplaced, frame)
+            return emplaced
     if isinstance(of, Object):
         return _of_object(language, of, name, given, written)
     if "emplace" in name and written is not None and frame is not None:
@@ -439,8 +439,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name == "empty" and not isinstance(of, Unknown):
         return _empty(of)
     if name in ("find", "count", "contains") and isinstance(of, (Mapping, Sequence)) and values:
-        found = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else Unknown("it is searched")
-        return Unknown("it is searched") if isinstance(found, Unknown) else Sequence((values[0], found))
+        entry = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else Unknown("it is searched")
+        return Unknown("it is searched") if isinstance(entry, Unknown) else Sequence((values[0], entry))
     if name == "substr" and isinstance(of, Text):
         return _slice(of, values)
     if name in ("rfind", "find_last_of") and values == [Text.of("/")] and _is_namespace(of):
@@ -600,8 +600,8 @@ def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
     if of.exact is None:
         begins = isinstance(first, str) and first.startswith(given)
         return number(0) if name == "find" and begins else None
-    found = _SEARCHES[name](of.exact, given)
-    return NPOS if found < 0 else number(float(found))
+    index = _SEARCHES[name](of.exact, given)
+    return NPOS if index < 0 else number(float(index))
 
 
 def _of_node(text: Text) -> bool:

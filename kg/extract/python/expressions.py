@@ -86,10 +86,10 @@ class Expressions:
             lower = self._lowered.get(node.type)
             if lower is None or self._depth > _DEEPEST:
                 return Opaque(line_of(node), code(node)[:_SHOWN])
-            made = lower(self, node)
+            lowered = lower(self, node)
             if self.sources is not None:
-                self.sources[made] = node
-            return made
+                self.sources[lowered] = node
+            return lowered
         finally:
             self._depth -= 1
 
@@ -165,17 +165,17 @@ class Expressions:
 
     def _unary(self, node: Node) -> Expression:
         sign, operand = code(node.child_by_field_name("operator")), node.child_by_field_name("argument")
-        held = self.expression(operand)
-        if sign == "-" and isinstance(held, Literal) and isinstance(held.value, float):
-            minus, rest = ("", held.written[1:]) if held.written.startswith("-") else ("-", held.written)
-            return Literal(line_of(node), -held.value, f"{minus}{rest}")
-        return Unary(line_of(node), sign, held)
+        inner = self.expression(operand)
+        if sign == "-" and isinstance(inner, Literal) and isinstance(inner.value, float):
+            minus, rest = ("", inner.written[1:]) if inner.written.startswith("-") else ("-", inner.written)
+            return Literal(line_of(node), -inner.value, f"{minus}{rest}")
+        return Unary(line_of(node), sign, inner)
 
     def _comparison(self, node: Node) -> Expression:
-        line, held = line_of(node), self._all(node.named_children)
+        line, operands = line_of(node), self._all(node.named_children)
         signs = [" ".join(code(one).split()) for one in node.children_by_field_name("operators")]
         pairs: list[Expression] = []
-        for sign, left, right in zip(signs, held, held[1:], strict=False):
+        for sign, left, right in zip(signs, operands, operands[1:], strict=False):
             compared = Binary(line, _SIGNS.get(sign, sign.removeprefix("not ")), (left, right))
             pairs.append(Unary(line, "not", compared) if sign == "not in" else compared)
         return pairs[0] if len(pairs) == 1 else Binary(line, "and", tuple(pairs))

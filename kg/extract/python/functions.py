@@ -65,9 +65,9 @@ def _listed(values: list[Value]) -> Value:
 
 def countable(value: Value) -> list[Value] | None:
     """Return the items of a value, if all are known; None for others."""
-    known = isinstance(value, Sequence | Mapping) and not value.open
-    known = known or (isinstance(value, Text) and value.exact is not None)
-    return elements(value) if known or is_unknown_parameter(value) else None
+    complete = isinstance(value, Sequence | Mapping) and not value.open
+    complete = complete or (isinstance(value, Text) and value.exact is not None)
+    return elements(value) if complete or is_unknown_parameter(value) else None
 
 
 def _zip(values: list[Value]) -> Value:
@@ -120,20 +120,20 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
 
 def _converted(values: list[Value], convert: Callable[[str | float], Value]) -> Value:
     of = values[0] if values else number(0)
-    known = plain(of)
-    if known is None or getattr(of, "parameter", None) is not None or len(str(known)) > _LONGEST_NUMBER:
+    text = plain(of)
+    if text is None or getattr(of, "parameter", None) is not None or len(str(text)) > _LONGEST_NUMBER:
         return of
     try:
-        return convert(known)
+        return convert(text)
     except (ValueError, OverflowError):
-        return Unknown(f"`{known}` is not a number")
+        return Unknown(f"`{text}` is not a number")
 
 
 def _truth(values: list[Value]) -> Value:
     """`bool(x)`."""
     of = values[0] if values else Truth(False)
-    held = truth(of)
-    return held if isinstance(held, Truth) else of
+    result = truth(of)
+    return result if isinstance(result, Truth) else of
 
 
 def _absolute(values: list[Value]) -> Value:
@@ -144,46 +144,46 @@ def _absolute(values: list[Value]) -> Value:
     return Number(abs(of.value), of.written.removeprefix("-"), of.parameter)
 
 
-def _plain(found: list[Value] | None) -> list[str] | list[float] | None:
+def _plain(values: list[Value] | None) -> list[str] | list[float] | None:
     """Return texts, or numbers, that are all known; None for others."""
-    texts = [one.exact for one in found or () if isinstance(one, Text) and one.exact is not None]
-    if texts and len(texts) == len(found or ()):
+    texts = [one.exact for one in values or () if isinstance(one, Text) and one.exact is not None]
+    if texts and len(texts) == len(values or ()):
         return texts
-    numbers = [one.value for one in found or () if isinstance(one, Number)]
-    return numbers if len(numbers) == len(found or ()) else None
+    numbers = [one.value for one in values or () if isinstance(one, Number)]
+    return numbers if len(numbers) == len(values or ()) else None
 
 
 def _reversed(values: list[Value]) -> Value:
-    found = countable(values[0]) if values else None
-    return Sequence(tuple(reversed(found))) if found is not None else values[0] if values else _COMPUTED
+    items = countable(values[0]) if values else None
+    return Sequence(tuple(reversed(items))) if items is not None else values[0] if values else _COMPUTED
 
 
 def _sum(values: list[Value]) -> Value:
     """`sum(x, start)`."""
-    found = countable(values[0]) if values else None
-    if found is None:
+    items = countable(values[0]) if values else None
+    if items is None:
         return _COMPUTED
     start = values[1] if len(values) > 1 else number(0)
-    return compute("+", (start, *found)) if found else start
+    return compute("+", (start, *items)) if items else start
 
 
 def _extreme(choose: Callable[[Iterable[int], Callable[[int], float]], int]) -> Callable[..., Value]:
     def apply(values: list[Value]) -> Value:
-        found = countable(values[0]) if len(values) == 1 else values
-        numbers = [one.value for one in found or () if isinstance(one, Number)]
-        if not found or len(numbers) < len(found):
+        items = countable(values[0]) if len(values) == 1 else values
+        numbers = [one.value for one in items or () if isinstance(one, Number)]
+        if not items or len(numbers) < len(items):
             return _COMPUTED
-        return found[choose(range(len(numbers)), numbers.__getitem__)]
+        return items[choose(range(len(numbers)), numbers.__getitem__)]
 
     return apply
 
 
 def _all_of(wanted: bool) -> Callable[..., Value]:  # noqa: FBT001 - `all` or `any`
     def apply(values: list[Value]) -> Value:
-        held = {truth(one) for one in (countable(values[0]) if values else None) or [_COMPUTED]}
-        if Truth(not wanted) in held:
+        truths = {truth(one) for one in (countable(values[0]) if values else None) or [_COMPUTED]}
+        if Truth(not wanted) in truths:
             return Truth(not wanted)
-        return Truth(wanted) if held <= {Truth(wanted)} else Unknown("not all are known")
+        return Truth(wanted) if truths <= {Truth(wanted)} else Unknown("not all are known")
 
     return apply
 
@@ -244,13 +244,13 @@ FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
 
 def _sorted(values: list[Value], named: Names[str, Value]) -> Value:
     """`sorted(x, reverse=False)`; items that are not known stay where they are."""
-    found = countable(values[0]) if values else None
-    if found is None:
+    items = countable(values[0]) if values else None
+    if items is None:
         return values[0] if values else _COMPUTED
-    order = _plain(found)
+    order = _plain(items)
     if order is not None:
-        found = [one for _, _, one in sorted(zip(order, itertools.count(), found, strict=False))]
-    return Sequence(tuple(found[::-1] if named.get("reverse") == Truth(True) else found))
+        items = [one for _, _, one in sorted(zip(order, itertools.count(), items, strict=False))]
+    return Sequence(tuple(items[::-1] if named.get("reverse") == Truth(True) else items))
 
 
 def _enumerate(values: list[Value], named: Names[str, Value]) -> Value:

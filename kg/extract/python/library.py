@@ -111,14 +111,14 @@ def _attribute(language: Python, given: Arguments) -> Value:
     """`getattr(value, name, default)`."""
     if len(given.values) < 2:  # noqa: PLR2004 - the value and the name
         return _COMPUTED
-    found = [
+    members = [
         language.member_named(of, name) if isinstance(name, Text) else _COMPUTED
         for of, name in combinations(given.values[:2])
     ]
     if isinstance(given.values[0], Unknown):
         return _COMPUTED
-    missing = all(isinstance(one, Unknown) for one in found)
-    return given.values[2] if missing and len(given.values) > 2 else join(*found)  # noqa: PLR2004 - the default
+    missing = all(isinstance(one, Unknown) for one in members)
+    return given.values[2] if missing and len(given.values) > 2 else join(*members)  # noqa: PLR2004 - the default
 
 
 def _set_attribute(language: Python, given: Arguments) -> Value:
@@ -150,8 +150,8 @@ def _mapped(language: Python, given: Arguments) -> Value:
 
 def _next(given: Arguments) -> Value:
     """`next(iterator, default)`."""
-    found = [*(elements(given.values[0]) if given.values else []), *given.values[1:]]
-    return found[0] if found else _COMPUTED
+    items = [*(elements(given.values[0]) if given.values else []), *given.values[1:]]
+    return items[0] if items else _COMPUTED
 
 
 def _is_instance(given: Arguments) -> Value:
@@ -296,8 +296,8 @@ def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Argu
         return replace(of, items=(*of.items[:at], *of.items[at + 1 :]))
     if name in ("extend", "update") and values:
         more = values[0]
-        known = isinstance(more, Sequence) and not more.open
-        return replace(of, items=(*of.items, *elements(more)), open=of.open or not known)
+        closed = isinstance(more, Sequence) and not more.open
+        return replace(of, items=(*of.items, *elements(more)), open=of.open or not closed)
     return of if name in ("sort", "remove", "discard", "popleft") else None
 
 
@@ -307,8 +307,8 @@ def _popped(of: Sequence | Mapping, name: str, values: list[Value]) -> Value:
         if name == "pop" and values:
             return _got(of, values, None) or _COMPUTED
         if name == "setdefault" and values:
-            held = next((value for key, value in of.items if key == values[0]), None)
-            return held if held is not None else next(iter(values[1:]), NULL)
+            entry = next((value for key, value in of.items if key == values[0]), None)
+            return entry if entry is not None else next(iter(values[1:]), NULL)
         return _NOTHING
     if name == "pop":
         return element(of, values[0] if values else number(-1))
@@ -340,8 +340,8 @@ def _got(of: Value, values: list[Value], given: Arguments | None) -> Value | Non
     if default is None:
         default = values[1] if len(values) > 1 else NULL
     if isinstance(of, Mapping) and (of.items or of.parameter is None):
-        found = element(of, values[0])
-        return default if isinstance(found, Unknown) and found.parameter is None else found
+        entry = element(of, values[0])
+        return default if isinstance(entry, Unknown) and entry.parameter is None else entry
     if is_unknown_parameter(of) or isinstance(of, Mapping | Sequence):
         part = element(of, values[0])
         name: str | None = getattr(part, "parameter", None)
@@ -362,14 +362,14 @@ def _begins(of: Text, name: str, value: Value) -> Value:
 def _slice(of: Value, bounds: list[Value]) -> Value | None:
     """Return `of[start:stop:step]`."""
     numbers = [int(one.value) if isinstance(one, Number) else None for one in bounds]
-    known = all(isinstance(one, Number) or one == NULL for one in bounds)
+    constant = all(isinstance(one, Number) or one == NULL for one in bounds)
     if isinstance(of, Sequence) and of.parameter == "argv":
         return of
     if isinstance(of, Text):
-        if of.exact is None or not known:
+        if of.exact is None or not constant:
             return Text.hole("it is cut when the program runs", parameter=of.parameter)
         return replace(of, parts=(of.exact[slice(*numbers)],))
-    if isinstance(of, Sequence) and known and numbers[2] != 0:
+    if isinstance(of, Sequence) and constant and numbers[2] != 0:
         return replace(of, items=of.items[slice(*numbers)])
     return of if isinstance(of, Sequence) or is_unknown_parameter(of) else None
 
@@ -396,12 +396,12 @@ def object_method(language: Python, of: Object, name: str, given: Arguments) -> 
     ):
         return of
     if name in ("parse_args", "parse_known_args", "parse_intermixed_args"):
-        known = of.native.get("options")
-        pairs = known.items if isinstance(known, Mapping) else ()
+        declared = of.native.get("options")
+        pairs = declared.items if isinstance(declared, Mapping) else ()
         fields = {key.exact: value for key, value in pairs if isinstance(key, Text) and key.exact}
-        made = Object(Kind(("argparse", "Namespace")), fields=fields)
+        namespace = Object(Kind(("argparse", "Namespace")), fields=fields)
         both = name == "parse_known_args" or of.kind.name == "OptionParser"
-        return Sequence((made, COMMAND_LINE)) if both else made
+        return Sequence((namespace, COMMAND_LINE)) if both else namespace
     return None
 
 
