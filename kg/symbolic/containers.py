@@ -113,13 +113,13 @@ def element(of: Value, key: Value) -> Value:
         return join(*of.items)
     if isinstance(of, Mapping):
         same = [(_same(key, own), value) for own, value in of.items]
-        found = [value for equal, value in same if equal]
+        values = [value for equal, value in same if equal]
         plain = isinstance(key, Number) or (isinstance(key, Text) and key.exact is not None)
-        if not found and not plain and any(equal is None for equal, _ in same):
-            found = [value for equal, value in same if equal is None]
+        if not values and not plain and any(equal is None for equal, _ in same):
+            values = [value for equal, value in same if equal is None]
             choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
-            return options(found, choice)
-        return join(*found) if found else Unknown("the map has no such key")
+            return options(values, choice)
+        return join(*values) if values else Unknown("the map has no such key")
     if isinstance(of, Text) and of.parts[0] in _NAMESPACES and isinstance(key, Number) and key.value == 0:
         return Text.of("/")
     if is_unknown_parameter(of):
@@ -152,8 +152,8 @@ def _same(key: Value, own: Value) -> bool | None:
 
 def _is_key(key: Value, own: Value) -> bool:
     """Check whether a key of a map is surely another one. Two that are unknown for one reason can differ."""
-    found = _same(key, own)
-    return found if found is not None else own == key and not isinstance(key, Unknown | Text | Sequence)
+    equal = _same(key, own)
+    return equal if equal is not None else own == key and not isinstance(key, Unknown | Text | Sequence)
 
 
 def with_element(of: Value, key: Value, value: Value) -> Value:
@@ -179,8 +179,8 @@ def grown(written: Written) -> Written:
     found = dict(written)
     for key, (holder, name, value) in written.items():
         before = holder.get(name)
-        held = before.items if isinstance(before, Either) else (before,)
-        lengths = [len(one.items) for one in held if isinstance(one, Sequence)]
+        lists = before.items if isinstance(before, Either) else (before,)
+        lengths = [len(one.items) for one in lists if isinstance(one, Sequence)]
         if isinstance(value, Sequence | Either) and lengths:
             found[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
     return found
@@ -193,17 +193,17 @@ def _longer(length: int, of: Value) -> Value:
 
 def counted(loop: form.Loop) -> list[Expression]:
     """Return the variables that the body or the step of a loop increments."""
-    found: list[Expression] = []
+    targets: list[Expression] = []
     pending: list[object] = [loop.step, loop.body]
     while pending:
         one = pending.pop()
         if isinstance(one, form.Unary):
             if one.sign in ("++", "--"):
-                found.append(one.operand)
+                targets.append(one.operand)
             pending.append(one.operand)
         elif isinstance(one, form.Assign):
             if one.sign in ("+", "-") or _counts(one):
-                found.append(one.target)
+                targets.append(one.target)
             pending.append(one.value)
         elif isinstance(one, form.Block):
             pending += one.body
@@ -217,7 +217,7 @@ def counted(loop: form.Loop) -> list[Expression]:
             pending += [body for _, body in one.arms]
         elif isinstance(one, form.Try):
             pending += [one.body, *one.handlers]
-    return found
+    return targets
 
 
 def _counts(assign: form.Assign) -> bool:
