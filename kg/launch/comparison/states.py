@@ -100,9 +100,9 @@ class _Systems:
         for one, other in self._pairs:
             if one and other:
                 yield from self._instances.changes(one, other)
-            elif found := one or other:
-                side = self._started(found, 0 if one else 1)
-                yield _added_or_removed(Level.INSTANCE, found.name, side, self._name, gone=one is not None)
+            elif instance := one or other:
+                side = self._started(instance, 0 if one else 1)
+                yield _added_or_removed(Level.INSTANCE, instance.name, side, self._name, gone=one is not None)
         shared = ([(each.name, each) for each in side.shared_parameters] for side in self._sides)
         yield from self._instances.settings((self._name, ""), *shared)
         yield from self._connections()
@@ -151,16 +151,16 @@ class _Systems:
             yield Change(Level.NAMESPACE, Kind.RENAMED, self._name, *sides, system=self._name)
 
 
-def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Hashable | None]) -> _Joined:
+def joined(system: System, identify: Callable[[NodeInstance, InstanceInterface], Hashable | None]) -> _Joined:
     """Return the connections of a system, each with the pairs of ends that make it.
 
-    `known` returns the identity of an end, equal for both its states; None for an end left out.
+    `identify` returns the identity of an end, equal for both its states; None for an end left out.
     """
     givers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
     takers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
     for instance in system.instances:
         for end in instance.interfaces:
-            sign = known(instance, end)
+            sign = identify(instance, end)
             if sign is None or not is_known(end.resolved):
                 continue
             role = end.declared.role
@@ -264,10 +264,10 @@ class _Node:
                 yield Change(Level.PARAMETER, kind, self._name, before, after)
 
     def _settable(self, record: Record) -> dict[str, Side]:
-        found = _parameters(record.node, every=self._every)
+        parameters = _parameters(record.node, every=self._every)
         return {
             name: Side(name, _parameter_detail(accesses), accesses[0].location, record.repository)
-            for name, accesses in found.items()
+            for name, accesses in parameters.items()
         }
 
 
@@ -276,13 +276,13 @@ def _interface_key(end: Interface) -> tuple[str, str]:
 
 
 def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
-    found: defaultdict[str, list[Parameter]] = defaultdict(list)
+    by_name: defaultdict[str, list[Parameter]] = defaultdict(list)
     for parameter in sorted(
         node.parameters, key=lambda one: (one.default is None, one.default or "", str(one.location))
     ):
         if parameter.name is not None and (every or not parameter.implicit):
-            found[parameter.name].append(parameter)
-    return dict(found)
+            by_name[parameter.name].append(parameter)
+    return dict(by_name)
 
 
 def _parameter_detail(accesses: list[Parameter]) -> str:

@@ -60,8 +60,8 @@ def members(
     if "[" in anonymous(parameter) and not parameter.startswith(COMMAND_LINE):
         return ((None, None),) if open_name else list(_elements(parameter, declared, settings, place))
     if not open_name:
-        found = settings.get(parameter, place)
-        return ((found, found),)
+        setting = settings.get(parameter, place)
+        return ((setting, setting),)
     asked = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
     own_text = settings.absolute(parameter, place)
     texts = (settings.absolute(name, place) for name in asked)
@@ -75,21 +75,21 @@ def members(
     if not fitting and declared.name is not None:
         return ((None, None),)
     switches = [Switch.parse(one) for one in declared.switches if is_partial(one)]
-    made = []
+    names = []
     for name, given in sorted(fitting, key=lambda pair: _natural(pair[0])):
         member = _hole_value(own_text, name)
         listed = all(_is_listed(value, label, node, settings, place) for label, value in member.items())
         named = ((one, substitute(one.parameter, member.get)) for one in switches)
         if listed and all(_may_be(one, node, settings, asked, place) for one, asked in named):
-            made.append((given, given))
-    return made
+            names.append((given, given))
+    return names
 
 
 def _hole_value(family: str, name: str) -> Mapping[str, str]:
     """Return the text that a member has for the hole of its family, if the family has one labelled hole."""
     labels = list(dict.fromkeys(part.label for part in parse(family) if isinstance(part, Hole)))
-    found = pattern(family).fullmatch(name)
-    return {labels[0]: found[1]} if len(labels) == 1 and labels[0] and found and found.groups() else {}
+    match = pattern(family).fullmatch(name)
+    return {labels[0]: match[1]} if len(labels) == 1 and labels[0] and match and match.groups() else {}
 
 
 def _is_listed(member: str, label: str, node: NodeType, settings: Settings, place: Place) -> bool:
@@ -137,7 +137,7 @@ def _walk(
         for element in value:
             yield from _walk(element, rest, holder)
     elif step == _EACH and isinstance(value, dict):
-        named = [found for element in value.values() for found in _walk(element, rest, holder)]
+        named = [leaf for element in value.values() for leaf in _walk(element, rest, holder)]
         yield from named if named or rest else _walk(value, [_KEY], holder)
     elif step == _KEY and isinstance(value, dict):
         for key, element in value.items():
@@ -222,8 +222,8 @@ def _end(one: Interface) -> tuple[object, ...]:
 
 
 def _argument(one: Interface) -> int | None:
-    found = ARGUMENT.fullmatch(one.parameter or "")
-    return int(found[1]) if found is not None else None
+    match = ARGUMENT.fullmatch(one.parameter or "")
+    return int(match[1]) if match is not None else None
 
 
 def _natural(name: str) -> list[tuple[int, str]]:
@@ -257,12 +257,12 @@ def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place
     if switch.sign == "is":  # set
         return setting is not None
     if setting is not None:
-        held = _holds(switch, setting.value)
+        fulfilled = _holds(switch, setting.value)
     else:
         named = (one for one in node.parameters if one.name == switch.parameter and one.default is not None)
         defaults = {_holds(switch, one.default) for one in named}
-        held = defaults.pop() if len(defaults) == 1 else None
-    return held is switch.wanted or held is None
+        fulfilled = defaults.pop() if len(defaults) == 1 else None
+    return fulfilled is switch.wanted or fulfilled is None
 
 
 def _holds(switch: Switch, value: str | None) -> bool | None:

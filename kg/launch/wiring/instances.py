@@ -79,10 +79,10 @@ class Tool:
 def tool_ends(started: StartedNode, ends: Ends, repository: str) -> Iterator[InstanceInterface]:
     """Yield the ends that the command line of a tool names; `repository` is the source of the configuration."""
     rows = (row for row in _rows() if row.ros == ends.ros)
-    found = next((one for row in rows if (one := _read(row, started, ends.settings)) is not None), None)
-    if found is None:
+    tool = next((one for row in rows if (one := _read(row, started, ends.settings)) is not None), None)
+    if tool is None:
         return
-    row, values, rest = found
+    row, values, rest = tool
     owner = NodeReference(started.location.repository or repository, row.package, started.plugin or row.executable[0])
     for text in row.ends:
         for each in rest if _EACH in text else ("",):
@@ -120,20 +120,20 @@ def _read(row: Tool, started: StartedNode, settings: Settings) -> tuple[Tool, di
 
 def _operands(words: list[str], options: tuple[str, ...]) -> list[str]:
     """Return words without options and their arguments."""
-    found: list[str] = []
+    operands: list[str] = []
     skip = False
     for word in words:
         if not skip and not word.startswith("-"):
-            found.append(word)
+            operands.append(word)
         skip = not skip and word in options
-    return found
+    return operands
 
 
 def _type(kind: str) -> str | None:
     """Return a type as `package/Name`; None for an unknown one."""
     parts = kind.split("/")
-    known = len(parts) > 1 and not is_partial(kind)
-    return f"{parts[0]}/{parts[-1]}" if known else None
+    complete = len(parts) > 1 and not is_partial(kind)
+    return f"{parts[0]}/{parts[-1]}" if complete else None
 
 
 @cache
@@ -222,8 +222,8 @@ def loads(draft: Draft, types: NodeTypes) -> None:
     slots = draft.typed[1].slots if draft.typed is not None else ()
     if values or slots:
         package = draft.started.package
-        found = loaded_plugins(values, types, draft.repository, draft.ros, package, slots)
-        draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
+        plugins = loaded_plugins(values, types, draft.repository, draft.ros, package, slots)
+        draft.plugins += (_outside(plugin, draft.makes) for plugin in plugins)
 
 
 def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
@@ -284,33 +284,33 @@ def _spelling(draft: Draft) -> Spelling | None:
 
 
 def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
-    found: list[InstanceInterface] = []
+    interfaces: list[InstanceInterface] = []
     if draft.typed is not None:
         owner, node = draft.typed
-        found += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
+        interfaces += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
     for plugin in draft.plugins:
         if plugin.typed is not None:
             owner, node = plugin.typed
             node = switched_on(node, ends.settings, draft.place, plugin)
-            found += ends.of_plugin(replace(plugin, typed=(owner, node)))
+            interfaces += ends.of_plugin(replace(plugin, typed=(owner, node)))
     of_trees: dict[object, InstanceInterface] = {}
     for tree_node in draft.tree_nodes:
         for end in ends.of_tree_node(tree_node):
             of_trees.setdefault((end.declared, end.resolved), end)
-    found += of_trees.values()
+    interfaces += of_trees.values()
     if draft.typed is None:
-        found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
-        found += tool_ends(draft.started, ends, draft.repository)
+        interfaces += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
+        interfaces += tool_ends(draft.started, ends, draft.repository)
     for simulated in draft.simulated:
-        found += simulated.ends(draft.place, ends.remapping)
-    return tuple(dict.fromkeys(found))
+        interfaces += simulated.ends(draft.place, ends.remapping)
+    return tuple(dict.fromkeys(interfaces))
 
 
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
     """Return the remappings; those that changed nothing with the names, not remapped either, that they may mean."""
     own: Alike | None = None
     names: list[str] = []
-    found = []
+    remaps = []
     for rule in draft.rules:
         used = rule.remap in draft.used
         similar: tuple[str, ...] = ()
@@ -321,8 +321,8 @@ def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[Inst
                 own = Alike(names)
             short = (name for name in names if alike_when_short(rule.source, name))
             similar = tuple(own.find(rule.source) or short)
-        found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
-    return tuple(found)
+        remaps.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
+    return tuple(remaps)
 
 
 def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bool) -> bool:

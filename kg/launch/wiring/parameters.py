@@ -47,12 +47,12 @@ class Reads:
         for parameter in _read_first(node):
             name = parameter.name
             if name is not None and self._ros != 1:
-                for known in self._of_loaded(name, plugin):
-                    self._add(known, parameter, owner)
+                for absolute in self._of_loaded(name, plugin):
+                    self._add(absolute, parameter, owner)
             elif name is not None:
                 spelled = plugin.spelled(name)
-                known = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
-                self._add(known, parameter, owner)
+                absolute = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
+                self._add(absolute, parameter, owner)
                 beside, slash, _ = plugin.parameter.rpartition("/")
                 if slash and not name.startswith("/"):  # a handle for what stands beside the class
                     self._add(self._place.resolve(f"~/{beside}/{name.removeprefix('~/')}"), parameter, owner)
@@ -76,8 +76,8 @@ class Reads:
     def add_of_framework(self, names: Iterable[str], node: NodeType, owner: NodeReference, origin: str) -> None:
         """Add parameters, named relative to the node, that a framework asks for in the name of the node."""
         for name in names:
-            made = Parameter(name, None, None, Access.READ, node.location, implicit=True, origin=origin)
-            self._add(f"{self._place.full}/{name}", made, owner)
+            parameter = Parameter(name, None, None, Access.READ, node.location, implicit=True, origin=origin)
+            self._add(f"{self._place.full}/{name}", parameter, owner)
 
     def resolved(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
         """Yield the parameters set for the instance, given by absolute name, with what they set."""
@@ -85,18 +85,18 @@ class Reads:
         names = {name for name, _ in pairs}
         unset: Alike | None = None
         for name, parameter in pairs:
-            found = self._find(name)
-            if found is not None:
-                yield InstanceParameter(name, parameter, *found)
+            owned = self._find(name)
+            if owned is not None:
+                yield InstanceParameter(name, parameter, *owned)
                 continue
             if unset is None:
                 unset = Alike(known for known in self._exact if known not in names)
             yield InstanceParameter(name, parameter, similar=tuple(unset.find(name)))
 
     def _find(self, name: str) -> _Owned | None:
-        found = self._exact.get(name) or self._by_handle.get(name)
-        if found is not None:
-            return found
+        exact = self._exact.get(name) or self._by_handle.get(name)
+        if exact is not None:
+            return exact
         above = name
         separator = "/" if self._ros == 1 else "."
         while separator in above[1:]:

@@ -60,9 +60,9 @@ def read_parameters(
     if found is None:
         return None
     file, content = found
-    made = context.results.generated.get(path)
-    if made is not None and made.entries is not None:
-        return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
+    generated = context.results.generated.get(path)
+    if generated is not None and generated.entries is not None:
+        return file, [_performed(context, entry) for entry in generated.entries] if substitutions else generated.entries
     try:
         return file, _entries(_substituted(context, content, _HOLE_OF_YAML) if substitutions else content)
     except YamlFault as fault:
@@ -157,8 +157,8 @@ class Rewriting:
 
     def applied(self, listed: Sequence[Entry]) -> tuple[Entry, ...]:
         """Return the parameters of the copy."""
-        known = {_path(entry) for entry in listed}
-        fresh = [self._added(path) for path in self.values if path not in known and f".{_PARAMETERS}." in path]
+        present = {_path(entry) for entry in listed}
+        fresh = [self._added(path) for path in self.values if path not in present and f".{_PARAMETERS}." in path]
         return tuple(self._rewritten(entry) for entry in (*listed, *fresh))
 
     def _added(self, path: str) -> Entry:
@@ -249,10 +249,10 @@ def node_parameters(
             continue
         if not context.allows("parameters"):
             break
-        known = merged.setdefault("" if owner.loaded else key, {})
-        known.pop(parameter.name, None)
-        known[parameter.name] = parameter if own else below
-    return tuple(parameter for known in merged.values() for parameter in known.values())
+        parameters = merged.setdefault("" if owner.loaded else key, {})
+        parameters.pop(parameter.name, None)
+        parameters[parameter.name] = parameter if own else below
+    return tuple(parameter for parameters in merged.values() for parameter in parameters.values())
 
 
 def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
@@ -318,15 +318,15 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, owner: Owner,
         return
     file, listed = found
     doubt = source.reason if isinstance(source, GlobalFile) else None
-    known = context.results.given.setdefault((file, context.chain, doubt), {})
+    cached = context.results.given.setdefault((file, context.chain, doubt), {})
     repository = place(context.files, file, 1).repository
     named = {entry.node for entry in listed} if owner.loaded else ()
     others = {node for node in named if node is not None and _is_own(node, owner) is False}
     for entry in listed:
         if entry.node in others:
             continue
-        if id(entry) in known:
-            yield known[id(entry)][1]
+        if id(entry) in cached:
+            yield cached[id(entry)][1]
             continue
         node = entry.node if entry.node is not None else flat
         if node is None:
@@ -336,7 +336,7 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, owner: Owner,
         where = entry.location or Location(file.path, entry.line, repository)
         name = ".".join(entry.names)
         parts = (name, value, where, context.chain, entry.type, reason)
-        made = (node, LaunchParameter(*parts), LaunchParameter(*parts, node=_key(node)))
+        given = (node, LaunchParameter(*parts), LaunchParameter(*parts, node=_key(node)))
         if entry.node is not None:
-            known[id(entry)] = (entry, made)
-        yield made
+            cached[id(entry)] = (entry, given)
+        yield given

@@ -40,10 +40,10 @@ def collect(file: FilePath, files: Files, loading: Loading, texts: Texts) -> Tab
             count += 1
             if count > _MOST_ELEMENTS:
                 return table
-            found = _define(table, element, current)
-            if found is None:
+            defined = _define(table, element, current)
+            if defined is None:
                 continue
-            included = loading.find(texts.text(found, table), files.folder(current)).file
+            included = loading.find(texts.text(defined, table), files.folder(current)).file
             if included is not None and included not in seen and len(seen) < _MOST_FILES:
                 seen.add(included)
                 waiting.append(included)
@@ -194,8 +194,8 @@ class _Evaluation:
         subject: str | None = None,
     ) -> None:
         """Note a problem, each once."""
-        found = Trouble(kind, shown(message), file, line, steps, subject and shown(subject))
-        self._troubles.setdefault((kind, message, file, line), found)
+        trouble = Trouble(kind, shown(message), file, line, steps, subject and shown(subject))
+        self._troubles.setdefault((kind, message, file, line), trouble)
 
     def _file(self, at: _At, file: FilePath, line: int) -> Iterator[Output]:
         data = self._loading.data(file)
@@ -245,26 +245,26 @@ class _Evaluation:
         inside = at.inside or is_plugin
         says = inside or element.tag in _AROUND
         attributes = {key: self._texts.text(text, at.table) for key, text in element.attributes.items()} if says else {}
-        made = Output(element.tag, attributes, at.file, element.line, at.steps, at.conditions)
+        output = Output(element.tag, attributes, at.file, element.line, at.steps, at.conditions)
         within = replace(at, inside=inside)
-        made.children = list(self._children(within, element.children, made if says else None))
-        if says or made.children:
-            yield made
+        output.children = list(self._children(within, element.children, output if says else None))
+        if says or output.children:
+            yield output
 
     def _call(self, at: _At, element: Element, command: str | None) -> tuple[Macro, Table] | None:
         """Return the macro that an element calls; without prefix only if it can be nothing else."""
         name = element.tag if command is None else command
         if command == "call":
             name = self._texts.text(element.attributes.get("macro", ""), at.table)
-        found = at.table.macro(name)
-        if command is not None or found is None:
-            later = self._early().macro(name) if found is None and command is not None else None
-            return found or (later and (later[0], at.table))
-        macro, _ = found
+        match = at.table.macro(name)
+        if command is not None or match is None:
+            later = self._early().macro(name) if match is None and command is not None else None
+            return match or (later and (later[0], at.table))
+        macro, _ = match
         needed = {name for name, default in macro.parameters.items() if default is None and not name.startswith("*")}
         given = element.attributes.keys()
         fits = needed <= given <= macro.parameters.keys() and (needed or not element.children)
-        return found if fits and not at.inside and macro.name not in at.open else None
+        return match if fits and not at.inside and macro.name not in at.open else None
 
     def _expand(self, at: _At, element: Element, call: tuple[Macro, Table], parent: Output | None) -> Iterator[Output]:
         macro, around = call
@@ -357,10 +357,10 @@ class _Evaluation:
             table = Table(self._texts.value, at.table, spaced=True)
             at.table.set(self._texts.text(space, at.table), table)
         optional = element.attributes.get("optional") in {"true", "True", "1"}
-        found = self._loading.find(written, self._texts.around.folder)
-        if found.reason is not None and not optional:
-            self.trouble(found.kind, found.reason, at.file, element.line, at.steps, found.subject)
-        file = found.file
+        match = self._loading.find(written, self._texts.around.folder)
+        if match.reason is not None and not optional:
+            self.trouble(match.kind, match.reason, at.file, element.line, at.steps, match.subject)
+        file = match.file
         if file is not None and (file == at.file or any(file == step for step, _ in at.steps)):
             message = f"{file.path} includes itself"
             self.trouble(LaunchProblemKind.CYCLE, message, at.file, element.line, at.steps, file.path)

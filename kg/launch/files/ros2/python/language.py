@@ -80,8 +80,8 @@ class LaunchModules:
     def unit(self, file: FilePath) -> PythonUnit | None:
         """Return a module; None if it cannot be read."""
         content = self.files.read(file)
-        made = parse(file, content) if content is not None else None
-        return made if made is not None and made.error is None else None
+        unit = parse(file, content) if content is not None else None
+        return unit if unit is not None and unit.error is None else None
 
     def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
         """Return a module as imported in a file: of the build, or next to the file."""
@@ -89,9 +89,9 @@ class LaunchModules:
             return None
         file = self.files.reader.workspace.module(dotted, near=unit.key)
         path = posixpath.join(posixpath.dirname(unit.key.path), f"{dotted.lstrip('.')}.py")
-        beside = FilePath(unit.key.repository, path)
-        if file is None and self.files.exists(beside):
-            file = beside  # launch files often extend the search path by their own folder
+        sibling = FilePath(unit.key.repository, path)
+        if file is None and self.files.exists(sibling):
+            file = sibling  # launch files often extend the search path by their own folder
         return self.unit(file) if file is not None and file != unit.key else None
 
     def starred(self, name: str, modules: Iterable[str]) -> tuple[str, ...] | None:
@@ -117,10 +117,10 @@ class LaunchCalls(Calls):
             return Unknown(of.reason)
         if isinstance(of, Sequence):
             given = replace(given, values=[self._language.machine.flattened(value) for value in given.values])
-        found = super().method(of, name, given, written)
-        if isinstance(found, Unknown) and found.reason.endswith("in the sources that were read"):
+        result = super().method(of, name, given, written)
+        if isinstance(result, Unknown) and result.reason.endswith("in the sources that were read"):
             return Unknown(reason_of(of) if isinstance(of, Text | Instance) else f"`{name}()`: {reason_of(of)}")
-        return found
+        return result
 
     def outside_method(self, of: Object, name: str, given: Arguments) -> Value:
         """Call a method of an object that is not of the build."""
@@ -188,10 +188,10 @@ class LaunchPython(Python):
 
     def name(self, expression: form.Name, frame: Frame) -> Value:
         """Return the meaning of a name that is not a variable."""
-        found = super().name(expression, frame)
-        if isinstance(found, Unknown) and expression.names[-1] not in BUILTINS:
+        value = super().name(expression, frame)
+        if isinstance(value, Unknown) and expression.names[-1] not in BUILTINS:
             return Unknown(f"the name `{expression.names[-1]}` is not bound to anything known")
-        return found
+        return value
 
     def unknown(self, kind: form.Type | None, frame: Frame, name: str) -> Value:
         """Return an argument that a call does not give."""
@@ -208,8 +208,8 @@ class LaunchPython(Python):
             return super().member(of, name)
         return Unknown(f"the attribute `{name}`: {reason_of(of)}")
 
-    def _constant(self, found: TypeValue) -> Value:
-        return Unknown("the command line") if found.kind.names == ("sys", "argv") else super()._constant(found)
+    def _constant(self, constant: TypeValue) -> Value:
+        return Unknown("the command line") if constant.kind.names == ("sys", "argv") else super()._constant(constant)
 
     # Elements
 
@@ -224,10 +224,10 @@ class LaunchPython(Python):
             return Unknown(reason_of(of if isinstance(of, Unknown) else key))
         if isinstance(of, Mapping | Sequence) and plain(key) is None:
             return Unknown(f"an element: {reason_of(key)}")
-        found = super().element(of, key)
-        if isinstance(of, Mapping) and of.open and isinstance(found, Unknown):
+        value = super().element(of, key)
+        if isinstance(of, Mapping) and of.open and isinstance(value, Unknown):
             return Unknown("there may be more entries")
-        return found
+        return value
 
     def with_element(self, of: Value, key: Value, value: Value) -> Value:
         """Return a container with an element set."""
@@ -252,15 +252,15 @@ class LaunchPython(Python):
         context, name = self.reading.context, plain(self.resolved(key))
         if of.name == library.CONFIGURATIONS and context is not None and isinstance(name, str):
             guards = self.machine.guards
-            held = Unknown(f"it depends on `{guards[-1].lstrip('!?')}`") if guards else value
-            context.scope.configurations[name] = context.perform(launch_text(held))
+            setting = Unknown(f"it depends on `{guards[-1].lstrip('!?')}`") if guards else value
+            context.scope.configurations[name] = context.perform(launch_text(setting))
 
     def _spread(self, expression: form.Spread, frame: Frame) -> Value:
         """Return the elements of a collection as items of another one."""
-        held = self.machine.value(expression.of, frame)
-        items = self.machine.items(held)
+        value = self.machine.value(expression.of, frame)
+        items = self.machine.items(value)
         if items is None:
-            return Unknown(reason_of(held))
+            return Unknown(reason_of(value))
         return Pack(tuple(self.machine.under(item, terms) for item, terms in items))
 
     # Texts

@@ -64,8 +64,8 @@ def _value(machine: LaunchMachine, node: yaml.Node, file: FilePath | None, loade
         return Mapping(tuple(entries.values()))
     if isinstance(node, yaml.SequenceNode):
         return Sequence(tuple(_value(machine, each, file, loader) for each in node.value))
-    found: object = loader.construct_object(node)
-    value = found if found is None or isinstance(found, str | bool | int | float) else node.value
+    constructed: object = loader.construct_object(node)
+    value = constructed if constructed is None or isinstance(constructed, str | bool | int | float) else node.value
     machine.step()
     if isinstance(value, bool):
         return Truth(value)
@@ -139,10 +139,10 @@ def create(language: LaunchPython, name: str, fields: dict[str, Value], given: A
     )
 
 
-def initialise(made: Instance, given: Arguments) -> None:
+def initialise(instance: Instance, given: Arguments) -> None:
     """Run the `__init__` that an object of a class of the build has from the class of launch that it extends."""
-    made.fields.update(_bound(made.names, given))
-    made.given = given
+    instance.fields.update(_bound(instance.names, given))
+    instance.given = given
 
 
 # Functions
@@ -177,34 +177,34 @@ def _join(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
 
 def _share(language: LaunchPython, name: Value) -> Value:
     name = language.resolved(name)
-    known = name.exact if isinstance(name, Text) else None
-    return Text.of(f"package://{known}") if known is not None else later("find-pkg-share", launch_text(name))
+    package = name.exact if isinstance(name, Text) else None
+    return Text.of(f"package://{package}") if package is not None else later("find-pkg-share", launch_text(name))
 
 
 def _variable(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     del given
     name, default = launch_text(_first(fields)), fields.get("default", fields.get("*1"))
-    made = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
-    return language.resolved(made) if language.reading.context is not None else made
+    variable = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
+    return language.resolved(variable) if language.reading.context is not None else variable
 
 
 def exists(language: LaunchPython, path: Value) -> Value:
     """Return whether a file exists; a file outside of the build may still exist at run time."""
     text = language.resolved(path)
-    known = text.exact if isinstance(text, Text) else None
-    if known is not None and language.reading.find(known) is not None:
+    exact = text.exact if isinstance(text, Text) else None
+    if exact is not None and language.reading.find(exact) is not None:
         return Truth(True)
-    return Unknown(f"whether the file {known or 'named here'} exists")
+    return Unknown(f"whether the file {exact or 'named here'} exists")
 
 
 def opened(language: LaunchPython, path: Value) -> Value:
     """Return an open file; its text is unknown if it cannot be read."""
     reading, text = language.reading, language.resolved(path)
-    known = text.exact if isinstance(text, Text) else None
-    file = reading.find(known) if known is not None else None
+    exact = text.exact if isinstance(text, Text) else None
+    file = reading.find(exact) if exact is not None else None
     data = reading.files.read(file) if file is not None else None
     if data is None or file is None:
-        why = reason_of(path) if known is None else f"the file {known} is not in the build"
+        why = reason_of(path) if exact is None else f"the file {exact} is not in the build"
         return create(language, _FILE, {"text": Unknown(why)})
     content = Text.of(data.decode("utf-8", "replace")[:_MOST_TEXT])
     language.machine.place(content, file)
@@ -213,11 +213,11 @@ def opened(language: LaunchPython, path: Value) -> Value:
 
 def _document(language: LaunchPython, of: Value) -> Value:
     text = of.fields["text"] if isinstance(of, Instance) and of.name == _FILE else language.resolved(of)
-    known = text.exact if isinstance(text, Text) else None
-    if known is None:
+    exact = text.exact if isinstance(text, Text) else None
+    if exact is None:
         return Unknown(reason_of(text))
     place = language.machine.places.get(id(text))
-    return read_yaml(language.machine, known, place[1] if place is not None else None)
+    return read_yaml(language.machine, exact, place[1] if place is not None else None)
 
 
 def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
@@ -229,23 +229,23 @@ def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
 
 def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     """Return `dict(...)`; the place of its keys is the call."""
-    made = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
-    if not isinstance(made, Mapping) or given.call is None or given.frame is None:
-        return made or Unknown("it is not a dictionary")
+    table = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
+    if not isinstance(table, Mapping) or given.call is None or given.frame is None:
+        return table or Unknown("it is not a dictionary")
     lines = {name: getattr(one, "line", given.call.line) for name, one in given.call.keywords}
-    pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in made.items]
+    pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in table.items]
     for key, _ in pairs:
-        known = key.exact if isinstance(key, Text) else None
-        language.machine.place(key, given.frame.unit.key, lines.get(known or "", given.call.line))
-    return replace(made, items=tuple(pairs))
+        exact = key.exact if isinstance(key, Text) else None
+        language.machine.place(key, given.frame.unit.key, lines.get(exact or "", given.call.line))
+    return replace(table, items=tuple(pairs))
 
 
 def _holds(language: LaunchPython, expression: Value) -> Value:
     """`evaluate_condition_expression(context, expression)`."""
     value = language.reading.perform(expression)
-    known = value.exact.strip().lower() if isinstance(value, Text) and value.exact is not None else ""
-    if known in ("true", "1", "false", "0"):
-        return Truth(known in ("true", "1"))
+    word = value.exact.strip().lower() if isinstance(value, Text) and value.exact is not None else ""
+    if word in ("true", "1", "false", "0"):
+        return Truth(word in ("true", "1"))
     return Unknown(reason_of(value))
 
 
@@ -304,11 +304,11 @@ def method(language: LaunchPython, of: Instance, name: str, given: Arguments) ->
         added = _bound(("action" if name == "add_action" else "entity",), given)
         assert given.call is not None and given.frame is not None  # noqa: PT018, S101 - methods are called by code
         file, line = given.frame.unit.key, given.call.line
-        held = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
+        sequence = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
         entities = of.fields.get("entities", Sequence(()))
         if not isinstance(entities, Sequence):
             entities = Sequence((entities,))
-        machine.write(of.fields, "entities", machine.computed("+", (entities, held)))
+        machine.write(of.fields, "entities", machine.computed("+", (entities, sequence)))
         return NULL
     if of.name == "LaunchDescription" and name in ("describe_sub_entities", "get_launch_arguments"):
         entities = of.fields.get("entities", Sequence(()))
@@ -318,9 +318,9 @@ def method(language: LaunchPython, of: Instance, name: str, given: Arguments) ->
         return replace(entities, items=tuple(listed))
     if of.name == CONFIGURATIONS and name == "get":
         fields = _bound(("key", "default"), given)
-        found = language.configuration(of, language.resolved(_first(fields)))
-        unset = isinstance(found, Unknown) and found.reason.endswith("is not set")
-        return fields.get("default", NULL) if unset else found
+        setting = language.configuration(of, language.resolved(_first(fields)))
+        unset = isinstance(setting, Unknown) and setting.reason.endswith("is not set")
+        return fields.get("default", NULL) if unset else setting
     if of.name == "LaunchContext" and name == "perform_substitution":
         return reading.perform(_first(_bound(("substitution",), given)))
     if of.name == _FILE:
@@ -338,13 +338,13 @@ def _of_file(of: Instance, name: str) -> Value:
 
 
 def _evaluated(language: LaunchPython, of: Instance) -> Value:
-    context, held = language.reading.context, condition(of)
-    if context is None or held.value is None:
-        return Unknown(f"the condition `{held.written}` is evaluated where it cannot be known")
-    text = context.perform(held.value).strip().lower()
+    context, test = language.reading.context, condition(of)
+    if context is None or test.value is None:
+        return Unknown(f"the condition `{test.written}` is evaluated where it cannot be known")
+    text = context.perform(test.value).strip().lower()
     if text not in ("true", "1", "false", "0"):
-        return Unknown(f"it depends on `{held.written}`")
-    return Truth((text in ("true", "1")) is not held.negated)
+        return Unknown(f"it depends on `{test.written}`")
+    return Truth((text in ("true", "1")) is not test.negated)
 
 
 def with_holes(text: str, reason: str) -> Text:
