@@ -69,10 +69,10 @@ def read(file: Path) -> Counter[Entry]:
     entries = content.get("findings") if isinstance(content, dict) and content.get("version") == _VERSION else None
     if not isinstance(entries, list):
         raise UsageError("KG420", f"not a baseline of version {_VERSION}", place=Place(str(file)))
-    found: Counter[Entry] = Counter()
+    counts: Counter[Entry] = Counter()
     for entry in entries:
-        found[_entry(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
-    return found
+        counts[_entry(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
+    return counts
 
 
 def _entry(entry: Any, file: Path) -> Entry:
@@ -83,9 +83,9 @@ def _entry(entry: Any, file: Path) -> Entry:
     return Entry(entry["fingerprint"], str(entry.get("code", "")), str(entry.get("system", "")), named)
 
 
-def compared(findings: Iterable[Finding], known: Counter[Entry]) -> tuple[list[Finding], list[Finding], list[Entry]]:
+def compared(findings: Iterable[Finding], baseline: Counter[Entry]) -> tuple[list[Finding], list[Finding], list[Entry]]:
     """Return new findings, known findings, and stale entries of the baseline."""
-    left = Counter({one.fingerprint: number for one, number in known.items()})
+    left = Counter({one.fingerprint: number for one, number in baseline.items()})
     new: list[Finding] = []
     old: list[Finding] = []
     for finding in sorted(findings, key=lambda one: one.order):
@@ -95,4 +95,4 @@ def compared(findings: Iterable[Finding], known: Counter[Entry]) -> tuple[list[F
         else:
             new.append(finding)
     seen = {one.fingerprint for one in old}
-    return new, old, sorted(one for one in known if one.fingerprint not in seen)
+    return new, old, sorted(one for one in baseline if one.fingerprint not in seen)
