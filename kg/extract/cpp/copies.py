@@ -44,8 +44,8 @@ class Copies:
             return value
         if isinstance(written, form.Name) and written.names == _THIS:
             return value
-        found = self._kinds.variable_kind(kind, at) if kind is not None and kind.names != _AUTO else None
-        return self.copied(value, found or self._kind(written, frame))
+        declared = self._kinds.variable_kind(kind, at) if kind is not None and kind.names != _AUTO else None
+        return self.copied(value, declared or self._kind(written, frame))
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return the value that the target of an assignment holds after it.
@@ -58,12 +58,12 @@ class Copies:
         kind, at = declared or (None, frame)
         value = self.copy(value, kind, at, written, frame)
         through = kind.reference if kind is not None else isinstance(target, form.Unary)
-        held = self._language.machine.value(target, frame) if through and isinstance(value, Object) else None
-        if not (isinstance(held, Object) and isinstance(value, Object) and held.kind.cls is value.kind.cls):
+        current = self._language.machine.value(target, frame) if through and isinstance(value, Object) else None
+        if not (isinstance(current, Object) and isinstance(value, Object) and current.kind.cls is value.kind.cls):
             return value
-        for name, member in value.fields.items() if held.kind.cls is not None else ():
-            self._language.machine.write(held.fields, name, member)
-        return held if held.kind.cls is not None else value
+        for name, member in value.fields.items() if current.kind.cls is not None else ():
+            self._language.machine.write(current.fields, name, member)
+        return current if current.kind.cls is not None else value
 
     def closure(self, expression: form.Lambda, frame: Frame) -> Value:
         """Return the function of a lambda, with the variables that it copies in a frame of their own."""
@@ -115,7 +115,7 @@ class Copies:
         """Return a copy of an object, with copies of the members that it holds itself."""
         if id(of) in copies:
             return copies[id(of)]
-        made = copies[id(of)] = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
+        copy = copies[id(of)] = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
         classes = self._kinds.chain(of.kind)[0]
         for name, value in of.fields.items():
             if not isinstance(value, (Object, Sequence, Mapping, Either)):
@@ -123,7 +123,7 @@ class Copies:
             cls, bound = next(((cls, bound) for cls, bound in classes if name in cls.fields), (None, {}))
             kind = cls.fields[name].type if cls is not None else None
             if cls is None or kind is None:
-                made.fields[name] = self.copied(value, None, copies)
+                copy.fields[name] = self.copied(value, None, copies)
             elif not (kind.pointer or kind.reference):
-                made.fields[name] = self.copied(value, self._kinds.variable_kind(kind, inside(cls, bound)), copies)
-        return self._language.machine.created(made)
+                copy.fields[name] = self.copied(value, self._kinds.variable_kind(kind, inside(cls, bound)), copies)
+        return self._language.machine.created(copy)

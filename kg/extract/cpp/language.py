@@ -320,23 +320,23 @@ class Cpp:
 
     def declarations(self, kind: Kind, name: str) -> list[Overload]:
         """Return the methods of a name; their declarations if none has a body."""
-        found = self.methods(kind, name)
-        return found or [(one, bound) for cls, bound in self.chain(kind)[0] for one in cls.declared.get(name, ())]
+        methods = self.methods(kind, name)
+        return methods or [(one, bound) for cls, bound in self.chain(kind)[0] for one in cls.declared.get(name, ())]
 
     # Values
 
     def unknown(self, kind: Type | None, frame: Frame, name: str) -> Value:
         """Return a value of a type that comes from outside: an unknown text, an object that no code creates."""
-        found = self.kind_of(kind, frame)
-        if found is None:
+        resolved = self.kind_of(kind, frame)
+        if resolved is None:
             return Unknown(f"{name} comes from outside")
-        given = self.machine.framework.given(found, name)
+        given = self.machine.framework.given(resolved, name)
         if given is not None:
             return given
-        if found.name in library.TEXTS or found.name == "char":
+        if resolved.name in library.TEXTS or resolved.name == "char":
             return Text.hole(f"{name} comes from outside")
-        if found.cls is not None or (len(found.names) > 1 and found.names[0] != "std"):
-            return Object(found, created=False)
+        if resolved.cls is not None or (len(resolved.names) > 1 and resolved.names[0] != "std"):
+            return Object(resolved, created=False)
         return Unknown(f"{name} comes from outside")
 
     def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
@@ -356,17 +356,17 @@ class Cpp:
         if isinstance(value, Sequence):
             if value == _NOTHING:
                 return self._nothing(kind, frame)
-            found = self.kind_of(kind, frame)
-            if found is not None and (
-                found.cls is not None or found.name in library.MAPS or self.machine.framework.is_handle(found)
+            target = self.kind_of(kind, frame)
+            if target is not None and (
+                target.cls is not None or target.name in library.MAPS or self.machine.framework.is_handle(target)
             ):
-                return self.construct(found, list(value.items), frame, listed=True)
+                return self.construct(target, list(value.items), frame, listed=True)
         elif isinstance(value, (Text, Number)) and not kind.reference and not kind.pointer:
-            found = self.kind_of(kind, frame)
-            if found is not None and (found.cls is not None or self.machine.framework.constructs(found)):
-                return self.construct(found, [value], frame)
-            if found is not None:
-                return library.stored(found, value)
+            target = self.kind_of(kind, frame)
+            if target is not None and (target.cls is not None or self.machine.framework.constructs(target)):
+                return self.construct(target, [value], frame)
+            if target is not None:
+                return library.stored(target, value)
         return value
 
     def _wrapped(self, value: Object, kind: Type, frame: Frame) -> Value:
@@ -374,21 +374,21 @@ class Cpp:
 
         Classes that hide the type of what they hold (type erasure) have such constructors.
         """
-        held = self.kinds.variable_kind(kind, frame) if not kind.pointer else None
-        wrapper = held.cls if held is not None else None
-        if held is None or wrapper is None or wrapper is value.kind.cls or value.kind.cls is None:
+        target = self.kinds.variable_kind(kind, frame) if not kind.pointer else None
+        wrapper = target.cls if target is not None else None
+        if target is None or wrapper is None or wrapper is value.kind.cls or value.kind.cls is None:
             return value
         if not any(map(_takes_any, self.linker.methods(wrapper).get(wrapper.name, ()))):
             return value
         inherits = any(cls is wrapper for cls, _ in self.chain(value.kind)[0])
-        return value if inherits else self.construct(held, [value], frame)
+        return value if inherits else self.construct(target, [value], frame)
 
     def _nothing(self, kind: Type, frame: Frame) -> Value:
         """Return the value of `{}` in a variable of a type."""
-        held = self.kinds.variable_kind(kind, frame)
-        if held is None or held.name in library.LISTS:
+        target = self.kinds.variable_kind(kind, frame)
+        if target is None or target.name in library.LISTS:
             return _NOTHING
-        return self.construct(held, [], frame, listed=True)
+        return self.construct(target, [], frame, listed=True)
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return a value as the target of an assignment holds it."""

@@ -174,15 +174,15 @@ class Project:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
         undefined = self._absent() if own else self._build.absent
         absent = frozenset(name for name in undefined if name.encode() in data)
-        known = _cache.get(file, data, self._ros, absent)
-        if known is not None:
-            return known
-        made = CppUnit(file, data, self._ros, absent)
+        cached = _cache.get(file, data, self._ros, absent)
+        if cached is not None:
+            return cached
+        unit = CppUnit(file, data, self._ros, absent)
         if not own or not _is_source(file.path):
-            _cache.keep(data, made)
+            _cache.keep(data, unit)
         else:
-            self._alone.append(made)
-        return made
+            self._alone.append(unit)
+        return unit
 
     def _absent(self) -> frozenset[str]:
         """Return the macros without a definition: those of the build files, and those whose `#define` is a comment."""
@@ -192,8 +192,8 @@ class Project:
                 if data is not None and b"define" in data:
                     left_out.update(_LEFT_OUT.findall(data))
                     defined.update(_DEFINED.findall(data))
-            found = {name.decode() for name in left_out - defined}
-            self._undefined = frozenset(self._build.absent) | found.difference(self._build.defined)
+            undefined = {name.decode() for name in left_out - defined}
+            self._undefined = frozenset(self._build.absent) | undefined.difference(self._build.defined)
         return self._undefined
 
     def contains(self, file: FilePath, word: bytes) -> bool:
@@ -203,14 +203,14 @@ class Project:
 
     def include(self, file: FilePath, path: str) -> FilePath | None:
         """Return what `#include "path"` means in `file`, unless it is of a framework or not in the build."""
-        found = self.reader.workspace.include(path, near=file)
-        if found is None:
+        header = self.reader.workspace.include(path, near=file)
+        if header is None:
             return self._parameter_library(file, path)
-        owner = self.reader.workspace.owner(found)
+        owner = self.reader.workspace.owner(header)
         of_framework = owner is not None and owner.name in FRAMEWORKS
         if owner != self._place and (of_framework or path.partition("/")[0] in FRAMEWORKS):
             return None
-        return None if path in _OF_ROS and not of_framework else found
+        return None if path in _OF_ROS and not of_framework else header
 
     def _content(self, file: FilePath) -> bytes | None:
         return self._converted[file] if file in self._converted else self.reader.read(file)
@@ -338,8 +338,8 @@ class Project:
         if without is not None:
             used, listed = without  # files are only added, so only the new ones are searched
             units = chain(islice(self._used.values(), used, None), islice(self._listed, listed, None))
-            found = any(word.encode() in one.source for one in units)
-            self._mentioned[word] = None if found else (len(self._used), len(self._listed))
+            mentioned = any(word.encode() in one.source for one in units)
+            self._mentioned[word] = None if mentioned else (len(self._used), len(self._listed))
         return self._mentioned[word] is None
 
     # Names

@@ -89,19 +89,19 @@ def _part(index: int) -> Callable[[Text], Value]:
 
     def apply(of: Text) -> Value:
         name = _base(of)
-        known = name.exact if isinstance(name, Text) else None
-        return Text.of(posixpath.splitext(known)[index]) if known is not None else name
+        exact = name.exact if isinstance(name, Text) else None
+        return Text.of(posixpath.splitext(exact)[index]) if exact is not None else name
 
     return apply
 
 
 def _parents(of: Text) -> Value:
-    found: list[Value] = []
-    held: Value = of
-    while isinstance(held, Text) and len(found) < _PARENTS:
-        held = _parent(held)
-        found.append(held)
-    return Sequence(tuple(found))
+    parents: list[Value] = []
+    current: Value = of
+    while isinstance(current, Text) and len(parents) < _PARENTS:
+        current = _parent(current)
+        parents.append(current)
+    return Sequence(tuple(parents))
 
 
 def _renamed(name: str) -> Callable[[Text, list[Value]], Value]:

@@ -99,9 +99,9 @@ class Files:
             return _below(head.replace("!", "/"), "", inner)
         if f"{scheme}//" != SCHEME:
             return None
-        found = self.reader.workspace.package(head, self._near)
-        if found is not None:
-            return _below(found.repository, "" if found.path == "." else found.path, inner)
+        package = self.reader.workspace.package(head, self._near)
+        if package is not None:
+            return _below(package.repository, "" if package.path == "." else package.path, inner)
         installed = self.reader.workspace.installed_package(head)
         return _below(installed.repository, installed.path, inner) if installed else None
 
@@ -187,9 +187,9 @@ class Files:
         for depth in range(len(parts) - 1, -1, -1):
             folder, inner = "/".join(parts[:depth]), "/".join(parts[depth:])
             text = self.read(FilePath(file.repository, posixpath.join(folder, ".gitignore")))
-            found = GitIgnoreSpec.from_lines(text.decode().splitlines()).check_file(inner) if text else None
-            if found is not None and found.include is not None:
-                return found.include
+            checked = GitIgnoreSpec.from_lines(text.decode().splitlines()).check_file(inner) if text else None
+            if checked is not None and checked.include is not None:
+                return checked.include
         return False
 
     def exists(self, file: FilePath) -> bool:

@@ -93,8 +93,8 @@ def _configuration(
             reader.repository, package.name, path, 1, LaunchDialect.ROSLAUNCH, problems=(problem,), folder=package.path
         )
     evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
-    found = evaluate(files, file, dialect, given, environment)
-    return replace(found, package=reader.package.name, folder=reader.package.path)
+    configuration = evaluate(files, file, dialect, given, environment)
+    return replace(configuration, package=reader.package.name, folder=reader.package.path)
 
 
 def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:

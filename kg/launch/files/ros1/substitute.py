@@ -197,15 +197,15 @@ class _Commands:
 @lru_cache(maxsize=4096)
 def _commands(text: str) -> tuple[str, ...]:
     """Return the content of each `$(...)` of a text, in order."""
-    found: list[str] = []
+    commands: list[str] = []
     for command, end in _COMMAND.findall(text):
         if not end:
             break
         if end != ")":
             raise _SubstitutionError(f"'{end}' inside a substitution")
         if command:
-            found.append(command)
-    return tuple(found)
+            commands.append(command)
+    return tuple(commands)
 
 
 def _only(words: list[str], command: str) -> str:
