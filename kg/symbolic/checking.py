@@ -138,8 +138,8 @@ def _error(place: Place, message: str, hint: str, code: str = _WRONG) -> SourceE
     return SourceError(code, message, place=place, hint=hint)
 
 
-def _unknown(place: Place, message: str, name: str, known: Iterable[str]) -> SourceError:
-    listed = list(known)
+def _unknown(place: Place, message: str, name: str, allowed: Iterable[str]) -> SourceError:
+    listed = list(allowed)
     return _error(place, message, did_you_mean(name, listed) or f"Use one of {', '.join(listed)}.")
 
 

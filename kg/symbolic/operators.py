@@ -65,12 +65,12 @@ _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
 
 def literal(expression: Literal) -> Value:
     """Return the value of a literal."""
-    held = expression.value
-    if isinstance(held, str):
-        return Text((held,))
-    if isinstance(held, bool):
-        return Truth(held)
-    return NULL if held is None else Number(held, expression.written)
+    constant = expression.value
+    if isinstance(constant, str):
+        return Text((constant,))
+    if isinstance(constant, bool):
+        return Truth(constant)
+    return NULL if constant is None else Number(constant, expression.written)
 
 
 def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
@@ -122,9 +122,9 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
     if sign == "in":
         return _contained(row[0], row[1])
     if sign == "|" and any(isinstance(value, Mapping) for value in row):
-        known = [value for value in row if isinstance(value, Mapping)]
-        merged = {key: (key, value) for one in known for key, value in one.items}
-        return Mapping(tuple(merged.values()), open=len(known) < len(row) or any(one.open for one in known))
+        mappings = [value for value in row if isinstance(value, Mapping)]
+        merged = {key: (key, value) for one in mappings for key, value in one.items}
+        return Mapping(tuple(merged.values()), open=len(mappings) < len(row) or any(one.open for one in mappings))
     duration = scaled(sign, row)
     if duration is not None:
         return duration
@@ -192,10 +192,10 @@ def _contained(item: Value, container: Value) -> Value:
             return Truth(item.exact in container.exact)
     elif isinstance(container, (Sequence, Mapping)) and not container.open and container.parameter is None:
         keys = container.items if isinstance(container, Sequence) else [key for key, _ in container.items]
-        found = [_compared("==", (item, key)) for key in keys]
-        if Truth(True) in found:
+        comparisons = [_compared("==", (item, key)) for key in keys]
+        if Truth(True) in comparisons:
             return Truth(True)
-        if all(one == Truth(False) for one in found):
+        if all(one == Truth(False) for one in comparisons):
             return Truth(False)
     return Unknown("it depends on a value", getattr(container, "parameter", None))
 
@@ -271,10 +271,10 @@ def _ordered(sign: str, difference: float) -> bool:
 def _alike(left: Sequence, right: Sequence, sign: str) -> Value:
     """Check whether two lists are equal."""
     pairs = zip(left.items, right.items, strict=False)
-    found = {Truth(len(left.items) == len(right.items)), *(_compared("==", pair) for pair in pairs)}
-    if left.open or right.open or not found <= {Truth(True), Truth(False)}:
+    comparisons = {Truth(len(left.items) == len(right.items)), *(_compared("==", pair) for pair in pairs)}
+    if left.open or right.open or not comparisons <= {Truth(True), Truth(False)}:
         return Unknown("it depends on a comparison")
-    return Truth((Truth(False) not in found) == (sign == "=="))
+    return Truth((Truth(False) not in comparisons) == (sign == "=="))
 
 
 def plain(value: Value) -> str | float | bool | None:
@@ -312,11 +312,11 @@ def truth(value: Value) -> Truth | Guard | Unknown:
     A text is true if it is not empty.
     """
     if isinstance(value, Either):
-        found = {truth(item) for item in value.items if not isinstance(item, Object)}
-        if len(found) == 1 == len(value.items):
-            return next(iter(found))
-        guards = [one for one in found if isinstance(one, Guard)]
-        if len(guards) == 1 and found == {Truth(False), guards[0]}:
+        truths = {truth(item) for item in value.items if not isinstance(item, Object)}
+        if len(truths) == 1 == len(value.items):
+            return next(iter(truths))
+        guards = [one for one in truths if isinstance(one, Guard)]
+        if len(guards) == 1 and truths == {Truth(False), guards[0]}:
             return Guard(guards[0].terms, whole=False)
         return Unknown("it depends")
     if isinstance(value, Truth):

@@ -54,9 +54,9 @@ class Reach:
     def reaches(self, function: Function) -> bool:
         """Check whether a run of a function can have an effect."""
         self._forget()
-        known = self._reaching.get(id(function))
-        if known is not None:
-            return known
+        cached = self._reaching.get(id(function))
+        if cached is not None:
+            return cached
         seen = {id(function)}
         looked = set[str]()
         pending: list[Code] = [function]
@@ -82,11 +82,11 @@ class Reach:
     def changes(self, function: Function) -> frozenset[str]:
         """Return the names of what a run of a function can change."""
         self._forget()
-        known = self._changed.get(id(function))
-        if known is None:
+        cached = self._changed.get(id(function))
+        if cached is None:
             assigned = map(self._program.assigned, self._closure([function])[0])
-            known = self._changed[id(function)] = frozenset().union(*assigned)
-        return known
+            cached = self._changed[id(function)] = frozenset().union(*assigned)
+        return cached
 
     def uses(self, functions: Iterable[Function]) -> set[str]:
         """Return the words in the code that runs of some functions can reach."""
@@ -94,17 +94,17 @@ class Reach:
 
     def _closure(self, functions: Iterable[Function]) -> tuple[list[Code], set[str]]:
         """Return the code that runs of some functions can reach, with its words."""
-        found: list[Code] = [*functions]
-        seen = set(map(id, found))
+        reachable: list[Code] = [*functions]
+        seen = set(map(id, reachable))
         looked = set[str]()
-        for code in found:
+        for code in reachable:
             words = (self._program.words(code) or frozenset()) - looked
             looked |= words
             for called in self._program.definitions(words):
                 if id(called) not in seen:
                     seen.add(id(called))
-                    found.append(called)
-        return found, looked
+                    reachable.append(called)
+        return reachable, looked
 
     def _forget(self) -> None:
         """Forget what may be otherwise now that the program has more code."""

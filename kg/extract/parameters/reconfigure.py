@@ -51,12 +51,12 @@ def generates(reader: Reader, file: FilePath, package: str, name: str) -> bool:
 def _added(call: Called, repository: str) -> Iterator[Parameter]:
     given = {**dict(zip(_ADD_ARGUMENTS, call.values, strict=False)), **call.named}
     name, kind, description = (given.get(part) for part in ("name", "paramtype", "description"))
-    known = _TYPES.get(kind.kind.name) if isinstance(kind, TypeValue) else None
-    if known is not None and isinstance(name, Text) and name.shown:
+    type_name = _TYPES.get(kind.kind.name) if isinstance(kind, TypeValue) else None
+    if type_name is not None and isinstance(name, Text) and name.shown:
         other = call.file.repository if call.file.repository != repository else None
         yield Parameter(
             name=name.shown,
-            type=known,
+            type=type_name,
             default=_default(given.get("default")),
             access=Access.READ,
             location=Location(call.file.path, call.line, other),

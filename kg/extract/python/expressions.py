@@ -265,21 +265,21 @@ class Expressions:
             elif clause.type == "for_in_clause":
                 over = self.expression(clause.child_by_field_name("right"))
                 statement = self.loop(line, clause.child_by_field_name("left"), over, (statement,))
-        made = Display(line, (Spread(line, result),), "set") if node.type == "set_comprehension" else result
-        filled = (Declare(line, _RESULT, None, start), statement, Return(line, made))
+        returned = Display(line, (Spread(line, result),), "set") if node.type == "set_comprehension" else result
+        filled = (Declare(line, _RESULT, None, start), statement, Return(line, returned))
         return Call(line, Lambda(line, self._function(line, (), Block(line, filled))), ())
 
     def loop(self, line: int, target: Node | None, over: Expression, body: tuple[Statement, ...]) -> Loop:
         """Return a loop over a collection; targets that are not plain names are assigned in its body."""
         names = [target] if target is not None and target.type not in _LISTS else list(_children(target))
         if names and all(name.type == "identifier" for name in names):
-            made = Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)
+            loop = Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)
         else:
             first = Step(line, Assign(line, self.expression(target), Name(line, (_ITEM,))))
-            made = Loop(line, Block(line, (first, *body), open=True), (_ITEM,), over)
+            loop = Loop(line, Block(line, (first, *body), open=True), (_ITEM,), over)
         if self.sources is not None and target is not None:
-            self.sources[made] = target
-        return made
+            self.sources[loop] = target
+        return loop
 
     # Functions
 
@@ -293,7 +293,7 @@ class Expressions:
 
     def parameters(self, node: Node) -> tuple[Parameter, ...]:
         """Return the parameters of a function or lambda."""
-        found: list[Parameter] = []
+        parameters: list[Parameter] = []
         named = False
         for child in _children(node.child_by_field_name("parameters")):
             inner = child.named_children[0] if child.type == "typed_parameter" else child
@@ -301,14 +301,14 @@ class Expressions:
                 named = True
             elif inner.type in ("list_splat_pattern", "dictionary_splat_pattern"):
                 name = code(inner.named_children[0]) if inner.named_child_count else ""
-                found.append(Parameter(name, None, variadic=True, named=inner.type == "dictionary_splat_pattern"))
+                parameters.append(Parameter(name, None, variadic=True, named=inner.type == "dictionary_splat_pattern"))
                 named = True
             elif inner.type != "positional_separator":
                 default = child.child_by_field_name("value")
                 value = self.expression(default) if default is not None else None
                 name = code(inner.child_by_field_name("name") or inner)
-                found.append(Parameter(name, None, value, named=named))
-        return tuple(found)
+                parameters.append(Parameter(name, None, value, named=named))
+        return tuple(parameters)
 
     # Others
 

@@ -109,8 +109,8 @@ class _Systems:
         yield from self._renamed()
 
     def _started(self, instance: NodeInstance, number: int, value: str | None = None) -> Side:
-        told = instance.started_type if value is None else value
-        return self._instances.side(number, instance.name, told, instance.started.location)
+        shown = instance.started_type if value is None else value
+        return self._instances.side(number, instance.name, shown, instance.started.location)
 
     def _arguments(self) -> Iterator[Change]:
         both = [{each.name: each for each in side.configuration.arguments} for side in self._sides]
@@ -126,8 +126,8 @@ class _Systems:
     def _argument(self, number: int, argument: LaunchArgument | None) -> Side | None:
         if argument is None:
             return None
-        told = (argument.value if argument.fixed else argument.default) or ""
-        return self._instances.side(number, argument.name, told, argument.location)
+        shown = (argument.value if argument.fixed else argument.default) or ""
+        return self._instances.side(number, argument.name, shown, argument.location)
 
     def _connections(self) -> Iterator[Change]:
         """Yield connections added and removed, except those where only names changed."""
@@ -146,8 +146,8 @@ class _Systems:
                 sides = self._started(one, 0, "".join(along)), self._started(other, 1, "".join(along))
                 yield Change(Level.INSTANCE, Kind.RENAMED, other.name, *sides, system=self._name, owner_before=one.name)
                 continue
-            told = " and ".join([count(len(pairs), "node"), *along])
-            sides = Side(before or "/", told), Side(after or "/", told)
+            summary = " and ".join([count(len(pairs), "node"), *along])
+            sides = Side(before or "/", summary), Side(after or "/", summary)
             yield Change(Level.NAMESPACE, Kind.RENAMED, self._name, *sides, system=self._name)
 
 
@@ -168,13 +168,13 @@ def joined(system: System, identify: Callable[[NodeInstance, InstanceInterface],
                 givers[role, end.resolved].append((instance.name, sign))
             else:
                 takers[role.opposite, end.resolved].append((instance.name, sign))
-    found: _Joined = {}
+    connections: _Joined = {}
     for (role, name), sources in givers.items():
         for source, one in sources:
             for target, other in takers.get((role, name), ()):
                 if target != source:
-                    found.setdefault((source, role.channel, name, target), set()).add((one, other))
-    return found
+                    connections.setdefault((source, role.channel, name, target), set()).add((one, other))
+    return connections
 
 
 def lost_connections(one: _Joined, other: _Joined) -> Iterator[Connection]:
@@ -243,10 +243,10 @@ class _Node:
     def _change(
         self, kind: Kind, one: Interface | None, other: Interface | None, value: Callable[[Interface], str]
     ) -> Change:
-        known = one or other
+        end = one or other
         before = Side(code_name(one), value(one), one.location, self._before.repository) if one else None
         after = Side(code_name(other), value(other), other.location, self._after.repository) if other else None
-        return Change(Level.INTERFACE, kind, self._name, before, after, str(known.role) if known else "")
+        return Change(Level.INTERFACE, kind, self._name, before, after, str(end.role) if end else "")
 
     def _ends(self, node: NodeType) -> list[Interface]:
         ends = [end for end in node.interfaces if self._every or not end.implicit]

@@ -122,11 +122,11 @@ class Table:
             raise UnknownValueError
         value.busy = True
         try:
-            known = literal(self.evaluate(value.text, holder))
+            result = literal(self.evaluate(value.text, holder))
         finally:
             value.busy = False
-        holder.values[name] = known
-        return known
+        holder.values[name] = result
+        return result
 
     def _upwards(self) -> Iterator[Table]:
         """Yield the scope and those around it, the innermost first."""
@@ -140,8 +140,8 @@ class Table:
 
     def set(self, name: str, value: object, *, lazy: bool = False) -> None:
         """Set a property; a text that is `lazy` and no number or boolean is evaluated later."""
-        known = literal(value)
-        self.values[name] = _Lazy(known) if lazy and isinstance(known, str) and "$" in known else known
+        constant = literal(value)
+        self.values[name] = _Lazy(constant) if lazy and isinstance(constant, str) and "$" in constant else constant
 
     def drop(self, name: str) -> None:
         """Remove a property from this scope and those around it."""
@@ -166,9 +166,9 @@ class Table:
 
     def macro(self, name: str) -> tuple[Macro, Table] | None:
         """Return a macro with the scope that its own is in; `name` may have namespaces in front."""
-        found = next((table.macros[name] for table in self._upwards() if name in table.macros), None)
-        if found is not None:
-            return found, self
+        macro = next((table.macros[name] for table in self._upwards() if name in table.macros), None)
+        if macro is not None:
+            return macro, self
         space, dot, rest = name.partition(".")
         inner = self[space] if dot and space in self else None
         return inner.macro(rest) if isinstance(inner, Table) else None
@@ -212,11 +212,11 @@ _MOST_PARAMETERS: Final = 1000
 def grab_macro(element: Element, file: FilePath) -> Macro:
     """Return the macro that an element defines."""
     parameters: dict[str, tuple[bool, str | None] | None] = {}
-    for found in _PARAMETER.finditer(element.attributes.get("params", "")):
+    for match in _PARAMETER.finditer(element.attributes.get("params", "")):
         if len(parameters) >= _MOST_PARAMETERS:
             break
-        default = (found["forward"] is not None, found["default"] or None) if found["given"] else None
-        parameters[found["name"]] = default
+        default = (match["forward"] is not None, match["default"] or None) if match["given"] else None
+        parameters[match["name"]] = default
     return Macro(element.attributes.get("name", "").removeprefix("xacro:"), element, parameters, file)
 
 

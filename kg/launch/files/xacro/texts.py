@@ -59,12 +59,12 @@ class Loading:
         file = self.find(written, folder).file
         data = self.data(file) if file is not None else None
         try:
-            found = read_value(data.decode()) if data is not None else None
+            content = read_value(data.decode()) if data is not None else None
         except ValueError:
-            found = None
-        if not isinstance(found, dict):
+            content = None
+        if not isinstance(content, dict):
             raise UnknownValueError
-        return found
+        return content
 
 
 _TOKEN: Final = re.compile(r"\$\$+(?=[{(])|\$\{[^}]*\}|\$\([^)]*\)|[^$]+|\$")
