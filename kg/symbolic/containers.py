@@ -176,14 +176,14 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
 
 def grown(written: Written) -> Written:
     """Return what one turn of a loop wrote, where more turns can follow: lists that grew can grow further."""
-    found = dict(written)
+    result = dict(written)
     for key, (holder, name, value) in written.items():
         before = holder.get(name)
         lists = before.items if isinstance(before, Either) else (before,)
         lengths = [len(one.items) for one in lists if isinstance(one, Sequence)]
         if isinstance(value, Sequence | Either) and lengths:
-            found[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
-    return found
+            result[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
+    return result
 
 
 def _longer(length: int, of: Value) -> Value:

@@ -68,10 +68,10 @@ def seconds_of(value: Value) -> float | None:
         return _of_parts(value.items[0], value.items[1]) if len(value.items) == 2 else None  # noqa: PLR2004 - a pair
     if not isinstance(value, Object):
         return None
-    held = value.native.get("seconds")
+    seconds = value.native.get("seconds")
     if not {"sec", "nsec"} & value.fields.keys():
-        return held.value if isinstance(held, Number) else None
-    before = held.value if isinstance(held, Number) else 0.0
+        return seconds.value if isinstance(seconds, Number) else None
+    before = seconds.value if isinstance(seconds, Number) else 0.0
     whole = value.fields.get("sec", number(before // 1))
     return _of_parts(whole, value.fields.get("nsec", number(round(before % 1 / _NANOSECOND))))
 

@@ -130,15 +130,15 @@ class Framework:
     def described(self, kind: Kind) -> list[ClassDescription]:
         """Return the descriptions of the framework classes that a type is or derives from."""
         key = kind.cls or kind.names
-        found = self._described.get(key)
-        if found is None:
+        classes = self._described.get(key)
+        if classes is None:
             outside = self.machine.language.chain(kind)[1]
-            found = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
+            classes = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
             # A described class whose sources are in the build is not among the bases outside of them.
-            if not found and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
-                found.append(own)
-            self._described[key] = found
-        return found
+            if not classes and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
+                classes.append(own)
+            self._described[key] = classes
+        return classes
 
     def presume_node(self, kind: Kind) -> None:
         """Take a class that a container of components loads as a node, if only its unknown bases can make it one."""

@@ -101,10 +101,10 @@ def with_node_name(name: Value, owner: Object | None) -> Value:
         return name
     while owner is not None and isinstance(outer := owner.native.get("of"), Object):
         owner = outer
-    known = owner.native.get("name") if owner is not None else None
-    if not isinstance(known, Text):
+    own = owner.native.get("name") if owner is not None else None
+    if not isinstance(own, Text):
         return name
-    joined = concatenate(*(known if part == NODE_NAME else Text((part,)) for part in name.parts))
+    joined = concatenate(*(own if part == NODE_NAME else Text((part,)) for part in name.parts))
     if not isinstance(joined, Text):
         return joined
     return replace(joined, resolution=name.resolution, parameter=name.parameter, reason=joined.reason or name.reason)

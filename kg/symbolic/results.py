@@ -86,10 +86,10 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
 
 def _is_declared(framework: Framework, name: Value, node: Value | None) -> Value:
     """Return whether a parameter is declared; those of launch files can be, without code, if the node says so."""
-    known = name.exact if isinstance(name, Text) else None
-    if known is None:
+    exact = name.exact if isinstance(name, Text) else None
+    if exact is None:
         return _DEPENDS
-    if framework.parameters.declares(node, known):
+    if framework.parameters.declares(node, exact):
         return Truth(True)
     automatic = node.native.get("automatic") if isinstance(node, Object) else None
     return Truth(False) if automatic in (None, Truth(False)) else _DEPENDS

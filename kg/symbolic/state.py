@@ -294,6 +294,6 @@ class Journal:
             slots: list[Slot] = [UNSET if isinstance(value, _Missing) else value for value in values]
             if terms is not None:
                 pairs = zip(slots, terms, strict=True)
-                slots = [under(value, held) if isinstance(value, Text) else value for value, held in pairs]
+                slots = [under(value, term) if isinstance(value, Text) else value for value, term in pairs]
             plain: list[Value] = [value for value in slots if not isinstance(value, _SPECIAL)]
             self.write(holder, name, slots[0] if len(plain) != len(slots) else self._joined(plain, choice))
