@@ -76,8 +76,8 @@ class Files:
     def share(self, package: str) -> str | None:
         """Return the text for the folder of a package; None when it is neither in the build nor installed."""
         workspace = self.reader.workspace
-        known = workspace.package(package, self._near) or workspace.installed_package(package)
-        return f"{SCHEME}{package}" if known else None
+        exists = workspace.package(package, self._near) or workspace.installed_package(package)
+        return f"{SCHEME}{package}" if exists else None
 
     def text(self, file: FilePath) -> str:
         """Return the text that names a file of the build, by its package where one owns it."""

@@ -208,11 +208,11 @@ def _home(name: str, file: DataFile, types: NodeTypes, seen: tuple[str, ...]) ->
         whole = path if "://" in path else f"package://{file.package}/{posixpath.normpath(f'{folder}/{path}')}"
         other = types.data_file(whole)
         if other is not None and other.path not in seen:
-            found = _home(name, other, types, (*seen, file.path))
-            if found is not None:
-                return found
-    beside = (one for one in types.data(file.package) if posixpath.dirname(one.path) == folder and is_tree(one))
-    return next((one for one in beside if name in _read(one.text).uses), None)
+            home = _home(name, other, types, (*seen, file.path))
+            if home is not None:
+                return home
+    siblings = (one for one in types.data(file.package) if posixpath.dirname(one.path) == folder and is_tree(one))
+    return next((one for one in siblings if name in _read(one.text).uses), None)
 
 
 @lru_cache(maxsize=256)

@@ -62,9 +62,9 @@ def members(
     if not open_name:
         setting = settings.get(parameter, place)
         return ((setting, setting),)
-    asked = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
+    parameters = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
     own_text = settings.absolute(parameter, place)
-    texts = (settings.absolute(name, place) for name in asked)
+    texts = (settings.absolute(name, place) for name in parameters)
     closer = [pattern(text) for text in texts if known_letters(text) > known_letters(own_text)]
     own = pattern(own_text)
     fitting = [
@@ -80,7 +80,7 @@ def members(
         member = _hole_value(own_text, name)
         listed = all(_is_listed(value, label, node, settings, place) for label, value in member.items())
         named = ((one, substitute(one.parameter, member.get)) for one in switches)
-        if listed and all(_may_be(one, node, settings, asked, place) for one, asked in named):
+        if listed and all(_may_be(one, node, settings, parameters, place) for one, parameters in named):
             names.append((given, given))
     return names
 
@@ -175,7 +175,7 @@ def effective(interfaces: Iterable[Interface], settings: Settings) -> list[Inter
             last[_line(one)] = max(index, last.get(_line(one), 0))
         if one.name is not None and not one.implicit:
             relative.add((*_line(one), one.type, one.name))
-    kept = []
+    chosen = []
     for one in listed:
         index, newest = _argument(one), last.get(_line(one))
         if index is not None and newest is not None and index != newest:
@@ -183,8 +183,8 @@ def effective(interfaces: Iterable[Interface], settings: Settings) -> list[Inter
         name = one.name or ""
         if name.startswith("/") and (*_line(one), one.type, name[1:]) in relative:
             continue
-        kept.append(one)
-    return kept
+        chosen.append(one)
+    return chosen
 
 
 def _by_options(interfaces: list[Interface], settings: Settings) -> list[Interface]:
@@ -268,18 +268,18 @@ def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place
 def _holds(switch: Switch, value: str | None) -> bool | None:
     """Return whether a value is the one of a switch, or true; None for one that is not known."""
     if switch.value is None:  # a boolean, or a text that turns something on unless it is empty
-        found = "" if value is not None and not value.strip() else parsed(value)
-        if isinstance(found, str):
-            return None if "{" in found else found != ""
-        return found if isinstance(found, bool) else None
-    found = parsed(value)
-    if isinstance(found, bool) or not isinstance(found, (str, int, float)) or "{" in str(found):
+        actual = "" if value is not None and not value.strip() else parsed(value)
+        if isinstance(actual, str):
+            return None if "{" in actual else actual != ""
+        return actual if isinstance(actual, bool) else None
+    actual = parsed(value)
+    if isinstance(actual, bool) or not isinstance(actual, (str, int, float)) or "{" in str(actual):
         return None
     wanted = parsed(switch.value)
-    if not isinstance(found, str) and isinstance(wanted, (int, float)):
-        return bool(_COMPARE[switch.sign](found, wanted))
+    if not isinstance(actual, str) and isinstance(wanted, (int, float)):
+        return bool(_COMPARE[switch.sign](actual, wanted))
     if switch.sign != "==":
         return None
-    same = str(found) == switch.value
+    same = str(actual) == switch.value
     # Code often folds the case before it compares.
-    return same if same or str(found).casefold() != switch.value.casefold() else None
+    return same if same or str(actual).casefold() != switch.value.casefold() else None

@@ -53,9 +53,9 @@ class Reads:
                 spelled = plugin.spelled(name)
                 absolute = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
                 self._add(absolute, parameter, owner)
-                beside, slash, _ = plugin.parameter.rpartition("/")
+                outer, slash, _ = plugin.parameter.rpartition("/")
                 if slash and not name.startswith("/"):  # a handle for what stands beside the class
-                    self._add(self._place.resolve(f"~/{beside}/{name.removeprefix('~/')}"), parameter, owner)
+                    self._add(self._place.resolve(f"~/{outer}/{name.removeprefix('~/')}"), parameter, owner)
 
     def _of_loaded(self, name: str, plugin: Loaded) -> Iterator[str]:
         """Yield the absolute names that a parameter of a plugin may have in ROS 2: of its own, or of the node."""
@@ -90,7 +90,7 @@ class Reads:
                 yield InstanceParameter(name, parameter, *owned)
                 continue
             if unset is None:
-                unset = Alike(known for known in self._exact if known not in names)
+                unset = Alike(exact for exact in self._exact if exact not in names)
             yield InstanceParameter(name, parameter, similar=tuple(unset.find(name)))
 
     def _find(self, name: str) -> _Owned | None:
@@ -103,7 +103,7 @@ class Reads:
             above = above.rpartition(separator)[0]
             if above in self._exact and len(above) > len(self._place.full):
                 return self._exact[above]
-        return next((owned for known, owned in self._patterns.items() if fits(known, name, ".+")), None)
+        return next((owned for pattern, owned in self._patterns.items() if fits(pattern, name, ".+")), None)
 
 
 def _read_first(node: NodeType) -> list[Parameter]:

@@ -173,21 +173,21 @@ def _by_parameters(  # noqa: PLR0913, PLR0917 - as above
         if value is None or not ("/" in value or "::" in value or value.lstrip().startswith("[")):
             continue
         scope, _, last = name.rpartition(separator)
-        for told, kind in _classes(parsed(value)):
+        for given, kind in _classes(parsed(value)):
             typed = types.plugin(kind, repository, package)
             if typed is not None and typed[1].kind is not NodeKind.PLUGIN:
                 continue
-            if told is None and last in _CLASS_KEYS:
+            if given is None and last in _CLASS_KEYS:
                 outer, _, identifier = scope.rpartition(separator)
                 if not identifier or (listed is not None and identifier not in listed):
                     continue
                 if typed is None and last != "plugin":  # many things have a type
                     continue
                 plugin = _loaded(identifier, kind, outer, typed, ros, name)
-            elif typed is None and told is None and name not in of_slots:
+            elif typed is None and given is None and name not in of_slots:
                 continue
             else:
-                plugin = _loaded(told or _last(kind), kind, scope, typed, ros, name)
+                plugin = _loaded(given or _last(kind), kind, scope, typed, ros, name)
             yield plugin
 
 

@@ -175,8 +175,8 @@ def _described_plugins(
     if topic is None:
         return []
     above = draft.place.resolve(topic).rpartition("/")[0] or "/"
-    held = {plugin.parameter for plugin in plugins if plugin.parameter.endswith(f"/{_DESCRIPTION}")}
-    near = {name for name in held if (name.rsplit("/", 2)[0] or "/") == above} or (held if len(held) == 1 else set())
+    names = {plugin.parameter for plugin in plugins if plugin.parameter.endswith(f"/{_DESCRIPTION}")}
+    near = {name for name in names if (name.rsplit("/", 2)[0] or "/") == above} or (names if len(names) == 1 else set())
     return [plugin for plugin in plugins if plugin.parameter in near]
 
 

@@ -68,7 +68,7 @@ class NodeTypes:
             if node.executable or node.kind in _STARTED:
                 names = [node.executable or "", node.name, *node.aliases]
                 self._names[package].add(node.executable or node.name)
-                for name in dict.fromkeys(part for known in names if known for part in (known, _without_end(known))):
+                for name in dict.fromkeys(part for full in names if full for part in (full, _without_end(full))):
                     self._started[package, name].append(at)
 
     def has(self, package: str) -> bool:

@@ -201,9 +201,9 @@ def place(files: Files, file: FilePath, line: int) -> Location:
 
 def read(context: Context, text: str) -> tuple[FilePath, bytes] | None:
     """Return the file that a text names, and its content; None, and a problem, where it cannot be read."""
-    made = context.results.generated.get(text)
-    if made is not None:
-        return made.file, made.content
+    generated = context.results.generated.get(text)
+    if generated is not None:
+        return generated.file, generated.content
     file = find(context, text)
     if file is None:
         return None

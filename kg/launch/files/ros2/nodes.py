@@ -233,12 +233,12 @@ def _append(context: Context, node: StartedNode) -> None:
 
 def _remaps(context: Context, rules: Sequence[tuple[str, str]], name: str | None) -> list[Remap]:
     """Return rules of a command line as remappings of one node: those for another node are left out."""
-    found = []
+    remaps = []
     for source, target in rules:
         node, colon, rest = source.rpartition(":")
         if not colon or name is None or node == name:
-            found.append(Remap(rest if name else source, target, context.location, context.chain))
-    return found
+            remaps.append(Remap(rest if name else source, target, context.location, context.chain))
+    return remaps
 
 
 def _rules(context: Context, line: CommandLine) -> list[LaunchParameter | GlobalFile]:

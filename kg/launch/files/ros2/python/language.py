@@ -289,8 +289,8 @@ class LaunchPython(Python):
         first, *rest = row
         if isinstance(first, Text):
             return library.joined_path(row)
-        held = first.value("substitutions") if isinstance(first, Instance) and first.name.startswith("Path") else None
-        parts = held.items if isinstance(held, Sequence) else (held if held is not None else first,)
+        value = first.value("substitutions") if isinstance(first, Instance) and first.name.startswith("Path") else None
+        parts = value.items if isinstance(value, Sequence) else (value if value is not None else first,)
         return library.create(self, "PathJoinSubstitution", {"substitutions": Sequence((*parts, *rest))})
 
     def joined(self, row: tuple[Value, ...]) -> Value:

@@ -308,8 +308,8 @@ class LaunchMachine(Machine):
                     return None
                 pairs += [(item, (*terms_of_way(way), *terms)) for item, terms in inner]
             return pairs
-        known = isinstance(value, Mapping) and not value.open
-        if isinstance(value, Sequence) or known or (isinstance(value, Text) and value.exact is not None):
+        closed = isinstance(value, Mapping) and not value.open
+        if isinstance(value, Sequence) or closed or (isinstance(value, Text) and value.exact is not None):
             rest: list[Value] = [Unknown("there may be more")] if isinstance(value, Sequence) and value.open else []
             items = value.items if isinstance(value, Sequence) else self.language.elements(value)
             return [guarded(item) for item in (*items, *rest)]

@@ -84,17 +84,17 @@ class Instance(Object):
 
     def value(self, name: str) -> Value | None:
         """Return an argument; None if it is not given or None."""
-        held = self.fields.get(name)
-        return None if held == NULL else held
+        value = self.fields.get(name)
+        return None if value == NULL else value
 
     def first(self, *names: str) -> Value | None:
         """Return the argument given by one of several names; None if there is none."""
-        return next((held for name in names if (held := self.value(name)) is not None), None)
+        return next((value for name in names if (value := self.value(name)) is not None), None)
 
     def text(self, name: str) -> LaunchText | None:
         """Return an argument as a text; None if it is not given."""
-        held = self.value(name)
-        return None if held is None else launch_text(held)
+        value = self.value(name)
+        return None if value is None else launch_text(value)
 
     def expression(self, name: str) -> Expression | None:
         """Return the expression of an argument; None if it is not written at the call itself."""
