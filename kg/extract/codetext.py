@@ -52,7 +52,7 @@ class CodeText:
         self.path = path
         self.python = not path.endswith(_CPP_SUFFIXES)
         hidden = _PYTHON_HIDDEN if self.python else _CPP_HIDDEN
-        self.code = hidden.sub(lambda found: _VISIBLE.sub(" ", found[0]), content.decode("latin-1"))
+        self.code = hidden.sub(lambda match: _VISIBLE.sub(" ", match[0]), content.decode("latin-1"))
         self._places: dict[str, list[int]] = {}
         self._calls: dict[int, tuple[int, int]] = {}
 
@@ -76,7 +76,7 @@ class CodeText:
 
     @cached_property
     def _lines(self) -> list[int]:
-        return [0, *(found.end() for found in re.finditer("\n", self.code))]
+        return [0, *(match.end() for match in re.finditer("\n", self.code))]
 
     def line_start(self, line: int) -> int:
         """Return where a line begins; the end of the file for one that it lacks."""

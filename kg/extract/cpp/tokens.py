@@ -82,5 +82,5 @@ def _part(whole: Text, piece: str) -> Value:
 
 def _separator(values: list[Value]) -> str | None:
     """Return the pattern of the characters that separate pieces; None if they are not known."""
-    known = values[0].exact if values and isinstance(values[0], Text) else None
-    return f"[{re.escape(known)}]" if known else None
+    exact = values[0].exact if values and isinstance(values[0], Text) else None
+    return f"[{re.escape(exact)}]" if exact else None

@@ -457,7 +457,7 @@ class CMakeFiles:
         if key not in self._definitions:
             libraries = map(self._library, (self.package.name, *self.packages))
             own = next((library[name] for library in libraries if name in library), None)
-            self._definitions[key] = own or _known_macros().get(name)
+            self._definitions[key] = own or _bundled_macros().get(name)
         return self._definitions[key]
 
     def _library(self, package: str) -> dict[str, Definition]:
@@ -503,5 +503,5 @@ def _collect(statements: Iterable[Statement], base: str) -> Iterator[tuple[str, 
 
 
 @cache
-def _known_macros() -> Mapping[str, Definition]:
+def _bundled_macros() -> Mapping[str, Definition]:
     return _definitions((folder("ontology") / "cmake-macros.cmake").read_bytes(), "")

@@ -134,9 +134,9 @@ def _setup_cfg(collector: _Collector, path: str, text: bytes) -> None:
 def _line_of(lines: list[str], written: str) -> int:
     """Return the first line that contains a text; of a text that the file computes, that with what is before `=`."""
     for text in (written.strip(), written.partition("=")[0].strip()):
-        found = next((number for number, line in enumerate(lines, 1) if text and text in line), None)
-        if found is not None:
-            return found
+        index = next((number for number, line in enumerate(lines, 1) if text and text in line), None)
+        if index is not None:
+            return index
     return 1
 
 

@@ -421,8 +421,8 @@ class _Evaluation:
         path = function.path if isinstance(function, _Reference) else ""
         own = self._dialect.functions.get(path)
         if own is not None:
-            known = self.is_known([*args, *named.values()])
-            return self._given(own, args, named) if known else _UNKNOWN
+            is_known = self.is_known([*args, *named.values()])
+            return self._given(own, args, named) if is_known else _UNKNOWN
         if path == "builtins.str" and len(args) == 1 and not named:
             is_text = isinstance(args[0], str) or self.is_known(args[0])
             return self._formatted(args[0], "", "") if is_text else _UNKNOWN
@@ -530,5 +530,5 @@ class _Evaluation:
 
 
 def _referred(path: str) -> object:
-    known = path in FUNCTIONS or path in CONSTANTS
-    return CONSTANTS.get(path, _Reference(path)) if known else MISSING
+    supported = path in FUNCTIONS or path in CONSTANTS
+    return CONSTANTS.get(path, _Reference(path)) if supported else MISSING

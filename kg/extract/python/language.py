@@ -157,11 +157,11 @@ class Python:
         outside = TypeValue(_kind((*inner, name) if inner != [""] else (name,)))
         if GENERATED & set(module.split(".")[1:]) or (name in GENERATED and not module.startswith(".")):
             return outside
-        found = self.modules.find(module, unit)
-        if found is not None:
-            held = self._of_module(self.module(found), name)
-            if held is not None:
-                return held
+        source = self.modules.find(module, unit)
+        if source is not None:
+            member = self._of_module(self.module(source), name)
+            if member is not None:
+                return member
         below = self.modules.find(f"{module}{'' if module.endswith('.') else '.'}{name}", unit)
         return self.module(below, lazy=True) if below is not None else self._constant(outside)
 
@@ -353,17 +353,17 @@ class Python:
         outside = self.chain(kind)[1]
         return TypeValue(Kind((*outside[0].names, name))) if outside else Unknown(f"{name} is not in the class")
 
-    def _constant(self, found: TypeValue) -> Value:
+    def _constant(self, constant: TypeValue) -> Value:
         """Return a constant of a framework or message, of the quality of service or a duration, for its full name."""
-        names = found.kind.names
+        names = constant.kind.names
         if "QoSPresetProfiles" in names[:-1] or names[-1].startswith("qos_profile_"):
             profile = _PRESETS.get(names[-1].lower().removeprefix("qos_profile_"))
-            return rmw_profile(profile) if profile is not None else found
+            return rmw_profile(profile) if profile is not None else constant
         if names[0] == "rclpy" and len(names) > 2:  # noqa: PLR2004 - package, class and policy
-            known = policy((*names[:-2], names[-2].removeprefix("QoS"), names[-1]))
-            if known is not None:
-                return known
-        return self.modules.constants.find(names) or library.CONSTANTS.get(".".join(names), found)
+            value = policy((*names[:-2], names[-2].removeprefix("QoS"), names[-1]))
+            if value is not None:
+                return value
+        return self.modules.constants.find(names) or library.CONSTANTS.get(".".join(names), constant)
 
     # Types and values, as far as Python has them
 

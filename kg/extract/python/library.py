@@ -162,7 +162,7 @@ def _is_instance(given: Arguments) -> Value:
         for kind in (kinds.items if isinstance(kinds, Sequence) else (kinds,))
         if isinstance(kind, TypeValue)
     }
-    own = next((own for known, own in _CLASSES.items() if isinstance(of, known)), None)
+    own = next((own for cls, own in _CLASSES.items() if isinstance(of, cls)), None)
     if own is None or not names or getattr(of, "parameter", None) is not None:
         return _COMPUTED
     return Truth(bool(own & names))

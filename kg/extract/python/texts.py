@@ -63,7 +63,7 @@ def percent(template: Value, value: Value) -> Value:
     if not isinstance(template, Text) or template.exact is None:
         return concatenate(template, _HOLE)
     pairs = value.items if isinstance(value, Mapping) else ()
-    of_keys = {own.exact: held for own, held in pairs if isinstance(own, Text)}
+    of_keys = {own.exact: item for own, item in pairs if isinstance(own, Text)}
     pieces: list[Value] = []
     waiting, end = iter(items), 0
     for match in _DIRECTIVE.finditer(template.exact):

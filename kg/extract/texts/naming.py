@@ -87,7 +87,7 @@ class Names:
     def of_text(self, text: str, spans: Iterable[str] = ()) -> tuple[str, ...]:
         """Return the nodes that a paragraph names; `spans` are its words in `code` or bold."""
         marked = {key(last) for span in spans for last in (span, last_part(span))}
-        found: dict[str, None] = {}
+        nodes: dict[str, None] = {}
         for token in dict.fromkeys(_tokens(text)):
             for candidate in _forms(token):
                 for name in self._names.get(candidate, ()):
@@ -95,8 +95,8 @@ class Names:
                     if (
                         not common and (candidate in marked or (name.distinct and _is_distinct(token)))
                     ) or _is_called_node(token, text):
-                        found[name.node] = None
-        return tuple(found)
+                        nodes[name.node] = None
+        return tuple(nodes)
 
     def _first(self, tokens: Iterable[str], fits: Callable[[_Name, bool], bool]) -> tuple[str, ...]:
         for token in tokens:

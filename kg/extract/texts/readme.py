@@ -238,11 +238,11 @@ def _row(block: Block, heading: str | None, about: About) -> Iterator[Passage]:
     cells = [plain(cell) for cell in block.text.split("\t")]
     if len(cells) < 2:  # noqa: PLR2004 - a name and what it does
         return
-    said = max(cells[1:], key=len)
-    if not is_prose(said):
+    description = max(cells[1:], key=len)
+    if not is_prose(description):
         return
     nodes = about.names.of_lead(cells[0])
     if nodes:
-        yield from (Passage(shortened(f"{cells[0]}: {said}"), block.line, node, heading) for node in nodes)
+        yield from (Passage(shortened(f"{cells[0]}: {description}"), block.line, node, heading) for node in nodes)
     elif not about.own and key(cells[0]) == key(about.package):
-        yield Passage(shortened(said), block.line, None, heading)
+        yield Passage(shortened(description), block.line, None, heading)
