@@ -120,7 +120,7 @@ def summary(checked: Checked) -> Iterator[str]:
     totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity]) or "nothing wrong"
     aside = [
         f"{len(group):,} {words}"
-        for group, words in ((report.allowed, "allowed"), (report.known, "in the baseline"))
+        for group, words in ((report.allowed, "allowed"), (report.baselined, "in the baseline"))
         if group
     ]
     yield f"{count(checked.systems, 'system')} checked: {'; '.join([totals, *aside])}"

@@ -52,22 +52,22 @@ class CodeText:
         self.path = path
         self.python = not path.endswith(_CPP_SUFFIXES)
         hidden = _PYTHON_HIDDEN if self.python else _CPP_HIDDEN
-        self.code = hidden.sub(lambda found: _VISIBLE.sub(" ", found[0]), content.decode("latin-1"))
+        self.code = hidden.sub(lambda match: _VISIBLE.sub(" ", match[0]), content.decode("latin-1"))
         self._places: dict[str, list[int]] = {}
         self._calls: dict[int, tuple[int, int]] = {}
 
     def places(self, word: str) -> list[int]:
         """Return where a word begins; a search for a text takes a tenth of the time of one for a pattern."""
-        known = self._places.get(word)
-        if known is None:
-            known = self._places[word] = []
+        places = self._places.get(word)
+        if places is None:
+            places = self._places[word] = []
             at = self.code.find(word)
             while at >= 0:
                 end = at + len(word)
                 if not _is_letter(self.code[at - 1 : at]) and not _is_letter(self.code[end : end + 1]):
-                    known.append(at)
+                    places.append(at)
                 at = self.code.find(word, end)
-        return known
+        return places
 
     def statement_before(self, at: int, most: int) -> str:
         """Return the text between the begin of a statement of C++ and a place, at most some characters."""
@@ -76,7 +76,7 @@ class CodeText:
 
     @cached_property
     def _lines(self) -> list[int]:
-        return [0, *(found.end() for found in re.finditer("\n", self.code))]
+        return [0, *(match.end() for match in re.finditer("\n", self.code))]
 
     def line_start(self, line: int) -> int:
         """Return where a line begins; the end of the file for one that it lacks."""
@@ -84,8 +84,8 @@ class CodeText:
 
     def call(self, line: int) -> tuple[int, int]:
         """Return the begin of a line and the end of the first call on it."""
-        known = self._calls.get(line)
-        if known is None:
+        cached = self._calls.get(line)
+        if cached is None:
             start, depth = self.line_start(line), 0
             end = start
             for bracket in _BRACKET.finditer(self.code, start):
@@ -93,8 +93,8 @@ class CodeText:
                 if depth <= 0:
                     end = bracket.start()
                     break
-            known = self._calls[line] = (start, end)
-        return known
+            cached = self._calls[line] = (start, end)
+        return cached
 
     @cached_property
     def functions(self) -> list[Function]:
@@ -106,10 +106,10 @@ class CodeText:
         for brace in _BRACE.finditer(self.code):
             if brace[0] == "{":
                 head = self.statement_before(brace.start(), _HEAD_LENGTH)
-                found = _FUNCTION_HEAD.search(head)
-                named = found is not None and found[1] not in _NO_FUNCTION
+                match = _FUNCTION_HEAD.search(head)
+                named = match is not None and match[1] not in _NO_FUNCTION
                 start = brace.start() - len(head)
-                opened.append(Function(found[1], start, brace.end(), brace.end()) if found and named else None)
+                opened.append(Function(match[1], start, brace.end(), brace.end()) if match and named else None)
             elif opened:
                 function = opened.pop()
                 if function is not None:

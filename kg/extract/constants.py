@@ -18,7 +18,7 @@ class Constants:
 
     def __init__(self, reader: Reader) -> None:
         self._reader = reader
-        self._known: dict[tuple[str, str], dict[str, Value]] = {}
+        self._cache: dict[tuple[str, str], dict[str, Value]] = {}
 
     def find(self, names: tuple[str, ...]) -> Value | None:
         """Return the constant of a full name, `(package, [msg,] message, constant)`; None if there is none."""
@@ -26,12 +26,12 @@ class Constants:
         if inner not in ([], ["msg"]) or constant != constant.upper():
             return None
         key = (package, message)
-        if key not in self._known:
+        if key not in self._cache:
             file = self._reader.workspace.definition(package, message, "msg")
             content = self._reader.read(file) if file is not None else None
             fields = fields_of(content.decode(), package) if content is not None else []
-            self._known[key] = {field.name: value for field in fields if (value := _value(field)) is not None}
-        return self._known[key].get(constant)
+            self._cache[key] = {field.name: value for field in fields if (value := _value(field)) is not None}
+        return self._cache[key].get(constant)
 
 
 def _value(field: Field) -> Value | None:

@@ -49,31 +49,31 @@ def facts_of(
             interface = _interface(one, one.effect.role, home, ros, alone)
             unnamed = interface.location if interface.name is None and interface.parameter is None else None
             key: tuple[object, ...] = (interface.role, interface.name, interface.type, interface.parameter, unnamed)
-            known = interfaces.get(key)
-            if known is None:
+            before = interfaces.get(key)
+            if before is None:
                 interfaces[key] = interface
-            elif set(known.switches) - set(interface.switches):  # either way creates it
-                common = tuple(one for one in known.switches if one in interface.switches)
-                interfaces[key] = replace(known, switches=common)
+            elif set(before.switches) - set(interface.switches):  # either way creates it
+                common = tuple(one for one in before.switches if one in interface.switches)
+                interfaces[key] = replace(before, switches=common)
         elif one.effect.access is not None:
             parameter = _parameter(one, one.effect.access, home)
             key = (parameter.name, parameter.access, parameter.location if parameter.name is None else None)
-            held = parameters.get(key)
-            if held is None:
+            first = parameters.get(key)
+            if first is None:
                 parameters[key] = parameter
-            elif _worth(parameter) > _worth(held):  # the place stays that of the first access
-                parameters[key] = replace(parameter, location=held.location, via=held.via)
+            elif _worth(parameter) > _worth(first):  # the place stays that of the first access
+                parameters[key] = replace(parameter, location=first.location, via=first.via)
     typed = {(i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
     names: dict[tuple[object, ...], set[str | None]] = {}
     for found in interfaces.values():
         names.setdefault((found.role, found.type, found.parameter, found.location), set()).add(found.name)
-    kept = (
+    completed = (
         i
         for i in interfaces.values()
         if i.type is not None or (i.role, i.name, i.parameter) not in typed
         if i.parameter is None or not _covered(i.name, names[i.role, i.type, i.parameter, i.location])
     )
-    return tuple(kept), tuple(parameters.values())
+    return tuple(completed), tuple(parameters.values())
 
 
 def _covered(name: str | None, names: set[str | None]) -> bool:
@@ -96,8 +96,8 @@ def _worth(parameter: Parameter) -> tuple[bool, bool, bool]:
 def name_of(framework: Framework, nodes: Iterable[Object]) -> str | None:
     """Return the name that the code gives to a node, one of these objects; None if it gives none."""
     own = (one.native.get("name") for one in nodes)
-    known = (value.known for value in (*own, *framework.node_names) if isinstance(value, Text))
-    return next((name for name in known if name), None)
+    names = (value.exact for value in (*own, *framework.node_names) if isinstance(value, Text))
+    return next((name for name in names if name), None)
 
 
 def bounds_of(reached: Counts[str, Site], home: Home) -> tuple[Bound, ...]:
@@ -134,9 +134,9 @@ def _place(site: Site, home: Home) -> Location:
     return Location(key.path, site.line, key.repository if key.repository != home.repository else None)
 
 
-def mark_of(found: tuple[str, Object | None, tuple[Site, ...], Value | None], home: Home) -> Mark:
+def mark_of(effect: tuple[str, Object | None, tuple[Site, ...], Value | None], home: Home) -> Mark:
     """Return the use of a framework as a mark."""
-    key, node, stack, detail = found
+    key, node, stack, detail = effect
     place, via = evidence(stack, home)
     if isinstance(detail, Text) and detail.parts[:1] == (NODE_NAME,):
         detail = below(EMPTY, detail)
@@ -158,11 +158,11 @@ def _named(name: Text | Unknown) -> tuple[str | None, Resolution, str | None, st
     """Return name, resolution, parameter and reason."""
     if isinstance(name, Unknown):
         return None, Resolution.UNRESOLVED, name.parameter, name.reason
-    if name.nothing_known:
+    if name.wholly_unknown:
         given = name.parameter is not None and name.parameter.startswith("argv")
         return None, Resolution.LAUNCH_ARGUMENT if given else Resolution.UNRESOLVED, name.parameter, name.reason
     shown = with_slash(name.shown)
-    if name.known is None:
+    if name.exact is None:
         return shown, Resolution.PARTIAL, name.parameter, name.reason or _OF_NODE
     if not shown:
         empty = f"the parameter {name.parameter} is empty by default" if name.parameter else "the name is empty"
@@ -206,9 +206,9 @@ def _resolved(name: str, one: Declared, alone: str) -> str:
     """Return a name for the node started alone; the namespace that the code gives is in front of private names."""
     native = one.node.native if one.node is not None else {}
     own, namespace = native.get("name"), native.get("namespace")
-    known = namespace.known if isinstance(namespace, Text) and "of" not in native else None
-    inside = known if known and name.startswith("~") and not known.startswith("~") else "/"
-    return resolve(name, (own.known if isinstance(own, Text) else None) or alone, inside)
+    exact = namespace.exact if isinstance(namespace, Text) and "of" not in native else None
+    inside = exact if exact and name.startswith("~") and not exact.startswith("~") else "/"
+    return resolve(name, (own.exact if isinstance(own, Text) else None) or alone, inside)
 
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
@@ -239,10 +239,10 @@ def _least_arguments(guards: tuple[str, ...]) -> int:
     """Return the fewest arguments of the command line, without the program, with which conditions on `argc` hold."""
     most = 0
     for term in guards:
-        found = COUNT.fullmatch(term)
-        if found is not None and found[2].isdecimal():
-            count = int(found[2])
-            least = {"==": count, ">=": count, ">": count + 1, "!=": count + 1 if count == 1 else 1}.get(found[1], 1)
+        match = COUNT.fullmatch(term)
+        if match is not None and match[2].isdecimal():
+            count = int(match[2])
+            least = {"==": count, ">=": count, ">": count + 1, "!=": count + 1 if count == 1 else 1}.get(match[1], 1)
             most = max(most, least - 1)
     return most
 
@@ -250,18 +250,18 @@ def _least_arguments(guards: tuple[str, ...]) -> int:
 def _written(value: Value) -> str | None:
     """Return a value as YAML; None for what is not known."""
     if isinstance(value, Either):
-        found = [shown for shown in map(_written, value.items) if shown is not None]
-        return found[0] if found else None
+        texts = [shown for shown in map(_written, value.items) if shown is not None]
+        return texts[0] if texts else None
     if isinstance(value, Text):
-        return _quoted(value.known) if value.known is not None else None
+        return _quoted(value.exact) if value.exact is not None else None
     if isinstance(value, Number):
         return value.written
     if isinstance(value, Truth):
         return "true" if value.value else "false"
     if isinstance(value, Mapping):
         pairs = [(_written(key), _written(held)) for key, held in value.items]
-        known = all(key is not None and held is not None for key, held in pairs)
-        return "{" + ", ".join(f"{key}: {held}" for key, held in pairs) + "}" if known else None
+        complete = all(key is not None and held is not None for key, held in pairs)
+        return "{" + ", ".join(f"{key}: {held}" for key, held in pairs) + "}" if complete else None
     if isinstance(value, Sequence):
         items = [_written(item) for item in value.items]
         return None if None in items else "[" + ", ".join(str(item) for item in items) + "]"

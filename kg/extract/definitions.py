@@ -176,27 +176,27 @@ def _fields(reader: Reader, package: str, kind: FileKind, path: str, text: str) 
 def _field(written: str, section: str, package: str, line: int) -> Field | None:
     """Return what a line (stripped, not empty, no comment) declares, or None if it follows no grammar."""
     code = written[: _CODE.match(written).end()].rstrip()  # type: ignore[union-attr]  # it matches every text
-    found = _LINE.fullmatch(code)
-    if found is None:
+    match = _LINE.fullmatch(code)
+    if match is None:
         return None
-    home, kind, constant, default = found["package"], found["type"], found["constant"], found["default"]
+    home, kind, constant, default = match["package"], match["type"], match["constant"], match["default"]
     comment: str | None = written[len(code) :].strip().lstrip("#").strip() or None
     is_text = home is None and kind in ("string", "wstring")
     if home is None and kind not in _PRIMITIVE:
         home = "std_msgs" if kind == "Header" else package
     if constant is not None and is_text:
-        whole = written[found.start("constant") :].strip()
+        whole = written[match.start("constant") :].strip()
         quoted = _QUOTED.fullmatch(whole)
         # In ROS 1 a constant is all of the line, with quotes and comments; ROS 2 has texts in quotes.
         constant, comment = (quoted[2], quoted[3] or None) if quoted else (_unquoted(whole), None)
     elif constant is not None:
         constant = _literal(constant) or constant
-    elif default is not None and is_text and "[" not in found["bounds"]:
+    elif default is not None and is_text and "[" not in match["bounds"]:
         default = _unquoted(default)
     elif default is not None and (default := _literal(default)) is None:
         return None
     full = f"{home}/{kind}" if home is not None else kind
-    return Field(section, found["name"], f"{full}{found['bounds']}", line, default, constant, comment)
+    return Field(section, match["name"], f"{full}{match['bounds']}", line, default, constant, comment)
 
 
 def _unquoted(text: str) -> str:

@@ -56,7 +56,7 @@ def unset_parts(
     short = (end.type or "").rpartition("/")[2]
     read = [file, *(one for one in with_word(short) if one is not file and _is_named(one, file))]
     patterns = _creations(short, python=file.python)
-    empty = {found[1] for one in read for pattern in patterns for found in pattern.finditer(one.code)}
+    empty = {match[1] for one in read for pattern in patterns for match in pattern.finditer(one.code)}
     received = any(one.role is Role.SUBSCRIBES and one.type == end.type for one in node.interfaces)
     if received and not (uses and all(_published(one, at) in empty for one, at in uses)):
         return ()
@@ -75,8 +75,8 @@ def _is_named(other: CodeText, file: CodeText) -> bool:
 
 def _published(file: CodeText, at: int) -> str | None:
     """Return the variable that is published at a place."""
-    found = _PUBLISHED.match(file.code, at)
-    return found[1] if found is not None else None
+    match = _PUBLISHED.match(file.code, at)
+    return match[1] if match is not None else None
 
 
 @cache
@@ -86,9 +86,9 @@ def _creations(short: str, *, python: bool) -> tuple[re.Pattern[str], ...]:
         return (re.compile(rf"\b(\w+)\s*=\s*(?:\w+\.)*{short}\(\s*\)"),)
     kind = rf"\b{short}(?:_<[^<>;]*>)?"
     scoped = rf"(?:\w+::)*{kind}"
-    made = rf"(?:new\s+{scoped}|std::make_(?:shared|unique)<{scoped}>|{scoped})\s*[({{]\s*[)}}]"
+    creation = rf"(?:new\s+{scoped}|std::make_(?:shared|unique)<{scoped}>|{scoped})\s*[({{]\s*[)}}]"
     declared = rf"{kind}(?:::(?:Shared|Unique)?Ptr)?\s+(\w+)\s*(?:;|\{{\s*\}})"
-    return re.compile(declared), re.compile(rf"\b(\w+)\s*[=(]\s*{made}")
+    return re.compile(declared), re.compile(rf"\b(\w+)\s*[=(]\s*{creation}")
 
 
 def _is_filled_elsewhere(name: str, short: str, empty: set[str], file: CodeText) -> bool:

@@ -52,8 +52,8 @@ def add(extracted: Extracted) -> NodeType:
     """Return the node with the implicit interfaces and parameters that its marks bring; each name once."""
     node = extracted.node
     marks = (Mark(f"ros{node.ros}.node", node.location), *extracted.marks)
-    interfaces = {(found.role, found.name): found for found in node.interfaces}
-    parameters = {found.name: found for found in node.parameters}
+    interfaces = {(fact.role, fact.name): fact for fact in node.interfaces}
+    parameters = {fact.name: fact for fact in node.parameters}
     for mark in marks:
         for use in _table():
             if use.applies(mark, node):
@@ -62,9 +62,9 @@ def add(extracted: Extracted) -> NodeType:
                 for parameter in _parameters(use, mark):
                     parameters.setdefault(parameter.name, parameter)
     own = set(node.interfaces)
-    new = tuple(found for found in interfaces.values() if found not in own)
+    new = tuple(fact for fact in interfaces.values() if fact not in own)
     declared = set(node.parameters)
-    settings = tuple(found for found in parameters.values() if found not in declared)
+    settings = tuple(fact for fact in parameters.values() if fact not in declared)
     return replace(node, interfaces=node.interfaces + new, parameters=node.parameters + settings)
 
 

@@ -42,16 +42,16 @@ class _Files:
 
     def outside(self, sources: Iterable[str]) -> tuple[Import, ...]:
         """Return what files need from outside of the package, directly or by way of files of the package."""
-        found: dict[str, Import] = {}
+        imports: dict[str, Import] = {}
         pending = sorted(path for path in sources if path in self._kinds)
         seen = set(pending)
         while pending:
             own, foreign = self._needs_of(pending.pop(0))
             for each in foreign:
-                found.setdefault(each.name, each)
+                imports.setdefault(each.name, each)
             pending += [path for path in own if path not in seen]
             seen.update(own)
-        return tuple(sorted(found.values(), key=lambda one: (one.name, one.location.path, one.location.line)))
+        return tuple(sorted(imports.values(), key=lambda one: (one.name, one.location.path, one.location.line)))
 
     def _needs_of(self, path: str) -> tuple[list[str], list[Import]]:
         """Return the files of the package that a file needs, and what it needs from outside."""
@@ -73,11 +73,11 @@ class _Files:
         """Yield what C++ includes, but for the standard library: the path as written, its line, the file meant."""
         for path, line in included(text).items():
             if "/" in path or "." in path:
-                found = self._reader.workspace.include(path, near=near)
-                yield path, line, [found] if found is not None else []
+                header = self._reader.workspace.include(path, near=near)
+                yield path, line, [header] if header is not None else []
 
     def _imported(self, text: bytes, near: FilePath) -> Iterator[tuple[str, int, list[FilePath]]]:
         """Yield what Python imports: the module as written, its line, its file and those of modules in it."""
         for names, line in imported(text):
-            found = (self._reader.workspace.module(name, near=near) for name in names if name)
-            yield names[0], line, [file for file in found if file is not None]
+            modules = (self._reader.workspace.module(name, near=near) for name in names if name)
+            yield names[0], line, [file for file in modules if file is not None]

@@ -48,19 +48,19 @@ def merge(read: Iterable[Extracted]) -> list[Extracted]:
 
     The first executable of a class is its `executable` and gives it its name; others are among its `aliases`.
     """
-    known: dict[tuple[object, ...], Extracted] = {}
+    merged: dict[tuple[object, ...], Extracted] = {}
     for extracted in read:
         node = extracted.node
         key = (node.name, node.kind, node.executable, node.plugin, node.language)
-        known[key] = _both(known[key], extracted) if key in known else extracted
-    return _joined(known.values())
+        merged[key] = _both(merged[key], extracted) if key in merged else extracted
+    return _joined(merged.values())
 
 
-def _joined(found: Iterable[Extracted]) -> list[Extracted]:
+def _joined(nodes: Iterable[Extracted]) -> list[Extracted]:
     """Return nodes with each class and its executables as one."""
     classes: dict[object, Extracted] = {}
     others: list[Extracted] = []
-    for extracted in found:
+    for extracted in nodes:
         node = extracted.node
         if node.plugin is None:
             others.append(extracted)
@@ -146,7 +146,7 @@ def _once(items: tuple[_Item, ...]) -> tuple[_Item, ...]:
     return tuple(dict.fromkeys(items))
 
 
-def settled(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
+def canonical(nodes: Iterable[NodeType]) -> tuple[NodeType, ...]:
     """Return the nodes with resolved names, without exact duplicates, and everything in an order of its own."""
     complete = (
         replace(
@@ -263,8 +263,8 @@ def _nodes(reader: Reader, package: PackageFolder, build: BuildModel, calls: tup
     ]
     whole = merge(read)
     complete = guard(reader, parameters.attach, whole, reader, package, build, whole)
-    found = settled(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
-    named = tuple(replace(node, aliases=_aliases(node, build)) for node in found)
+    nodes = canonical(guard(reader, implicit.add, extracted.node, extracted) for extracted in complete)
+    named = tuple(replace(node, aliases=_aliases(node, build)) for node in nodes)
     silent_methods = frozenset(described.silent_methods | of_python.silent_methods)
     sending = guard(reader, add_sending, named, named, reader, package, silent_methods)
     return guard(reader, add_imports, sending, reader, package, sending)

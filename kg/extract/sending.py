@@ -145,8 +145,8 @@ class _Files:
             return
         around = [one[1] for one in _CLASS.finditer(place[0].code, 0, place[1])]
         for other in self.with_word(variable):
-            known = not around or around[-1] in other.code or PurePosixPath(other.path).stem in file.code
-            if other is not file and other.python == file.python and known:
+            related = not around or around[-1] in other.code or PurePosixPath(other.path).stem in file.code
+            if other is not file and other.python == file.python and related:
                 yield other
 
     def uses(self, variable: str, file: CodeText) -> list[tuple[CodeText, int]]:
@@ -162,11 +162,11 @@ class _Files:
 def _variable(file: CodeText, line: int) -> str | None:
     """Return the variable or field that gets the publisher created on a line."""
     start = file.line_start(line)
-    found = _CREATES.search(file.code, start, file.line_start(line + _CREATES_LINES))
-    if found is None:
+    match = _CREATES.search(file.code, start, file.line_start(line + _CREATES_LINES))
+    if match is None:
         return None
     begin = max(file.code.rfind(mark, 0, start) for mark in ("\n" if file.python else ";{}")) + 1
-    before = file.code[begin : found.start()]
+    before = file.code[begin : match.start()]
     if file.python:
         before = before[before.rfind("\n") + 1 :]
     assigned = _ASSIGNED.search(before) or (None if file.python else _INITIALISED.search(before))
@@ -224,13 +224,13 @@ def _upon(
         if one.role is Role.SUBSCRIBES and not one.implicit and one.type and one.location.repository is None
         if (file := files.get(one.location.path)) is not None and file in scope
     ]
-    found: set[str] = set()
+    result: set[str] = set()
     for file, at in uses:
         causes = _causes(file, at, subscriptions, scope, ())
         if not causes:
             return ()
-        found |= causes
-    return tuple(sorted(found))
+        result |= causes
+    return tuple(sorted(result))
 
 
 def _causes(
@@ -243,10 +243,10 @@ def _causes(
     function = file.around(at)
     if function is None or function.name in outer or len(outer) >= _DEEPEST:
         return set()
-    found: set[str] = set()
+    result: set[str] = set()
     for caller, place in ((one, place) for one in scope for place in one.names_of(function.name)):
         causes = _causes(caller, place, subscriptions, scope, (*outer, function.name))
         if not causes:
             return set()
-        found |= causes
-    return found
+        result |= causes
+    return result

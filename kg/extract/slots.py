@@ -29,7 +29,7 @@ def slots_of(loadings: Iterable[Loading], declared: Iterable[Declared], home: Ho
     call joins with the value of another parameter is not the class.
     """
     parameters = [one for one in declared if one.effect.access is not None]
-    found: dict[tuple[str | None, str | None, str | None], PluginSlot] = {}
+    slots: dict[tuple[str | None, str | None, str | None], PluginSlot] = {}
     idle: dict[str | None, PluginSlot] = {}
     for one in loadings:
         slot = _slot(one, parameters, home)
@@ -37,15 +37,15 @@ def slots_of(loadings: Iterable[Loading], declared: Iterable[Declared], home: Ho
             idle.setdefault(slot.base_class, slot)
         elif slot.parameter or slot.defaults or slot.reason:
             key = (slot.base_class, slot.names, slot.parameter)
-            found[key] = _both(found[key], slot) if key in found else slot
-    used = {base for base, _, _ in found}
-    named = {(slot.base_class, slot.location) for slot in found.values() if _ID in (slot.parameter or "")}
-    kept = (
+            slots[key] = _both(slots[key], slot) if key in slots else slot
+    used = {base for base, _, _ in slots}
+    named = {(slot.base_class, slot.location) for slot in slots.values() if _ID in (slot.parameter or "")}
+    used_slots = (
         slot
-        for slot in found.values()
+        for slot in slots.values()
         if (slot.base_class, slot.location) not in named or not (slot.parameter or "").endswith(_ELEMENT)
     )
-    return (*kept, *(slot for base, slot in idle.items() if base not in used))
+    return (*used_slots, *(slot for base, slot in idle.items() if base not in used))
 
 
 def _both(one: PluginSlot, other: PluginSlot) -> PluginSlot:
@@ -59,13 +59,13 @@ def _slot(one: Loading, parameters: list[Declared], home: Home) -> PluginSlot:
     empty = PluginSlot(one.base, place, one.names, one.parameter, via=via, reason=one.reason)
     if one.plugin is None:
         return empty if one.reason or one.parameter else replace(empty, reason="no call that loads a plugin was found")
-    known = one.plugin.known if isinstance(one.plugin, Text) else None
+    plugin = one.plugin.exact if isinstance(one.plugin, Text) else None
     given: str | None = getattr(one.plugin, "parameter", None)
     names, parameter, item = _named(given, parameters) if given is not None else (None, None, None)
-    name = one.name.known if isinstance(one.name, Text) else item
-    defaults = (PluginDefault(known, name),) if known else ()
-    fixed = bool(known) and parameter is None
-    reason = _reason(one.plugin) if known is None else None
+    name = one.name.exact if isinstance(one.name, Text) else item
+    defaults = (PluginDefault(plugin, name),) if plugin else ()
+    fixed = bool(plugin) and parameter is None
+    reason = _reason(one.plugin) if plugin is None else None
     return replace(empty, names=names, parameter=parameter, defaults=defaults, fixed=fixed, reason=reason)
 
 
@@ -84,14 +84,14 @@ def _named(given: str, parameters: list[Declared]) -> tuple[str | None, str, str
     if _ELEMENT in given:
         return given.partition(_ELEMENT)[0], given, None
     name = next((n for one in parameters if isinstance(n := one.name, Text) and with_slash(n.shown) == given), None)
-    if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.known is None:
+    if name is not None and name.parameter is not None and name.parameter.endswith(_ELEMENT) and name.exact is None:
         before, _, after = partition(given, hole_of(name.parameter))
         return with_slash(name.parameter.removesuffix(_ELEMENT)), f"{before}{_ID}{after}", None
     parts = list(_PART.finditer(given))
     for one in sorted(parameters, key=lambda one: not isinstance(one.default, Sequence)):
         for item in one.default.items if isinstance(one.default, Sequence) else (one.default,):
-            known = item.known if isinstance(item, Text) else None
-            part = next((part for part in parts if part[0] == known), None)
+            item_name = item.exact if isinstance(item, Text) else None
+            part = next((part for part in parts if part[0] == item_name), None)
             if part is not None and isinstance(one.name, Text):
-                return with_slash(one.name.shown), f"{given[: part.start()]}{_ID}{given[part.end() :]}", known
+                return with_slash(one.name.shown), f"{given[: part.start()]}{_ID}{given[part.end() :]}", item_name
     return None, given, None

@@ -44,26 +44,26 @@ def read_snippets(reader: Reader, facts: PackageFacts) -> tuple[Snippet, ...]:
     for place in _locations((facts.package, facts.nodes, facts.definitions, facts.launches)):
         if place.line > 0:
             wanted[FilePath(place.repository or facts.repository, place.path)].add(place.line)
-    found = []
+    snippets = []
     for file in sorted(wanted):
         text = reader.cached_text(file)
         lines = _chosen(text.decode("utf-8", "replace").split("\n"), wanted[file]) if text else {}
         if lines:
             other = file.repository if file.repository != facts.repository else None
-            found.append(Snippet(file.path, tuple(sorted(lines.items())), other))
-    return tuple(found)
+            snippets.append(Snippet(file.path, tuple(sorted(lines.items())), other))
+    return tuple(snippets)
 
 
 def _chosen(lines: list[str], wanted: Iterable[int]) -> dict[int, str]:
     """Return the lines to keep, by their numbers."""
-    found: dict[int, str] = {}
+    chosen: dict[int, str] = {}
     order = sorted(wanted)
     for before, after in _REACHES:
         for middle in order:
             for number in range(max(1, middle - before), min(len(lines), middle + after) + 1):
-                if number not in found and len(found) < _MOST_LINES:
-                    found[number] = _harmless(lines, number)
-    return found
+                if number not in chosen and len(chosen) < _MOST_LINES:
+                    chosen[number] = _harmless(lines, number)
+    return chosen
 
 
 def _harmless(lines: list[str], number: int) -> str:

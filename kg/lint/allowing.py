@@ -82,7 +82,7 @@ def allowances(table: Table | None, known: Iterable[str]) -> list[Allowance]:
     wrong = [fault for one in judged if not isinstance(one, Allowance) for fault in one]
     if wrong:
         (message, place, hint), *others = wrong
-        more = "".join(f"; line {where.line}: {said}" for said, where, _ in others)
+        more = "".join(f"; line {where.line}: {text}" for text, where, _ in others)
         raise _unusable(message + more, place, hint)
     return [one for one in judged if isinstance(one, Allowance)]
 
@@ -101,11 +101,11 @@ def _allowance(
             faults.append((f"`{key}` in [[lint.allow]] must be a string, not {value!r}", here, None))
     code = entry.get("code", "")
     if isinstance(code, str) and code not in codes and (code.strip() or "code" not in entry):
-        said = f"`{code}` is not a code of a finding" if code else "this entry has no code"
-        faults.append((said, _line_of("code", place, lines), did_you_mean(code, codes)))
+        message = f"`{code}` is not a code of a finding" if code else "this entry has no code"
+        faults.append((message, _line_of("code", place, lines), did_you_mean(code, codes)))
     if "reason" not in entry and code:
-        said = f"the entry for {code} has no reason"
-        faults.append((said, place, 'Add `reason = "why it is right as it is"`.'))
+        message = f"the entry for {code} has no reason"
+        faults.append((message, place, 'Add `reason = "why it is right as it is"`.'))
     globs = {key: entry[key] for key in _GLOBS if key in entry}
     return faults or Allowance(code, entry["reason"].strip(), place, **globs)
 
@@ -147,11 +147,11 @@ class Comments:
         )
 
     def _names(self, line: str, code: str, place: Evidence, number: int) -> bool:
-        found = [match for match in _COMMENT.finditer(line) if match["code"].upper() == code]
-        for match in found:
+        comments = [match for match in _COMMENT.finditer(line) if match["code"].upper() == code]
+        for match in comments:
             if not match["reason"].strip(" -"):
                 self.without_reason[Place(str(self._lines.file(place)), number)] = code
-        return any(match["reason"].strip(" -") for match in found)
+        return any(match["reason"].strip(" -") for match in comments)
 
 
 def _alone(line: str) -> bool:

@@ -23,7 +23,7 @@ _VERSION: Final = 1
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Known:
+class Entry:
     """An entry of a baseline: the fingerprint, and a description for people."""
 
     fingerprint: str
@@ -50,7 +50,7 @@ def written(findings: Iterable[Finding]) -> str:
     return json.dumps({"version": _VERSION, "findings": list(entries.values())}, indent=1, ensure_ascii=False) + "\n"
 
 
-def read(file: Path) -> Counter[Known]:
+def read(file: Path) -> Counter[Entry]:
     """Return the findings of a baseline with their numbers.
 
     Raises:
@@ -69,23 +69,23 @@ def read(file: Path) -> Counter[Known]:
     entries = content.get("findings") if isinstance(content, dict) and content.get("version") == _VERSION else None
     if not isinstance(entries, list):
         raise UsageError("KG420", f"not a baseline of version {_VERSION}", place=Place(str(file)))
-    found: Counter[Known] = Counter()
+    counts: Counter[Entry] = Counter()
     for entry in entries:
-        found[_entry(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
-    return found
+        counts[_entry(entry, file)] += max(1, entry["count"]) if isinstance(entry.get("count"), int) else 1
+    return counts
 
 
-def _entry(entry: Any, file: Path) -> Known:
+def _entry(entry: Any, file: Path) -> Entry:
     if not isinstance(entry, dict) or not isinstance(entry.get("fingerprint"), str):
         raise UsageError("KG420", "an entry of the baseline has no fingerprint", place=Place(str(file)))
     subjects = entry.get("subjects")
     named = tuple(str(one) for one in subjects) if isinstance(subjects, list) else ()
-    return Known(entry["fingerprint"], str(entry.get("code", "")), str(entry.get("system", "")), named)
+    return Entry(entry["fingerprint"], str(entry.get("code", "")), str(entry.get("system", "")), named)
 
 
-def compared(findings: Iterable[Finding], known: Counter[Known]) -> tuple[list[Finding], list[Finding], list[Known]]:
+def compared(findings: Iterable[Finding], baseline: Counter[Entry]) -> tuple[list[Finding], list[Finding], list[Entry]]:
     """Return new findings, known findings, and stale entries of the baseline."""
-    left = Counter({one.fingerprint: number for one, number in known.items()})
+    left = Counter({one.fingerprint: number for one, number in baseline.items()})
     new: list[Finding] = []
     old: list[Finding] = []
     for finding in sorted(findings, key=lambda one: one.order):
@@ -95,4 +95,4 @@ def compared(findings: Iterable[Finding], known: Counter[Known]) -> tuple[list[F
         else:
             new.append(finding)
     seen = {one.fingerprint for one in old}
-    return new, old, sorted(one for one in known if one.fingerprint not in seen)
+    return new, old, sorted(one for one in baseline if one.fingerprint not in seen)

@@ -18,17 +18,17 @@ class Lines:
 
     def __init__(self, roots: Mapping[str, str]) -> None:
         self._roots = roots
-        self._known: dict[tuple[str, str], Sequence[str]] = {}
+        self._cache: dict[tuple[str, str], Sequence[str]] = {}
 
     def at(self, place: Evidence, line: int | None) -> str | None:
         """Return the line of a place, counted from one; None if it is not available."""
         if line is None or line < 1:
             return None
         key = (place.repository, place.path)
-        if key not in self._known:
+        if key not in self._cache:
             file = self.file(place)
-            self._known[key] = _read(file) if file is not None else ()
-        lines = self._known[key]
+            self._cache[key] = _read(file) if file is not None else ()
+        lines = self._cache[key]
         return lines[line - 1] if line <= len(lines) else None
 
     def file(self, place: Evidence) -> Path | None:

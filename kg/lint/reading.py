@@ -88,8 +88,8 @@ class _Reading:
 
     def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
         """Return the includes that led to an instance, by its configuration and start."""
-        found = sorted(texts(self._graph, _LED % among("start", starts))) if starts else []
-        return {(configuration, start): chain for configuration, start, chain in reversed(found)}
+        rows = sorted(texts(self._graph, _LED % among("start", starts))) if starts else []
+        return {(configuration, start): chain for configuration, start, chain in reversed(rows)}
 
     def findings(self, labels: Mapping[str, str]) -> Iterator[Finding]:
         """Yield the findings that have a code, a message and a named system."""
@@ -143,8 +143,8 @@ class _Reading:
                 yield Evidence(peer, None, "", words)
 
     def _source(self, iri: str) -> str:
-        known = self._iris.parse(iri)
-        return known.parts[0] if known else ""
+        parsed = self._iris.parse(iri)
+        return parsed.parts[0] if parsed else ""
 
 
 def _words(own: Properties) -> str:

@@ -66,10 +66,10 @@ def _means(word: str, name: str) -> bool:
 
 
 def _repair(place: Evidence, old: str, new: str, lines: Lines) -> Iterator[Repair]:
-    found = written(place, old, lines) or _default(place, old, lines)
-    if found is None:
+    position = written(place, old, lines) or _default(place, old, lines)
+    if position is None:
         return
-    line, column, text = found
+    line, column, text = position
     before = old[: len(old) - len(text.lstrip("~"))]
     if text != old and new.startswith(before):
         yield Repair(place, line, column, text, text[: len(text) - len(text.lstrip("~"))] + new[len(before) :])
@@ -84,9 +84,9 @@ def written(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] | 
     """
     for end in _ends(name):
         pattern = re.compile(rf"(?:{_BEFORE}|{_SUBSTITUTED}){re.escape(end)}{_BEHIND}")
-        found = [(line, match) for line, text in _statement(place, lines) for match in pattern.finditer(text)]
-        if found:
-            line, match = _chosen(found, place, name)
+        matches = [(line, match) for line, text in _statement(place, lines) for match in pattern.finditer(text)]
+        if matches:
+            line, match = _chosen(matches, place, name)
             return line, match.start(), end
     return None
 
@@ -98,9 +98,9 @@ def _default(place: Evidence, name: str, lines: Lines) -> tuple[int, int, str] |
     """
     for end in _ends(name):
         pattern = re.compile(rf"""(?<=["']){re.escape(end)}(?=["'])""")
-        found = [(line, match) for line, text in _whole(place, lines) for match in pattern.finditer(text)]
-        if len(found) == 1:
-            return found[0][0], found[0][1].start(), end
+        matches = [(line, match) for line, text in _whole(place, lines) for match in pattern.finditer(text)]
+        if len(matches) == 1:
+            return matches[0][0], matches[0][1].start(), end
     return None
 
 
@@ -118,14 +118,14 @@ def _ends(name: str) -> list[str]:
     return [each for each in (*ends, f"~{ends[-1]}") if each.strip("/.~")]
 
 
-def _chosen(found: Sequence[tuple[int, re.Match[str]]], place: Evidence, name: str) -> tuple[int, re.Match[str]]:
+def _chosen(matches: Sequence[tuple[int, re.Match[str]]], place: Evidence, name: str) -> tuple[int, re.Match[str]]:
     """Return the relevant occurrence: source or target of a remapping, elsewhere the first."""
     words = place.words.split()
     if len(words) != 4 or words[0] != "remaps":  # noqa: PLR2004 - remaps FROM to TO
-        return found[0]
+        return matches[0]
     role = "from" if _means(words[1], name) and not _means(words[3], name) else "to"
-    named = [each for each in found if re.search(rf"\b{role}\b\W*\Z", each[1].string[: each[1].start()])]
-    return named[0] if named else found[0 if role == "from" else -1]
+    named = [each for each in matches if re.search(rf"\b{role}\b\W*\Z", each[1].string[: each[1].start()])]
+    return named[0] if named else matches[0 if role == "from" else -1]
 
 
 def _statement(place: Evidence, lines: Lines) -> Iterator[tuple[int, str]]:

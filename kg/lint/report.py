@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kg.codes import SEVERITIES
 from kg.lint.allowing import Allowance, Comments, allowed_by
-from kg.lint.baseline import Known, compared
+from kg.lint.baseline import Entry, compared
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Sequence
@@ -43,7 +43,7 @@ class Choice:
 class Report:
     """The report: `findings` sorted by severity, file and line, with those of several systems merged.
 
-    `allowed` are those that kg.toml or a comment allows, `known` those of the baseline; `unused` are entries of kg.toml
+    `allowed` are those that kg.toml or a comment allows, `baselined` those of the baseline, `unused` entries of kg.toml
     that allow nothing, `gone` stale entries of the baseline, `without_reason` comments that allow nothing because they
     lack a reason. `raw` has all findings that are not allowed, one for each system, for a baseline.
     """
@@ -51,9 +51,9 @@ class Report:
     findings: tuple[Finding, ...] = ()
     raw: tuple[Finding, ...] = ()
     allowed: tuple[Finding, ...] = ()
-    known: tuple[Finding, ...] = ()
+    baselined: tuple[Finding, ...] = ()
     unused: tuple[Allowance, ...] = ()
-    gone: tuple[Known, ...] = ()
+    gone: tuple[Entry, ...] = ()
     without_reason: tuple[tuple[Place, str], ...] = field(default=())
 
     @property
@@ -69,7 +69,7 @@ def report(  # noqa: PLR0913 - what findings are compared with
     included: Collection[str],
     entries: Sequence[Allowance],
     comments: Comments,
-    baseline: Counter[Known] | None = None,
+    baseline: Counter[Entry] | None = None,
 ) -> Report:
     """Return the report: findings of the `choice` that are not allowed and not in the baseline.
 
@@ -80,13 +80,13 @@ def report(  # noqa: PLR0913 - what findings are compared with
     used = {id(verdict) for _, verdict in verdicts if isinstance(verdict, Allowance)}
     wanted = [(one, verdict) for one, verdict in verdicts if choice.wants(one, included)]
     raw = [one for one, verdict in wanted if verdict is False]
-    new, known, gone = compared(raw, baseline or Counter())
+    new, baselined, gone = compared(raw, baseline or Counter())
     narrowed = choice.systems is not None or bool(choice.codes) or choice.level != SEVERITIES[-1]
     return Report(
         findings=tuple(merged(new)),
         raw=tuple(raw),
         allowed=tuple(merged([one for one, verdict in wanted if verdict is not False])),
-        known=tuple(merged(known)),
+        baselined=tuple(merged(baselined)),
         unused=tuple(one for one in entries if id(one) not in used),
         gone=() if narrowed else tuple(gone),
         without_reason=tuple(sorted(comments.without_reason.items(), key=lambda item: str(item[0]))),

@@ -119,20 +119,20 @@ def _check_variants(settings: Settings, store: EmbeddedStore, question: Question
     """Return the report on a launch file, with findings that only its variants have."""
     if question.launch is None:
         raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
-    found = variants(settings, store, question.launch, question.arguments, question.environment)
-    with trial(settings, store, found.system) as transaction:
+    states = variants(settings, store, question.launch, question.arguments, question.environment)
+    with trial(settings, store, states.system) as transaction:
         checked = check(transaction, question, settings, folder)
-    known = {one.fingerprint for one in (*checked.report.raw, *checked.report.allowed, *checked.report.known)}
+    present = {one.fingerprint for one in (*checked.report.raw, *checked.report.allowed, *checked.report.baselined)}
     only: dict[str, tuple[Finding, list[str]]] = {}
-    for label, system in found.others:
+    for label, system in states.others:
         with trial(settings, store, system) as transaction:
             for one in check(transaction, question, settings, folder).report.findings:
-                if one.fingerprint not in known:
+                if one.fingerprint not in present:
                     only.setdefault(one.fingerprint, (one, []))[1].append(label)
     added = [replace(one, message=f"{one.message} (only with {' or '.join(labels)})") for one, labels in only.values()]
     findings = tuple(sorted((*checked.report.findings, *added), key=lambda one: one.order))
     whole = replace(checked.report, findings=findings, raw=(*checked.report.raw, *added))
-    return replace(checked, report=whole, left_out=found.left_out)
+    return replace(checked, report=whole, left_out=states.left_out)
 
 
 def check(graph: Queryable, question: Question, settings: Settings, folder: Path) -> Checked:
@@ -147,11 +147,11 @@ def check(graph: Queryable, question: Question, settings: Settings, folder: Path
     chosen = _systems(question, names, roots, own)
     choice = Choice(chosen, frozenset(question.codes), question.level, every=question.every)
     entries = allowances(table("lint", folder), {one.code for one in findings})
-    known = baselines.read(question.baseline) if question.baseline else None
+    baseline = baselines.read(question.baseline) if question.baseline else None
     comments = Comments(roots)
     inner = included(graph, labels)
-    found = report(findings, choice, included=inner, entries=entries, comments=comments, baseline=known)
-    return Checked(found, states, len(names) if chosen is None else len(chosen))
+    reported = report(findings, choice, included=inner, entries=entries, comments=comments, baseline=baseline)
+    return Checked(reported, states, len(names) if chosen is None else len(chosen))
 
 
 def _systems(

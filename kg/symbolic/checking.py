@@ -68,8 +68,8 @@ class _Row(NamedTuple):
         patterns = [rf"(?<![\w-])[\"']?{re.escape(key)}[\"']?\s*[=.\]]" for key in keys]
         at = self.start
         for pattern in (*patterns, *(() if text is None else (f"[\"']{re.escape(text)}[\"']",))):
-            found = re.compile(pattern).search(self.file.text, at, self.end)
-            at = found.start() if found else at
+            match = re.compile(pattern).search(self.file.text, at, self.end)
+            at = match.start() if match else at
         return self.file.place(at)
 
 
@@ -138,17 +138,17 @@ def _error(place: Place, message: str, hint: str, code: str = _WRONG) -> SourceE
     return SourceError(code, message, place=place, hint=hint)
 
 
-def _unknown(place: Place, message: str, name: str, known: Iterable[str]) -> SourceError:
-    listed = list(known)
+def _unknown(place: Place, message: str, name: str, allowed: Iterable[str]) -> SourceError:
+    listed = list(allowed)
     return _error(place, message, did_you_mean(name, listed) or f"Use one of {', '.join(listed)}.")
 
 
 def _classes(rows: Iterable[_Row]) -> dict[str, str | None]:
     """Return the names of all described classes, each with the class that it is like."""
     described = [listed for language in LANGUAGES for listed in shipped(language).classes.values()]
-    known = {one.name: one.like for listed in described for one in listed}
+    likes = {one.name: one.like for listed in described for one in listed}
     own = [row for row in rows if row.kind == "class" and CALL["name"].fits(row.content.get("name"))]
-    return {name: row.content.get("like") for row in own for name in row.names} | known
+    return {name: row.content.get("like") for row in own for name in row.names} | likes
 
 
 def _row_errors(row: _Row, classes: Mapping[str, str | None]) -> list[SourceError]:
@@ -348,8 +348,8 @@ def _taken(
     places: list[str | None] = [what, "*"] if how == "in" else [what]
     while how == "on" and (like := likes.get(places[-1] or "")) is not None and like not in places:
         places.append(like)
-    found = (calls.get((name, how, place or ""), {}).get(count) for place in places)
-    return next((one for one in found if one is not None), None)
+    taken = (calls.get((name, how, place or ""), {}).get(count) for place in places)
+    return next((one for one in taken if one is not None), None)
 
 
 def _hidden(row: _Row, name: str, earlier: _Row) -> SourceError:

@@ -49,7 +49,7 @@ def elements(of: Value) -> list[Value]:
         return [Sequence(pair) for pair in of.items] + ([_some(of)] if of.open else [])
     if is_unknown_parameter(of):
         return [part_of(f"{of.parameter}[]")]
-    if isinstance(of, Object) and not of.made:
+    if isinstance(of, Object) and not of.created:
         return [Unknown("it is an element of a container from outside the sources")]
     return [Unknown("it is an element of an unknown container")]
 
@@ -66,7 +66,7 @@ def _argument_at(index: Value) -> Value:
 
 def is_unknown_parameter(of: Value) -> TypeGuard[Text | Unknown]:
     """Check whether a value is a parameter of which no default is known."""
-    return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.known is None)
+    return isinstance(of, Text | Unknown) and of.parameter is not None and (isinstance(of, Unknown) or of.exact is None)
 
 
 def is_unset(of: Value) -> TypeGuard[Sequence | Mapping]:
@@ -76,7 +76,7 @@ def is_unset(of: Value) -> TypeGuard[Sequence | Mapping]:
     """
     if not isinstance(of, Sequence | Mapping) or of.parameter in (None, "argv"):
         return False
-    return not of.items or (len(of.items) == 1 and isinstance(of.items[0], Text) and of.items[0].known == "")
+    return not of.items or (len(of.items) == 1 and isinstance(of.items[0], Text) and of.items[0].exact == "")
 
 
 def key_of(parameter: str | None) -> Text:
@@ -113,17 +113,17 @@ def element(of: Value, key: Value) -> Value:
         return join(*of.items)
     if isinstance(of, Mapping):
         same = [(_same(key, own), value) for own, value in of.items]
-        found = [value for equal, value in same if equal]
-        plain = isinstance(key, Number) or (isinstance(key, Text) and key.known is not None)
-        if not found and not plain and any(equal is None for equal, _ in same):
-            found = [value for equal, value in same if equal is None]
+        values = [value for equal, value in same if equal]
+        plain = isinstance(key, Number) or (isinstance(key, Text) and key.exact is not None)
+        if not values and not plain and any(equal is None for equal, _ in same):
+            values = [value for equal, value in same if equal is None]
             choice = (tuple(own for own, _ in of.items), key) if getattr(key, "parameter", None) else object()
-            return options(found, choice)
-        return join(*found) if found else Unknown("the map has no such key")
+            return options(values, choice)
+        return join(*values) if values else Unknown("the map has no such key")
     if isinstance(of, Text) and of.parts[0] in _NAMESPACES and isinstance(key, Number) and key.value == 0:
         return Text.of("/")
     if is_unknown_parameter(of):
-        part = f".{key.known}" if isinstance(key, Text) and key.known is not None else "[]"
+        part = f".{key.exact}" if isinstance(key, Text) and key.exact is not None else "[]"
         return part_of(f"{of.parameter}{part}")
     return Unknown("the elements of the container are unknown")
 
@@ -136,11 +136,11 @@ def _same(key: Value, own: Value) -> bool | None:
             return False
         return None if None in parts else True
     if isinstance(key, Text) and isinstance(own, Text):
-        if own.known is None:
+        if own.exact is None:
             return None
-        if key.known is not None:
-            return key.known == own.known
-        return None if fits(key.shown, own.known, ".*") else False
+        if key.exact is not None:
+            return key.exact == own.exact
+        return None if fits(key.shown, own.exact, ".*") else False
     if isinstance(key, Number) and isinstance(own, Number):
         return key.value == own.value
     if isinstance(key, Enumerator) and isinstance(own, Enumerator):
@@ -152,8 +152,8 @@ def _same(key: Value, own: Value) -> bool | None:
 
 def _is_key(key: Value, own: Value) -> bool:
     """Check whether a key of a map is surely another one. Two that are unknown for one reason can differ."""
-    found = _same(key, own)
-    return found if found is not None else own == key and not isinstance(key, Unknown | Text | Sequence)
+    equal = _same(key, own)
+    return equal if equal is not None else own == key and not isinstance(key, Unknown | Text | Sequence)
 
 
 def with_element(of: Value, key: Value, value: Value) -> Value:
@@ -176,14 +176,14 @@ def with_element(of: Value, key: Value, value: Value) -> Value:
 
 def grown(written: Written) -> Written:
     """Return what one turn of a loop wrote, where more turns can follow: lists that grew can grow further."""
-    found = dict(written)
+    result = dict(written)
     for key, (holder, name, value) in written.items():
         before = holder.get(name)
-        held = before.items if isinstance(before, Either) else (before,)
-        lengths = [len(one.items) for one in held if isinstance(one, Sequence)]
+        lists = before.items if isinstance(before, Either) else (before,)
+        lengths = [len(one.items) for one in lists if isinstance(one, Sequence)]
         if isinstance(value, Sequence | Either) and lengths:
-            found[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
-    return found
+            result[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
+    return result
 
 
 def _longer(length: int, of: Value) -> Value:
@@ -193,17 +193,17 @@ def _longer(length: int, of: Value) -> Value:
 
 def counted(loop: form.Loop) -> list[Expression]:
     """Return the variables that the body or the step of a loop increments."""
-    found: list[Expression] = []
+    targets: list[Expression] = []
     pending: list[object] = [loop.step, loop.body]
     while pending:
         one = pending.pop()
         if isinstance(one, form.Unary):
             if one.sign in ("++", "--"):
-                found.append(one.operand)
+                targets.append(one.operand)
             pending.append(one.operand)
         elif isinstance(one, form.Assign):
             if one.sign in ("+", "-") or _counts(one):
-                found.append(one.target)
+                targets.append(one.target)
             pending.append(one.value)
         elif isinstance(one, form.Block):
             pending += one.body
@@ -217,7 +217,7 @@ def counted(loop: form.Loop) -> list[Expression]:
             pending += [body for _, body in one.arms]
         elif isinstance(one, form.Try):
             pending += [one.body, *one.handlers]
-    return found
+    return targets
 
 
 def _counts(assign: form.Assign) -> bool:

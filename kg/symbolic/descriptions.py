@@ -164,7 +164,7 @@ class Descriptions:
     classes: dict[str, list[ClassDescription]] = field(default_factory=lambda: defaultdict(list))
     silent_methods: set[str] = field(default_factory=set)
     """Methods of publishers that publish nothing."""
-    _found: dict[tuple[str, ...], ClassDescription | None] = field(default_factory=dict, repr=False)
+    _resolved: dict[tuple[str, ...], ClassDescription | None] = field(default_factory=dict, repr=False)
 
     def read(self, text: str) -> None:
         """Add the descriptions of a file."""
@@ -190,28 +190,28 @@ class Descriptions:
         """
         classes_of_hosts = (one for classes in self.classes.values() for one in classes if one.node == "host")
         hosts = frozenset(one.name.rpartition("::")[2] for one in classes_of_hosts)
-        found: dict[str, list[tuple[tuple[frozenset[str], ...], frozenset[str]]]] = defaultdict(list)
+        effects: dict[str, list[tuple[tuple[frozenset[str], ...], frozenset[str]]]] = defaultdict(list)
         for name, calls in self.calls.items():
             for call in calls:
                 if call.has_effect:
                     scopes = tuple(frozenset(scope.split("::")) for scope in call.scopes)
                     on = frozenset(one.rpartition("::")[2] for one in call.on)
-                    found[name].append((scopes, on | hosts if on else on))
+                    effects[name].append((scopes, on | hosts if on else on))
         for name, classes in self.classes.items():
             for one in classes:
                 if one.has_effect:
                     scope = frozenset(one.name.split("::")[:-1][:1])
-                    found[name].append(((scope,) if scope else (), frozenset()))
-        return dict(found)
+                    effects[name].append(((scope,) if scope else (), frozenset()))
+        return dict(effects)
 
     def class_named(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a class by its qualified name; the namespaces that both have must agree."""
         # Programs construct the same few classes many times.
-        if names not in self._found:
+        if names not in self._resolved:
             listed = self.classes.get(names[-1] if names else "", ())
-            found = next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
-            self._found[names] = found or self._presumed(names)
-        return self._found[names]
+            described = next((one for one in listed if agree(tuple(one.name.split("::")), names)), None)
+            self._resolved[names] = described or self._presumed(names)
+        return self._resolved[names]
 
     def _presumed(self, names: tuple[str, ...]) -> ClassDescription | None:
         """Return the description of a managed node of an unknown library: `other::RobotLifecycleNode`.
@@ -220,8 +220,8 @@ class Descriptions:
         """
         if not names or not is_managed(names[-1]) or self.language != "cpp":
             return None
-        known = next(iter(self.classes.get(_MANAGED, ())), None)
-        return replace(known, node_name=None, runs=tuple(f"*{name}" for name in known.runs)) if known else None
+        managed = next(iter(self.classes.get(_MANAGED, ())), None)
+        return replace(managed, node_name=None, runs=tuple(f"*{name}" for name in managed.runs)) if managed else None
 
 
 _MANAGED: Final = "LifecycleNode"
@@ -315,10 +315,10 @@ def shipped(language: str = "cpp") -> Descriptions:
 
 @cache
 def _read(files: tuple[Any, ...], language: str) -> Descriptions:
-    found = Descriptions(language)
+    descriptions = Descriptions(language)
     for file in files:
-        found.read(file.read_text(encoding="utf-8"))
-    return found
+        descriptions.read(file.read_text(encoding="utf-8"))
+    return descriptions
 
 
 @cache
@@ -327,13 +327,13 @@ def merged(texts: tuple[str, ...], language: str = "cpp") -> Descriptions:
 
     The texts have no errors (`kg.symbolic.checking`).
     """
-    found = Descriptions(language)
+    result = Descriptions(language)
     for text in texts:
-        found.read(text)
+        result.read(text)
     base = shipped(language)
     for name, calls in base.calls.items():
-        found.calls[name] += calls
+        result.calls[name] += calls
     for name, classes in base.classes.items():
-        found.classes[name] += classes
-    found.silent_methods |= base.silent_methods
-    return found
+        result.classes[name] += classes
+    result.silent_methods |= base.silent_methods
+    return result

@@ -45,7 +45,7 @@ def duration(seconds: float | None, kind: Kind = DURATION) -> Object:
     return Object(kind, native={} if seconds is None else {"seconds": number(seconds)})
 
 
-def made_duration(kind: Kind, unit: float, arguments: list[Value]) -> Object:
+def construct_duration(kind: Kind, unit: float, arguments: list[Value]) -> Object:
     """Return the duration that a constructor makes: of one number in its unit, of two, or of another duration."""
     if len(arguments) != 1:
         return duration(seconds_of(Sequence(tuple(arguments))), kind)
@@ -68,10 +68,10 @@ def seconds_of(value: Value) -> float | None:
         return _of_parts(value.items[0], value.items[1]) if len(value.items) == 2 else None  # noqa: PLR2004 - a pair
     if not isinstance(value, Object):
         return None
-    held = value.native.get("seconds")
+    seconds = value.native.get("seconds")
     if not {"sec", "nsec"} & value.fields.keys():
-        return held.value if isinstance(held, Number) else None
-    before = held.value if isinstance(held, Number) else 0.0
+        return seconds.value if isinstance(seconds, Number) else None
+    before = seconds.value if isinstance(seconds, Number) else 0.0
     whole = value.fields.get("sec", number(before // 1))
     return _of_parts(whole, value.fields.get("nsec", number(round(before % 1 / _NANOSECOND))))
 

@@ -130,15 +130,15 @@ class Framework:
     def described(self, kind: Kind) -> list[ClassDescription]:
         """Return the descriptions of the framework classes that a type is or derives from."""
         key = kind.cls or kind.names
-        found = self._described.get(key)
-        if found is None:
+        classes = self._described.get(key)
+        if classes is None:
             outside = self.machine.language.chain(kind)[1]
-            found = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
+            classes = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
             # A described class whose sources are in the build is not among the bases outside of them.
-            if not found and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
-                found.append(own)
-            self._described[key] = found
-        return found
+            if not classes and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
+                classes.append(own)
+            self._described[key] = classes
+        return classes
 
     def presume_node(self, kind: Kind) -> None:
         """Take a class that a container of components loads as a node, if only its unknown bases can make it one."""
@@ -150,15 +150,15 @@ class Framework:
     def _classes(self, of: Object) -> tuple[list[ClassDescription], frozenset[str]]:
         """Return the descriptions of an object's classes and of those that these are like, and their names."""
         key = of.kind.cls or of.kind.names
-        known = self._alike.get(key)
-        if known is None:
-            found = list(self.described(of.kind))
-            for one in found:
+        cached = self._alike.get(key)
+        if cached is None:
+            descriptions = list(self.described(of.kind))
+            for one in descriptions:
                 like = self.descriptions.class_named(tuple(one.like.split("::"))) if one.like is not None else None
-                if like is not None and like not in found:
-                    found.append(like)
-            known = self._alike[key] = (found, frozenset(one.name for one in found))
-        return known
+                if like is not None and like not in descriptions:
+                    descriptions.append(like)
+            cached = self._alike[key] = (descriptions, frozenset(one.name for one in descriptions))
+        return cached
 
     def is_a(self, of: Object, name: str) -> bool:
         """Check whether the class of an object is, derives from, or is like a class of a framework."""
@@ -178,11 +178,11 @@ class Framework:
         if kind.cls is not None:
             described = next((one for one in self.described(kind) if one.is_a in _NODES), None)
             return self.host if described is not None and described.is_a == "node" else None
-        found = self.descriptions.class_named(kind.names)
-        if found is not None and found.is_a == "handle":
+        description = self.descriptions.class_named(kind.names)
+        if description is not None and description.is_a == "handle":
             private = "priv" in name or name.startswith("pn") or name.endswith("_p")
             return Object(kind, native={"namespace": Text.of("~" if private else "")})
-        return self.host_node() if found is not None and found.is_a == "node" else None
+        return self.host_node() if description is not None and description.is_a == "node" else None
 
     def host_node(self) -> Object:
         """Return the node that loads the plugin."""
@@ -243,57 +243,57 @@ class Framework:
             return Sequence(tuple(arguments[:2])) if arguments else Unknown("it has no value")
         if what == "duration":
             parts: list[Value] = [number(0) if one is ABSENT else one for one in arguments]
-            return durations.made_duration(kind, float(detail), parts or [number(0)])
-        made = self.machine.created(Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0))
-        self._construct(made, kind, described, given)
-        return made
+            return durations.construct_duration(kind, float(detail), parts or [number(0)])
+        instance = self.machine.created(Object(kind, line=self.machine.stack[-1].line if self.machine.stack else 0))
+        self._construct(instance, kind, described, given)
+        return instance
 
-    def construct_base(self, made: Object, kind: Kind, given: Arguments) -> None:
+    def construct_base(self, instance: Object, kind: Kind, given: Arguments) -> None:
         """Run the constructor of a framework class for an object of a class that derives from it."""
         described = self.descriptions.class_named(kind.names)
         if described is not None:
-            self._construct(made, kind, described, given.placed(described.parameters))
+            self._construct(instance, kind, described, given.placed(described.parameters))
         else:
             self.machine.language.escape([*given.values, *given.named.values()])
 
-    def constructed(self, made: Object) -> None:
+    def constructed(self, instance: Object) -> None:
         """Schedule the methods of an object that a framework calls after construction."""
         language = self.machine.language
-        for described in self._classes(made)[0]:
-            for name in (one for pattern in described.runs for one in self._matching(made, pattern)):
-                if language.methods(made.kind, name):
-                    language.escape([Bound(name, made)])
+        for described in self._classes(instance)[0]:
+            for name in (one for pattern in described.runs for one in self._matching(instance, pattern)):
+                if language.methods(instance.kind, name):
+                    language.escape([Bound(name, instance)])
 
-    def _matching(self, made: Object, pattern: str) -> list[str]:
+    def _matching(self, instance: Object, pattern: str) -> list[str]:
         """Return the methods of an object whose names match: `test*`."""
         if "*" not in pattern:
             return [pattern]
-        classes = [cls for cls, _ in self.machine.language.chain(made.kind)[0]]
+        classes = [cls for cls, _ in self.machine.language.chain(instance.kind)[0]]
         names = dict.fromkeys(name for cls in classes for name in (*cls.methods, *cls.declared))
         return fnmatch.filter(names, pattern)
 
-    def _construct(self, made: Object, kind: Kind, described: ClassDescription, given: Arguments) -> None:
+    def _construct(self, instance: Object, kind: Kind, described: ClassDescription, given: Arguments) -> None:
         arguments = given.values
         for name, namespace in described.members:
-            made.fields[name] = _handle(namespace)
+            instance.fields[name] = _handle(namespace)
         if described.is_a == "handle":
-            made.native["namespace"] = handle_namespace(arguments)
+            instance.native["namespace"] = handle_namespace(arguments)
         elif described.is_a == "node":
-            self._construct_node(made, described, given)
+            self._construct_node(instance, described, given)
         elif described.is_a == "carrier":
-            made.native["node"] = arguments[0] if arguments else _UNKNOWN_NODE
+            instance.native["node"] = arguments[0] if arguments else _UNKNOWN_NODE
         elif described.is_a == "qos":
-            qos.construct(made, kind, arguments)
+            qos.construct(instance, kind, arguments)
         if described.slot is not None:
-            self._loads(described.slot, Invocation(made, given, kind))
-            made.native["base"] = Text.of(self.loadings[-1].base or "")
+            self._loads(described.slot, Invocation(instance, given, kind))
+            instance.native["base"] = Text.of(self.loadings[-1].base or "")
         if described.mark is not None:
             self._mark(described.mark, kind, described, Invocation(None, given))
         off = described.unless is not None and arguments[described.unless : described.unless + 1] == [Truth(False)]
         node, rest = self._shifted(described.node, arguments)
         fits = described.least <= len(rest) <= described.most
         if described.options and fits:
-            self._store(made, described.effects[0], Invocation(node, replace(given, values=rest), kind))
+            self._store(instance, described.effects[0], Invocation(node, replace(given, values=rest), kind))
         elif described.effects and not off and fits:
             for effect in described.effects:
                 for row in combinations(rest):
@@ -312,25 +312,25 @@ class Framework:
             owner = next((one for one in nodes if self.is_node(one)), None)
         self.marks.append((key, owner, tuple(self.machine.stack), detail))
 
-    def _construct_node(self, made: Object, described: ClassDescription, given: Arguments) -> None:
+    def _construct_node(self, instance: Object, described: ClassDescription, given: Arguments) -> None:
         arguments = given.values
         namespace = Invocation(None, Arguments(arguments)).argument(described.namespace)
-        made.native["namespace"] = namespace if isinstance(namespace, Text) else EMPTY
+        instance.native["namespace"] = namespace if isinstance(namespace, Text) else EMPTY
         options = (one.native.get("automatic") for one in arguments if isinstance(one, Object))
         automatic = next((one for one in (given.named.get(_AUTOMATIC), *options) if one is not None), Truth(False))
-        made.native["automatic"] = automatic
+        instance.native["automatic"] = automatic
         if described.node_name is not None and len(arguments) > described.node_name:
-            made.native["name"] = arguments[described.node_name]
-        if made in self.nodes:
+            instance.native["name"] = arguments[described.node_name]
+        if instance in self.nodes:
             return
-        self.nodes.append(made)
+        self.nodes.append(instance)
         self.node_sites.append(tuple(self.machine.stack))
         running = (site.this for site in self.machine.stack)
         outer = next(
-            (one for one in running if isinstance(one, Object) and one is not made and one in self.nodes), None
+            (one for one in running if isinstance(one, Object) and one is not instance and one in self.nodes), None
         )
         if outer is not None:
-            made.native["within"] = outer
+            instance.native["within"] = outer
 
     def _shifted(self, node: int | str | None, arguments: list[Value]) -> tuple[Value | None, list[Value]]:
         """Return the node or handle of a call, and the arguments as the description counts them."""
@@ -349,7 +349,7 @@ class Framework:
 
     # Calls
 
-    def knows_method(self, of: Object, name: str) -> bool:
+    def describes_method(self, of: Object, name: str) -> bool:
         """Check whether a method that an object calls on itself is described."""
         if any(self._applies(one, of) for one in self.descriptions.calls.get(name, ()) if one.on):
             return True
@@ -509,7 +509,7 @@ class Framework:
             return None
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
-        if isinstance(whole, Text) and whole.known == "" and whole.parameter is None:
+        if isinstance(whole, Text) and whole.exact == "" and whole.parameter is None:
             return None  # the framework refuses an empty name
         given = call.argument(effect.qos)
         usual = Qos("reliable", "volatile", "keep_last", effect.depth) if effect.depth is not None else None
@@ -539,11 +539,11 @@ class Framework:
         kinds = [language.nested_type(inner.kind, name) for name in ("Message", "Service")]
         kind = next((type_name(one) for one in kinds if one is not None), None)
         name = language.static_member(inner.kind, "name")
-        known = name.known if isinstance(name, Text) else None
+        exact = name.exact if isinstance(name, Text) else None
         policies = ("depth", "reliability", "durability")
         fields = {one: value for one in policies if (value := language.static_member(inner.kind, one)) is not None}
         profile = qos.with_fields(Qos(history="keep_last"), fields) if isinstance(fields.get("depth"), Number) else None
-        shown = Text.of(known) if known else Unknown("it is not specified")
+        shown = Text.of(exact) if exact else Unknown("it is not specified")
         self._add(Declared(effect, shown, kind, owner, tuple(self.machine.stack), profile))
 
     def _parameter(self, effect: Effect, owner: Object | None, name: Value, call: Invocation) -> Value:

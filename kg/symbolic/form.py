@@ -345,15 +345,15 @@ class Function:
     marks: frozenset[str] = frozenset()
     """What decorators make of a method: `property`, `classmethod`."""
     source: object = None
-    body_made: Block | None = None
+    lowered_body: Block | None = None
     initialisers: tuple[Initialiser, ...] = ()
 
     @property
     def body(self) -> Block:
         """The statements of the function."""
-        if self.body_made is None:
-            self.body_made = self.unit.lower_body(self)
-        return self.body_made
+        if self.lowered_body is None:
+            self.lowered_body = self.unit.lower_body(self)
+        return self.lowered_body
 
 
 @dataclass(slots=True, eq=False)

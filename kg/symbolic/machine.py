@@ -154,10 +154,10 @@ class Machine:
         self._journal.ahead(run)
         return not self._journal.open or self.framework.progress() == before
 
-    def created(self, made: Object) -> Object:
+    def created(self, instance: Object) -> Object:
         """Return a new object, after recording that only the side of a branch that runs has it."""
-        self._journal.created(made.fields, made.native)
-        return made
+        self._journal.created(instance.fields, instance.native)
+        return instance
 
     def _joined(self, values: list[Value], choice: object) -> Value:
         joined = options(values, choice)
@@ -328,8 +328,8 @@ class Machine:
         If there are any, the writes of the others wait for the end of the loop turn or of the function.
         """
         live = [index for index, end in enumerate(ends) if end is None]
-        kept = live or range(len(sides))
-        self.merge([sides[index] for index in kept], [terms[index] for index in kept])
+        chosen = live or range(len(sides))
+        self.merge([sides[index] for index in chosen], [terms[index] for index in chosen])
         if live:
             rows = zip(sides, ends, terms, strict=True)
             self._left += [(end, side, under) for side, end, under in rows if end and side]
@@ -393,7 +393,7 @@ class Machine:
             return self._unknown_times(loop, frame, ())
         before, begun = self.framework.progress(), self.steps
         for _ in range(self.most_turns):
-            held = dict(frame.variables) if loop.step is None else {}
+            previous = dict(frame.variables) if loop.step is None else {}
             writes = self._outer_writes + self._counted
             counting, self.counting = self.counting, True
             holds = self.holds(condition, frame)
@@ -409,7 +409,7 @@ class Machine:
                 return None
             if loop.step is not None:
                 self.value(loop.step, frame)
-            elif writes == self._outer_writes + self._counted and are_alike(held, frame.variables):
+            elif writes == self._outer_writes + self._counted and are_alike(previous, frame.variables):
                 return None  # the next turns are the same: the loop waits for other code
         if self.framework.progress() != before:  # else the turns that are left create nothing either
             self.cut(loop, frame)
@@ -455,14 +455,14 @@ class Machine:
 
     def _over(self, loop: form.Loop, over: Value, frame: Frame) -> str | None:
         items = self.language.elements(over)
-        known = isinstance(over, (Sequence, Mapping)) and not over.open and not is_unset(over)
-        if known and len(items) > self.most_turns:
+        finite = isinstance(over, (Sequence, Mapping)) and not over.open and not is_unset(over)
+        if finite and len(items) > self.most_turns:
             self.cut(loop, frame)
             items = items[: self.most_turns]
         before, begun = self.framework.progress(), self.steps
         for index, item in enumerate(items):
             self._target(loop, item, frame)
-            if known:
+            if finite:
                 ended = self._turn(loop, frame)
                 write_back(self, loop, index, frame)
                 if ended in ("return", "raise"):
@@ -504,16 +504,16 @@ class Machine:
             name = names[0]
             around: Frame | None = frame
             while around is not None:
-                held = around.variables.get(name)
-                if held is not None:
-                    return read_back(self.value(held.target, held.frame) if type(held) is Alias else held, name)
+                slot = around.variables.get(name)
+                if slot is not None:
+                    return read_back(self.value(slot.target, slot.frame) if type(slot) is Alias else slot, name)
                 around = around.parent
         return read_back(self.language.name(expression, frame), names[-1])
 
     def _member(self, expression: form.Member, frame: Frame) -> Value:
         of = self.value(expression.of, frame)
-        found = self.over((of,), lambda one: self.language.member(one, expression.name))
-        return read_back(found, member_label(expression))
+        members = self.over((of,), lambda one: self.language.member(one, expression.name))
+        return read_back(members, member_label(expression))
 
     def _called(
         self, run: Callable[[Any, Frame], Value], expression: form.Call | form.Construct, frame: Frame
@@ -526,28 +526,28 @@ class Machine:
 
     def arguments(self, expressions: Iterable[Expression], frame: Frame) -> list[Value]:
         """Return the values of arguments, those of a variadic parameter each for itself."""
-        found: list[Value] = []
+        values: list[Value] = []
         for expression in expressions:
             value = self.value(expression, frame)
             if type(value) is Pack:
-                found += value.items
+                values += value.items
             else:
-                found.append(value)
-        return found
+                values.append(value)
+        return values
 
     def _unary(self, expression: form.Unary, frame: Frame) -> Value:
         sign = expression.sign
-        held = self.value(expression.operand, frame)
+        operand = self.value(expression.operand, frame)
         if sign in ("&", "*", "+"):
-            return held
+            return operand
         if sign in ("!", "not"):
-            return self.over((held,), lambda one: negate(truth(one)))
+            return self.over((operand,), lambda one: negate(truth(one)))
         if sign in ("++", "--"):
             change = 1 if sign == "++" else -1
-            new = over((held,), lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
+            new = over((operand,), lambda one: number(one.value + change) if isinstance(one, Number) else _COUNTS)
             self.assign(expression.operand, new, frame)
-            return held
-        return self.over((held,), negative) if sign == "-" else Unknown("it is computed")
+            return operand
+        return self.over((operand,), negative) if sign == "-" else Unknown("it is computed")
 
     def _binary(self, expression: form.Binary, frame: Frame) -> Value:
         sign = expression.sign
@@ -606,8 +606,8 @@ class Machine:
         else:
             value = self.language.assigned(target, value, expression.value, frame)
         name = target.names[0] if isinstance(target, form.Name) and not expression.sign else ""
-        held = frame.variables.get(name)
-        if isinstance(held, Alias) and held.object:
+        slot = frame.variables.get(name)
+        if isinstance(slot, Alias) and slot.object:
             self.write(frame.variables, name, value)
         else:
             self.assign(target, value, frame)
@@ -617,11 +617,11 @@ class Machine:
         """Set a variable, a member or an element."""
         if isinstance(target, form.Name):
             holder = frame.holder(target.names[0]) if len(target.names) == 1 else None
-            held = holder[target.names[0]] if holder is not None else None
+            slot = holder[target.names[0]] if holder is not None else None
             if holder is None:
                 self.language.assign_name(target, value, frame)
-            elif isinstance(held, Alias):
-                self.assign(held.target, value, held.frame)
+            elif isinstance(slot, Alias):
+                self.assign(slot.target, value, slot.frame)
             else:
                 self.write(holder, target.names[0], value)
         elif isinstance(target, form.Member):
@@ -641,8 +641,8 @@ class Machine:
         return Unknown(f"`{expression.text}` is not evaluated" if expression.text else "it is not evaluated")
 
     def _type(self, expression: form.Type, frame: Frame) -> Value:
-        found = self.language.kind(expression, frame)
-        return TypeValue(found) if isinstance(found, Kind) else found
+        resolved = self.language.kind(expression, frame)
+        return TypeValue(resolved) if isinstance(resolved, Kind) else resolved
 
     # Functions
 

@@ -36,17 +36,17 @@ def type_name(kind: Kind) -> str | None:
         return "sensor_msgs/PointCloud2"
     while len(names) > 2 and names[-1] in _SUFFIXES and names[-2] not in GENERATED:  # noqa: PLR2004 - package and type
         names = names[:-1]
-    found = _of_names(names) if kind.cls is None else None
-    if found is None or found == _ANY_TYPE:
+    result = _of_names(names) if kind.cls is None else None
+    if result is None or result == _ANY_TYPE:
         return None
     for suffix in _JOINED:
-        found = found.removesuffix(suffix) if not found.endswith("/" + suffix) else found
-    return found
+        result = result.removesuffix(suffix) if not result.endswith("/" + suffix) else result
+    return result
 
 
 def _of_names(names: list[str]) -> str | None:
-    kept = [name for name in names if name]
-    package, last = kept[:-1], kept[-1:]
+    parts = [name for name in names if name]
+    package, last = parts[:-1], parts[-1:]
     if len(package) > 1 and package[-1] in GENERATED:
         package = package[-2:-1]
     named = len(package) == 1 and package[0] != "std" and package[0] not in GENERATED
@@ -59,15 +59,15 @@ def _type_of_argument(argument: Value | None) -> str | None:
 
 def message_type(language: Language, effect: Effect, call: Invocation) -> str | None:
     """Return the type of an interface, from the first source of its description that has one."""
-    found = next(
+    name = next(
         (one for one in (_from(language, source, call, effect) for source in effect.types) if one is not None), None
     )
-    if found is not None and effect.role in (Role.ACTION_SERVERS, Role.ACTION_CLIENTS):
-        return found if found.endswith("/Action") else found.removesuffix("Action")
-    if found is not None and effect.role in (Role.SERVICES, Role.CLIENTS) and effect.ros == 1:
+    if name is not None and effect.role in (Role.ACTION_SERVERS, Role.ACTION_CLIENTS):
+        return name if name.endswith("/Action") else name.removesuffix("Action")
+    if name is not None and effect.role in (Role.SERVICES, Role.CLIENTS) and effect.ros == 1:
         for suffix in ("Request", "Response"):
-            found = found if found.endswith("/" + suffix) else found.removesuffix(suffix)
-    return found
+            name = name if name.endswith("/" + suffix) else name.removesuffix(suffix)
+    return name
 
 
 def _from(language: Language, source: str, call: Invocation, effect: Effect) -> str | None:
@@ -83,17 +83,17 @@ def _from(language: Language, source: str, call: Invocation, effect: Effect) -> 
     if argument is None:
         return None
     if what == "callback":
-        found = _callback_type(language, argument, 2 if effect.role is Role.SERVICES else 1)
-        return found if found is not None else _first_parameter(language, call, int(index))
+        name = _callback_type(language, argument, 2 if effect.role is Role.SERVICES else 1)
+        return name if name is not None else _first_parameter(language, call, int(index))
     if what == "text":
-        return _of_names(argument.known.split("/")) if isinstance(argument, Text) and argument.known else None
+        return _of_names(argument.exact.split("/")) if isinstance(argument, Text) and argument.exact else None
     if isinstance(argument, TypeValue):
         return _type_of_argument(argument) if GENERATED & set(argument.kind.names[:-1]) else None
     if not isinstance(argument, Object):
         return None
     if what == "options":
-        held = argument.native.get("options type")
-        return held.known if isinstance(held, Text) else None
+        kind = argument.native.get("options type")
+        return kind.exact if isinstance(kind, Text) else None
     return type_name(argument.kind)
 
 
@@ -110,10 +110,10 @@ def _first_parameter(language: Language, call: Invocation, index: int) -> str | 
 def _callback_type(language: Language, callback: Value, usual: int) -> str | None:
     """Return the type of the first parameter of a callback; of overloads, of that with about `usual` parameters."""
     for one in alternatives(callback):
-        found = _callee(language, one, usual)
-        if found is None:
+        callee = _callee(language, one, usual)
+        if callee is None:
             continue
-        function, frame, skip = found
+        function, frame, skip = callee
         kind = function.parameters[skip].type if len(function.parameters) > skip else None
         message = language.kind_of(kind, frame) if kind is not None else None
         if message is not None:

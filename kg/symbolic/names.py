@@ -49,9 +49,9 @@ def below(namespace: Value, name: Value) -> Value:
     if isinstance(first, str) and first.startswith("~"):
         rest = first[1:].lstrip("/")
         return replace(name, parts=("~/" + rest if rest or len(name.parts) > 1 else "~", *name.parts[1:]))
-    if not isinstance(namespace, Text) or namespace.known == "":
+    if not isinstance(namespace, Text) or namespace.exact == "":
         return name
-    if name.known == "":
+    if name.exact == "":
         return replace(namespace, resolution=worse(namespace.resolution, name.resolution))
     joined = concatenate(namespace, Text.of("/"), name)
     if isinstance(joined, Text) and isinstance(joined.parts[0], str):
@@ -86,9 +86,9 @@ def handle_namespace(arguments: list[Value]) -> Value:
 def own_namespace(node: Value | None) -> Value:
     """Return the namespace of a node or handle as a text of the program."""
     inner = namespace_of(node)
-    if not isinstance(inner, Text) or not inner.known:
+    if not isinstance(inner, Text) or not inner.exact:
         return Text((OWN_NAMESPACE,))
-    if inner.known.startswith(("~", "/")):
+    if inner.exact.startswith(("~", "/")):
         return inner
     return concatenate(Text((OWN_NAMESPACE, "/")), inner)
 
@@ -101,10 +101,10 @@ def with_node_name(name: Value, owner: Object | None) -> Value:
         return name
     while owner is not None and isinstance(outer := owner.native.get("of"), Object):
         owner = outer
-    known = owner.native.get("name") if owner is not None else None
-    if not isinstance(known, Text):
+    own = owner.native.get("name") if owner is not None else None
+    if not isinstance(own, Text):
         return name
-    joined = concatenate(*(known if part == NODE_NAME else Text((part,)) for part in name.parts))
+    joined = concatenate(*(own if part == NODE_NAME else Text((part,)) for part in name.parts))
     if not isinstance(joined, Text):
         return joined
     return replace(joined, resolution=name.resolution, parameter=name.parameter, reason=joined.reason or name.reason)

@@ -65,12 +65,12 @@ _ARITHMETIC: Final[dict[str, Callable[[float, float], float]]] = {
 
 def literal(expression: Literal) -> Value:
     """Return the value of a literal."""
-    held = expression.value
-    if isinstance(held, str):
-        return Text((held,))
-    if isinstance(held, bool):
-        return Truth(held)
-    return NULL if held is None else Number(held, expression.written)
+    constant = expression.value
+    if isinstance(constant, str):
+        return Text((constant,))
+    if isinstance(constant, bool):
+        return Truth(constant)
+    return NULL if constant is None else Number(constant, expression.written)
 
 
 def chosen(operands: Iterable[Callable[[], Value]], *, all_of: bool) -> Value:
@@ -101,7 +101,7 @@ def _same(value: Value) -> Value:
 
 def under(value: Value, terms: Iterable[str]) -> Value:
     """Return a value where terms of guards hold: a parameter that they say is not empty has no empty default there."""
-    if isinstance(value, Text) and value.known == "" and value.parameter is not None and value.parameter in terms:
+    if isinstance(value, Text) and value.exact == "" and value.parameter is not None and value.parameter in terms:
         return Text.hole(f"the parameter {value.parameter} is empty by default", parameter=value.parameter)
     return value
 
@@ -110,7 +110,7 @@ def _without_empty(value: Value, *, text: bool) -> Value:
     """Return a parameter whose default is empty as one without default, and an unknown value as an unknown `text`."""
     if text and isinstance(value, Unknown) and value.parameter is None and value != NULL:
         return as_text(value)
-    if isinstance(value, Text) and value.known == "":
+    if isinstance(value, Text) and value.exact == "":
         return Unknown(f"the parameter {value.parameter} is empty by default", value.parameter)
     return value
 
@@ -122,9 +122,9 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
     if sign == "in":
         return _contained(row[0], row[1])
     if sign == "|" and any(isinstance(value, Mapping) for value in row):
-        known = [value for value in row if isinstance(value, Mapping)]
-        merged = {key: (key, value) for one in known for key, value in one.items}
-        return Mapping(tuple(merged.values()), open=len(known) < len(row) or any(one.open for one in known))
+        mappings = [value for value in row if isinstance(value, Mapping)]
+        merged = {key: (key, value) for one in mappings for key, value in one.items}
+        return Mapping(tuple(merged.values()), open=len(mappings) < len(row) or any(one.open for one in mappings))
     duration = scaled(sign, row)
     if duration is not None:
         return duration
@@ -167,12 +167,12 @@ def is_floating(value: Number) -> bool:
 
 
 def _repeated(of: Text | Sequence, times: int) -> Value:
-    size = len(of.items) if isinstance(of, Sequence) else len(of.known or "")
+    size = len(of.items) if isinstance(of, Sequence) else len(of.exact or "")
     if size * max(times, 0) > _LONGEST:
         return _COMPUTED
     if isinstance(of, Sequence):
         return replace(of, items=of.items * times)
-    return replace(of, parts=(of.known * times,), own=False) if of.known is not None else _COMPUTED
+    return replace(of, parts=(of.exact * times,), own=False) if of.exact is not None else _COMPUTED
 
 
 def _sum(row: tuple[Value, ...]) -> Value:
@@ -188,14 +188,14 @@ def _sum(row: tuple[Value, ...]) -> Value:
 def _contained(item: Value, container: Value) -> Value:
     """Check whether a container or a text has an item."""
     if isinstance(container, Text) and isinstance(item, Text):
-        if container.known is not None and item.known is not None and container.parameter is None:
-            return Truth(item.known in container.known)
+        if container.exact is not None and item.exact is not None and container.parameter is None:
+            return Truth(item.exact in container.exact)
     elif isinstance(container, (Sequence, Mapping)) and not container.open and container.parameter is None:
         keys = container.items if isinstance(container, Sequence) else [key for key, _ in container.items]
-        found = [_compared("==", (item, key)) for key in keys]
-        if Truth(True) in found:
+        comparisons = [_compared("==", (item, key)) for key in keys]
+        if Truth(True) in comparisons:
             return Truth(True)
-        if all(one == Truth(False) for one in found):
+        if all(one == Truth(False) for one in comparisons):
             return Truth(False)
     return Unknown("it depends on a value", getattr(container, "parameter", None))
 
@@ -210,7 +210,7 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
         constant = next((v for v in row if isinstance(v, Truth) and v.parameter is None), None)
         if sign in ("==", "!=") and constant is not None:
             return Guard((parameter if constant.value == (sign == "==") else f"!{parameter}",))
-        if sign in ("==", "!=") and any(isinstance(v, Text) and v.known == "" and v.parameter is None for v in row):
+        if sign in ("==", "!=") and any(isinstance(v, Text) and v.exact == "" and v.parameter is None for v in row):
             return Guard((f"!{parameter}" if sign == "==" else parameter,))
         for value, choice, way in ((left, right, sign), (right, left, _MIRRORED.get(sign, sign))):
             if _is_whole(value, parameter) and _is_choice(choice, way):
@@ -250,7 +250,7 @@ def _numbered(value: Value) -> Value:
 def _is_choice(value: Value, sign: str) -> bool:
     """Check whether a value is a constant for a switch: a number, or a word if the sign is that of equality."""
     if isinstance(value, Text) and sign in ("==", "!="):
-        return value.parameter is None and value.known is not None and _WORD.fullmatch(value.known) is not None
+        return value.parameter is None and value.exact is not None and _WORD.fullmatch(value.exact) is not None
     return isinstance(value, Number) and value.parameter is None
 
 
@@ -271,16 +271,16 @@ def _ordered(sign: str, difference: float) -> bool:
 def _alike(left: Sequence, right: Sequence, sign: str) -> Value:
     """Check whether two lists are equal."""
     pairs = zip(left.items, right.items, strict=False)
-    found = {Truth(len(left.items) == len(right.items)), *(_compared("==", pair) for pair in pairs)}
-    if left.open or right.open or not found <= {Truth(True), Truth(False)}:
+    comparisons = {Truth(len(left.items) == len(right.items)), *(_compared("==", pair) for pair in pairs)}
+    if left.open or right.open or not comparisons <= {Truth(True), Truth(False)}:
         return Unknown("it depends on a comparison")
-    return Truth((Truth(False) not in found) == (sign == "=="))
+    return Truth((Truth(False) not in comparisons) == (sign == "=="))
 
 
 def plain(value: Value) -> str | float | bool | None:
     """Return a text, number or truth value as Python has it; None for what is not wholly known."""
     if isinstance(value, Text):
-        return value.known
+        return value.exact
     if isinstance(value, Number):
         return value.value if is_floating(value) or value.value != value.value // 1 else int(value.value)
     return value.value if isinstance(value, Truth) else None
@@ -312,11 +312,11 @@ def truth(value: Value) -> Truth | Guard | Unknown:
     A text is true if it is not empty.
     """
     if isinstance(value, Either):
-        found = {truth(item) for item in value.items if not isinstance(item, Object)}
-        if len(found) == 1 == len(value.items):
-            return next(iter(found))
-        guards = [one for one in found if isinstance(one, Guard)]
-        if len(guards) == 1 and found == {Truth(False), guards[0]}:
+        truths = {truth(item) for item in value.items if not isinstance(item, Object)}
+        if len(truths) == 1 == len(value.items):
+            return next(iter(truths))
+        guards = [one for one in truths if isinstance(one, Guard)]
+        if len(guards) == 1 and truths == {Truth(False), guards[0]}:
             return Guard(guards[0].terms, whole=False)
         return Unknown("it depends")
     if isinstance(value, Truth):
@@ -327,9 +327,9 @@ def truth(value: Value) -> Truth | Guard | Unknown:
         return Truth(value.value != 0) if value.parameter is None else Unknown("it depends")
     if isinstance(value, Object):
         # A subscriber without a topic, for one, is an object and false.
-        return Truth(True) if value.made and "empty" not in value.native else Unknown("it may be null")
-    if isinstance(value, Text) and value.known is not None:
-        return Truth(value.known != "") if value.parameter is None else Guard((value.parameter,))
+        return Truth(True) if value.created and "empty" not in value.native else Unknown("it may be null")
+    if isinstance(value, Text) and value.exact is not None:
+        return Truth(value.exact != "") if value.parameter is None else Guard((value.parameter,))
     if isinstance(value, (Sequence, Mapping)) and not value.open:
         return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends")
     if isinstance(value, (Closure, Bound, TypeValue)):

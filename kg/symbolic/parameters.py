@@ -105,8 +105,8 @@ class Parameters:
         if isinstance(before, Sequence) and _is_pair(before):
             before = before.items[1]  # a `rclcpp::Parameter` that receives the parameter
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
-        known = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
-        value = _value(default, known, before, shown)
+        current = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
+        value = _value(default, current, before, shown)
         kind = stated or _type(template, default, before)
         if kind is None:
             declared = call.declared(effect.output, language) or call.declared(effect.default, language)
@@ -117,11 +117,11 @@ class Parameters:
         if isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True):
             kind = None
         reading = Reading(whole, value, before, default, kind)
-        if shown is not None and effect.access is not Access.WRITE and (default is not None or known is None):
+        if shown is not None and effect.access is not Access.WRITE and (default is not None or current is None):
             self._values[key] = value
-        if effect.weak and known is not None:
-            return replace(reading, default=None, type=kind or type_of_value(known))
-        first = effect.access is Access.READ and known is None and before is not None
+        if effect.weak and current is not None:
+            return replace(reading, default=None, type=kind or type_of_value(current))
+        first = effect.access is Access.READ and current is None and before is not None
         if default is None and first and not isinstance(value, Unknown):
             return replace(reading, default=value)
         return reading
@@ -137,18 +137,18 @@ def _literal(value: str | float) -> Value:
 def _whole_name(owner: Object | None, name: Value) -> Text | Unknown:
     namespace = namespace_of(owner)
     rooted = isinstance(name, Text) and (
-        name.parts[0] in (NODE_NAME, OWN_NAMESPACE) or (name.known or "x").startswith(("~", "/"))
+        name.parts[0] in (NODE_NAME, OWN_NAMESPACE) or (name.exact or "x").startswith(("~", "/"))
     )
     whole = below(namespace, name) if namespace != EMPTY or rooted else name
     return whole if isinstance(whole, (Text, Unknown)) else Unknown("the name of the parameter is not known")
 
 
-def _value(default: Value | None, known: Value | None, before: Value | None, name: str | None) -> Value:
+def _value(default: Value | None, current: Value | None, before: Value | None, name: str | None) -> Value:
     if default is not None and not isinstance(default, Unknown):
         return with_parameter(default, name)
-    if known is not None:
-        return known
-    if isinstance(before, (Number, Truth)) or (isinstance(before, Text) and before.known):
+    if current is not None:
+        return current
+    if isinstance(before, (Number, Truth)) or (isinstance(before, Text) and before.exact):
         return with_parameter(before, name)
     if name is None:
         return Unknown("it is a parameter with an unknown name")
@@ -191,7 +191,7 @@ def listed(effect: Effect, call: Invocation) -> list[tuple[Value, Value]]:
 
 def prefixed(prefix: Value, name: Value) -> Value:
     """Return the name of a parameter below a prefix, which can end with the dot that separates them."""
-    if isinstance(prefix, Text) and prefix.known == "":
+    if isinstance(prefix, Text) and prefix.exact == "":
         return name
     last = prefix.parts[-1] if isinstance(prefix, Text) else None
     dot = "" if isinstance(last, str) and last.endswith(".") else "."
@@ -218,8 +218,8 @@ def _is_pair(value: Value | None) -> bool:
 
 def _type(template: tuple[Value, ...], default: Value | None, before: Value | None) -> str | None:
     first = template[0] if template else None
-    found = ros_type(first.kind) if isinstance(first, TypeValue) else None
-    return found or type_of_value(default) or type_of_value(before)
+    explicit = ros_type(first.kind) if isinstance(first, TypeValue) else None
+    return explicit or type_of_value(default) or type_of_value(before)
 
 
 def ros_type(kind: Kind) -> str | None:

@@ -38,10 +38,10 @@ class Loading:
 
 def loading(slot: SlotDescription, call: Invocation, node: Object | None, stack: tuple[Site, ...]) -> Loading:
     """Return what a described call loads; an object that it creates keeps the base class for its methods."""
-    held = call.node.native.get("base") if isinstance(call.node, Object) else None
+    inherited = call.node.native.get("base") if isinstance(call.node, Object) else None
     base = _filled(slot.base, call) if slot.base is not None else _template(call)
-    if slot.base is None and isinstance(held, Text):
-        base = held.known
+    if slot.base is None and isinstance(inherited, Text):
+        base = inherited.exact
     return Loading(
         base,
         node,
@@ -66,10 +66,10 @@ def _filled(pattern: str, call: Invocation) -> str | None:
     values = {"T": template}
     for number in _ARGUMENT.findall(pattern):
         given = call.argument(int(number))
-        values[number] = given.known if isinstance(given, Text) else template
+        values[number] = given.exact if isinstance(given, Text) else template
     if any(f"{{{key}}}" in pattern and value is None for key, value in values.items()):
         return None
-    return _PLACE.sub(lambda found: str(values[found[1]]), pattern)
+    return _PLACE.sub(lambda match: str(values[match[1]]), pattern)
 
 
 def _parameter(pattern: str | None, call: Invocation) -> str | None:
@@ -78,6 +78,6 @@ def _parameter(pattern: str | None, call: Invocation) -> str | None:
         return None
     values = {number: call.argument(int(number)) for number in _ARGUMENT.findall(pattern)}
     texts = {number: value.shown if isinstance(value, Text) else ANONYMOUS for number, value in values.items()}
-    filled = _ARGUMENT.sub(lambda found: texts[found[1]], pattern)
+    filled = _ARGUMENT.sub(lambda match: texts[match[1]], pattern)
     whole = below(namespace_of(call.node), Text(parse(filled.removeprefix(".")) or ("",)))
     return whole.shown if isinstance(whole, Text) else None

@@ -98,9 +98,9 @@ _CAPITAL: Final = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 def policy(names: tuple[str, ...]) -> Enumerator | None:
     """Return the policy of an enumerator: `rclcpp::DurabilityPolicy::TransientLocal`, `RMW_QOS_POLICY_...`."""
-    found = _POLICY.fullmatch(names[-1])
-    if found is not None:
-        of, name = found[1].lower(), found[2].lower()
+    match = _POLICY.fullmatch(names[-1])
+    if match is not None:
+        of, name = match[1].lower(), match[2].lower()
     elif len(names) > 1 and names[-2] in _POLICY_CLASSES:
         of, name = _POLICY_CLASSES[names[-2]], _CAPITAL.sub("_", names[-1]).lower()
     else:
@@ -119,21 +119,21 @@ def _field(qos: Qos, name: str) -> Value | None:
     """Return a policy of a profile as a value; None if it is left to the default."""
     if name in _DURATIONS:
         return duration(getattr(qos, _DURATIONS[name]) or 0.0)
-    held: str | int | None = getattr(qos, name)
-    return Text.of(held) if isinstance(held, str) else number(held) if held is not None else None
+    setting: str | int | None = getattr(qos, name)
+    return Text.of(setting) if isinstance(setting, str) else number(setting) if setting is not None else None
 
 
-def construct(made: Object, kind: Kind, arguments: list[Value]) -> None:
+def construct(instance: Object, kind: Kind, arguments: list[Value]) -> None:
     """Initialise a profile as its constructor does."""
     if kind.name == PYTHON_PROFILE:
         given = {name: value for name, value in zip(_OF_PYTHON, arguments, strict=False) if value is not ABSENT}
         if not isinstance(given.get("depth"), Number):
             given.pop("depth", None)
-        made.fields.update(rmw_profile(replace(_DEFAULT, depth=None)).fields | given)
+        instance.fields.update(rmw_profile(replace(_DEFAULT, depth=None)).fields | given)
     elif kind.name == RMW_PROFILE:
-        made.fields.update(rmw_profile(Qos()).fields | dict(zip(_FIELDS, arguments, strict=False)))
+        instance.fields.update(rmw_profile(Qos()).fields | dict(zip(_FIELDS, arguments, strict=False)))
     else:
-        made.native["qos"] = Profile(_constructed(kind.name, arguments))
+        instance.native["qos"] = Profile(_constructed(kind.name, arguments))
 
 
 def _constructed(name: str, arguments: list[Value]) -> Qos | None:
@@ -166,8 +166,8 @@ def profile_of(value: Value) -> Qos | None:
         return None
     if value.kind.name in _STRUCTS:
         return with_fields(Qos(), {name: value.fields[name] for name in _FIELDS if name in value.fields})
-    held = value.native.get("qos")
-    return held.qos if isinstance(held, Profile) else None
+    profile = value.native.get("qos")
+    return profile.qos if isinstance(profile, Profile) else None
 
 
 def changed_profile(machine: Machine, of: Object, name: str, arguments: list[Value]) -> Value | None:
@@ -213,4 +213,4 @@ def _enumerator(name: str, value: Value) -> str | None:
         return dict(enumerate(_NUMBERED[name])).get(int(value.value))
     if name not in _POLICIES:
         return None
-    return value.name if isinstance(value, Enumerator) else value.known if isinstance(value, Text) else None
+    return value.name if isinstance(value, Enumerator) else value.exact if isinstance(value, Text) else None

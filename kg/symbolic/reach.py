@@ -47,16 +47,16 @@ class Reach:
     def __init__(self, descriptions: Descriptions, program: Program) -> None:
         self._effects = descriptions.effects
         self._program = program
-        self._known: dict[int, bool] = {}
+        self._reaching: dict[int, bool] = {}
         self._changed: dict[int, frozenset[str]] = {}
         self._revision = 0
 
     def reaches(self, function: Function) -> bool:
         """Check whether a run of a function can have an effect."""
         self._forget()
-        known = self._known.get(id(function))
-        if known is not None:
-            return known
+        cached = self._reaching.get(id(function))
+        if cached is not None:
+            return cached
         seen = {id(function)}
         looked = set[str]()
         pending: list[Code] = [function]
@@ -64,29 +64,29 @@ class Reach:
             code = pending.pop()
             words = self._program.words(code)
             if words is None or self._has_effect(words) or not words.isdisjoint(_unbound(code)):
-                self._known[id(function)] = True
+                self._reaching[id(function)] = True
                 return True
             words -= looked
             looked |= words
             for called in self._program.definitions(words):
                 key = id(called)
-                if self._known.get(key):
-                    self._known[id(function)] = True
+                if self._reaching.get(key):
+                    self._reaching[id(function)] = True
                     return True
-                if key not in seen and key not in self._known:
+                if key not in seen and key not in self._reaching:
                     seen.add(key)
                     pending.append(called)
-        self._known.update(dict.fromkeys(seen, False))
+        self._reaching.update(dict.fromkeys(seen, False))
         return False
 
     def changes(self, function: Function) -> frozenset[str]:
         """Return the names of what a run of a function can change."""
         self._forget()
-        known = self._changed.get(id(function))
-        if known is None:
+        cached = self._changed.get(id(function))
+        if cached is None:
             assigned = map(self._program.assigned, self._closure([function])[0])
-            known = self._changed[id(function)] = frozenset().union(*assigned)
-        return known
+            cached = self._changed[id(function)] = frozenset().union(*assigned)
+        return cached
 
     def uses(self, functions: Iterable[Function]) -> set[str]:
         """Return the words in the code that runs of some functions can reach."""
@@ -94,23 +94,23 @@ class Reach:
 
     def _closure(self, functions: Iterable[Function]) -> tuple[list[Code], set[str]]:
         """Return the code that runs of some functions can reach, with its words."""
-        found: list[Code] = [*functions]
-        seen = set(map(id, found))
+        reachable: list[Code] = [*functions]
+        seen = set(map(id, reachable))
         looked = set[str]()
-        for code in found:
+        for code in reachable:
             words = (self._program.words(code) or frozenset()) - looked
             looked |= words
             for called in self._program.definitions(words):
                 if id(called) not in seen:
                     seen.add(id(called))
-                    found.append(called)
-        return found, looked
+                    reachable.append(called)
+        return reachable, looked
 
     def _forget(self) -> None:
         """Forget what may be otherwise now that the program has more code."""
         if self._program.revision != self._revision:
             self._revision = self._program.revision
-            self._known = {key: reaching for key, reaching in self._known.items() if reaching}
+            self._reaching = {key: reaching for key, reaching in self._reaching.items() if reaching}
             self._changed.clear()
 
     def _has_effect(self, words: frozenset[str]) -> bool:

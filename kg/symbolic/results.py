@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from kg.symbolic.durations import DURATION, made_duration
+from kg.symbolic.durations import DURATION, construct_duration
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, below, camera_info, namespace_of, own_namespace
 from kg.symbolic.values import (
     Guard,
@@ -56,7 +56,7 @@ def result(framework: Framework, returns: str | None, call: Invocation, paramete
     if what == "namespace":
         return own_namespace(node)
     if what == "duration":
-        return made_duration(DURATION, float(detail), values or [number(1)])
+        return construct_duration(DURATION, float(detail), values or [number(1)])
     if not detail.isdecimal():
         return Object(Kind(tuple(returns.split("::"))))
     if what == "format":
@@ -86,10 +86,10 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
 
 def _is_declared(framework: Framework, name: Value, node: Value | None) -> Value:
     """Return whether a parameter is declared; those of launch files can be, without code, if the node says so."""
-    known = name.known if isinstance(name, Text) else None
-    if known is None:
+    exact = name.exact if isinstance(name, Text) else None
+    if exact is None:
         return _DEPENDS
-    if framework.parameters.declares(node, known):
+    if framework.parameters.declares(node, exact):
         return Truth(True)
     automatic = node.native.get("automatic") if isinstance(node, Object) else None
     return Truth(False) if automatic in (None, Truth(False)) else _DEPENDS

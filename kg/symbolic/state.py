@@ -195,8 +195,8 @@ class Invocation:
     def argument(self, index: int | None) -> Value | None:
         """Return the value of an argument; None if the call has no such argument."""
         values = self.arguments.values
-        found = values[index] if index is not None and index < len(values) else None
-        return None if found is ABSENT else found
+        value = values[index] if index is not None and index < len(values) else None
+        return None if value is ABSENT else value
 
     def declared(self, index: int | None, language: Language) -> Kind | None:
         """Return the declared type of the variable that is passed as an argument."""
@@ -291,9 +291,9 @@ class Journal:
         for key, (holder, name, _) in keys.items():
             before = holder.get(name, _MISSING)
             values = [side[key][2] if key in side else before for side in sides]
-            kept: list[Slot] = [UNSET if isinstance(value, _Missing) else value for value in values]
+            slots: list[Slot] = [UNSET if isinstance(value, _Missing) else value for value in values]
             if terms is not None:
-                pairs = zip(kept, terms, strict=True)
-                kept = [under(value, held) if isinstance(value, Text) else value for value, held in pairs]
-            plain: list[Value] = [value for value in kept if not isinstance(value, _SPECIAL)]
-            self.write(holder, name, kept[0] if len(plain) != len(kept) else self._joined(plain, choice))
+                pairs = zip(slots, terms, strict=True)
+                slots = [under(value, term) if isinstance(value, Text) else value for value, term in pairs]
+            plain: list[Value] = [value for value in slots if not isinstance(value, _SPECIAL)]
+            self.write(holder, name, slots[0] if len(plain) != len(slots) else self._joined(plain, choice))

@@ -43,14 +43,14 @@ class Registered:
 def port_value(port: PortDescription, call: Invocation, defaults: dict[str, Value]) -> Value:
     """Return the value of a port, a text from a parameter `port[name]`; a call with a default adds it to `defaults`."""
     name = call.argument(port.name)
-    known = name.known if isinstance(name, Text) else None
-    if known is None:
+    port_name = name.exact if isinstance(name, Text) else None
+    if port_name is None:
         return Unknown("the name of the port is not known")
     default = call.argument(port.default)
     if default is not None:
-        defaults[known] = default
-    held = defaults.get(known)
-    parameter = f"port[{known}]"
-    if isinstance(held, Text) and held.known:
-        return replace(held, parameter=parameter, resolution=Resolution.PARAMETER_DEFAULT)
+        defaults[port_name] = default
+    current = defaults.get(port_name)
+    parameter = f"port[{port_name}]"
+    if isinstance(current, Text) and current.exact:
+        return replace(current, parameter=parameter, resolution=Resolution.PARAMETER_DEFAULT)
     return Text.hole(_PORT, parameter=parameter)

@@ -60,7 +60,7 @@ class Text:
         return cls((Hole(label_of(parameter or label)),), Resolution.PARTIAL, parameter, reason)
 
     @property
-    def known(self) -> str | None:
+    def exact(self) -> str | None:
         """The string; None if it has a hole."""
         if len(self.parts) == 1:
             only = self.parts[0]
@@ -75,7 +75,7 @@ class Text:
         return written(self.parts)
 
     @property
-    def nothing_known(self) -> bool:
+    def wholly_unknown(self) -> bool:
         """Whether no letter of it is known."""
         return not any(
             part.label == PARENT if isinstance(part, Hole) else part.strip("/~._") for part in self.parts
@@ -163,10 +163,10 @@ class TypeValue:
 
 @dataclass(slots=True, eq=False)
 class Object:
-    """An instance of a class. `made` is False if it comes from outside: no code that was run creates it."""
+    """An instance of a class. `created` is False if it comes from outside: no code that was run creates it."""
 
     kind: Kind
-    made: bool = True
+    created: bool = True
     fields: dict[str, Value] = field(default_factory=dict)
     native: dict[str, Value] = field(default_factory=dict)
     """State of an object of a framework class, by the names that `kg.symbolic.effects` uses."""
@@ -279,11 +279,11 @@ def alternatives(value: Value) -> tuple[Value, ...]:
 
 
 def _unique(items: Iterable[Value]) -> list[Value]:
-    found: list[Value] = []
+    unique: list[Value] = []
     for item in items:
-        if item not in found:
-            found.append(item)
-    return found
+        if item not in unique:
+            unique.append(item)
+    return unique
 
 
 def paths(value: Value) -> Iterable[tuple[Value, Way]]:
@@ -306,14 +306,14 @@ def options(values: Iterable[Value], choice: object) -> Value:
     solid = [value for value in values if type(value) is not Unknown or value.parameter is not None]
     if len(solid) == 1 and type(solid[0]) not in _DECISIVE and not _is_nothing(solid[0]):
         return _or_unknown(solid[0])  # as `_any_of`, which leaves out what is not known
-    found: list[tuple[Value, Way]] = []
+    pairs: list[tuple[Value, Way]] = []
     for index, value in enumerate(values):
         option = frozenset([(choice, index)])
         if isinstance(value, Either):
-            found += [(item, way | option) for item, way in paths(value)]
+            pairs += [(item, way | option) for item, way in paths(value)]
         else:
-            found.append((value, option))
-    return _any_of(found)
+            pairs.append((value, option))
+    return _any_of(pairs)
 
 
 def rows(values: tuple[Value, ...], most: int) -> Iterator[tuple[tuple[Value, ...], Way]]:
@@ -346,13 +346,13 @@ def over(values: Iterable[Value], apply: Callable[..., Value]) -> Value:
             break
     else:
         return apply(*values)
-    found: list[Value] = []
+    results: list[Value] = []
     for row, way in rows(values, MOST_ALTERNATIVES):
         result = apply(*row)
         pairs = list(paths(result))
-        found.append(Either(tuple(item for item, _ in pairs), tuple(own | way for _, own in pairs)))
+        results.append(Either(tuple(item for item, _ in pairs), tuple(own | way for _, own in pairs)))
     # A single value is joined with itself, as `join` would leave it alone, and its alternatives can be alike.
-    return join(*found, found[0]) if found else Unknown("its parts exclude each other")
+    return join(*results, results[0]) if results else Unknown("its parts exclude each other")
 
 
 _READ_BACK: Final = frozenset({Text, Sequence, Either})
@@ -394,7 +394,7 @@ def whole_parameter(value: Value) -> bool:
     """Check whether a value is exactly the value of a parameter without default."""
     if isinstance(value, Unknown):
         return value.parameter is not None
-    return isinstance(value, Text) and value.parameter is not None and len(value.parts) == 1 and value.known is None
+    return isinstance(value, Text) and value.parameter is not None and len(value.parts) == 1 and value.exact is None
 
 
 def join(*values: Value) -> Value:
@@ -418,38 +418,38 @@ def _any_of(pairs: list[tuple[Value, Way]]) -> Value:
     """Return a value that is any of some values, each with the choices that lead to it."""
     if len(pairs) > MOST_ROWS:
         return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
-    found = _unique(item for item, _ in pairs)
-    known = _with_defaults(found) if len(found) > 1 else found
-    if known is not found:
-        pairs, found = [], known
-    if LENGTH in found:
+    items = _unique(item for item, _ in pairs)
+    defaulted = _with_defaults(items) if len(items) > 1 else items
+    if defaulted is not items:
+        pairs, items = [], defaulted
+    if LENGTH in items:
         return LENGTH
-    if {type(item) for item in found} in ({Truth, Unknown}, {Number, Unknown}):
-        return next(item for item in found if isinstance(item, Unknown))
-    if any(map(_is_nothing, found)):
-        filled = [one for one in found if not _is_nothing(one) and one not in _NEVER_FILLED]
+    if {type(item) for item in items} in ({Truth, Unknown}, {Number, Unknown}):
+        return next(item for item in items if isinstance(item, Unknown))
+    if any(map(_is_nothing, items)):
+        filled = [one for one in items if not _is_nothing(one) and one not in _NEVER_FILLED]
         if filled and all(type(one) is Unknown for one in filled):
             return filled[0]  # what it may hold decides whether loops run
-    if len(found) > 1 and any(not isinstance(item, Unknown) for item in found):
-        found = [item for item in found if not isinstance(item, Unknown) or item.parameter is not None] or found
-        if len(found) == 1:
-            return _or_unknown(found[0])
-    united = _united(found) if len(found) > _MOST_CONTAINERS else None
+    if len(items) > 1 and any(not isinstance(item, Unknown) for item in items):
+        items = [item for item in items if not isinstance(item, Unknown) or item.parameter is not None] or items
+        if len(items) == 1:
+            return _or_unknown(items[0])
+    united = _united(items) if len(items) > _MOST_CONTAINERS else None
     if united is not None:
         return united
-    if len(found) > MOST_ALTERNATIVES:
+    if len(items) > MOST_ALTERNATIVES:
         return Unknown(f"it has more than {MOST_ALTERNATIVES} possible values")
-    if len(found) == 1:
-        return found[0]
-    kept = [pair for pair in pairs if pair[0] in found]
+    if len(items) == 1:
+        return items[0]
+    kept = [pair for pair in pairs if pair[0] in items]
     if len(kept) > MOST_ALTERNATIVES or not any(way for _, way in kept):
-        return Either(tuple(found))
+        return Either(tuple(items))
     return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
 
 
 def _or_unknown(value: Value) -> Value:
     """Return a value that can also be unknown: comparisons with a text that is empty at first decide nothing."""
-    if isinstance(value, Text) and value.parameter is None and value.known == "":
+    if isinstance(value, Text) and value.parameter is None and value.exact == "":
         return replace(value, unsure=True)
     return value
 
@@ -469,37 +469,37 @@ _MOST_UNITED: Final = 32
 """How many elements each container has at most of those whose elements are taken together."""
 
 
-def _united(found: list[Value]) -> Value | None:
+def _united(values: list[Value]) -> Value | None:
     """Return a container with the elements of all of some that grew differently; unknown if they have many elements.
 
     None if not all are lists or maps. Those of one length are rows, such as pairs, which stay apart.
     """
-    held = [one for one in found if isinstance(one, Sequence | Mapping) and one.parameter is None]
-    kinds, lengths = {type(one) for one in held}, {len(one.items) for one in held}
-    if len(held) < len(found) or len(kinds) > 1 or len(lengths) == 1:
+    containers = [one for one in values if isinstance(one, Sequence | Mapping) and one.parameter is None]
+    kinds, lengths = {type(one) for one in containers}, {len(one.items) for one in containers}
+    if len(containers) < len(values) or len(kinds) > 1 or len(lengths) == 1:
         return None
-    longest = max(held, key=lambda one: len(one.items))
+    longest = max(containers, key=lambda one: len(one.items))
     if len(longest.items) > _MOST_UNITED:
         return Unknown(f"it has more than {_MOST_CONTAINERS} possible values")
-    more = any(one.open for one in held)
+    more = any(one.open for one in containers)
     if isinstance(longest, Sequence):
-        items = dict.fromkeys(item for one in held if isinstance(one, Sequence) for item in one.items)
+        items = dict.fromkeys(item for one in containers if isinstance(one, Sequence) for item in one.items)
         return Sequence(tuple(items), more, repeated=True)
-    pairs = dict.fromkeys(pair for one in held if isinstance(one, Mapping) for pair in one.items)
+    pairs = dict.fromkeys(pair for one in containers if isinstance(one, Mapping) for pair in one.items)
     return replace(longest, items=tuple(pairs), open=more)
 
 
-def _with_defaults(found: list[Value]) -> list[Value]:
+def _with_defaults(items: list[Value]) -> list[Value]:
     """Return alternatives in which a parameter without default takes the other alternatives as defaults."""
-    unset = next((item for item in found if whole_parameter(item)), None)
+    unset = next((item for item in items if whole_parameter(item)), None)
     if unset is None:
-        return found
+        return items
     parameter = unset.parameter if isinstance(unset, (Text, Unknown)) else None
     result: list[Value] = []
     others: list[Value] = []
-    for item in found:
-        if isinstance(item, Text) and item.parameter is None and item.known is not None:
-            if item.known:
+    for item in items:
+        if isinstance(item, Text) and item.parameter is None and item.exact is not None:
+            if item.exact:
                 resolution = worse(item.resolution, Resolution.PARAMETER_DEFAULT)
                 result.append(replace(item, parameter=parameter, resolution=resolution))
         elif isinstance(item, (Number, Truth, Sequence, Mapping)) and item.parameter is None:

@@ -73,7 +73,7 @@ def test_includes_are_files_of_their_own_sources(tmp_path: Path) -> None:
 
 def test_the_sum_counts_by_severity() -> None:
     """The sum counts findings by severity, followed by the allowed and the baseline ones."""
-    found = Report((finding(severity="error"), finding()), allowed=(finding(),), known=(finding(), finding()))
+    found = Report((finding(severity="error"), finding()), allowed=(finding(),), baselined=(finding(), finding()))
     assert list(summary(Checked(found, (), 3))) == [
         "3 systems checked: 1 error, 1 warning; 1 allowed; 2 in the baseline",
         "`kg explain KG407`: details and fixes",

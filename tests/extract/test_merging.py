@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kg.extract.marks import Extracted, Mark
-from kg.extract.package import merge, own_name, settled
+from kg.extract.package import canonical, merge, own_name
 from kg.facts import Access, Interface, Location, NodeKind, NodeType, Parameter, Resolution, Role
 
 SCAN = Interface(Role.SUBSCRIBES, "scan", "sensor_msgs/LaserScan", Resolution.LITERAL, Location("a.cpp", 3))
@@ -70,8 +70,8 @@ def test_an_executable_that_differs_from_a_class_stays_apart() -> None:
 
 def test_names_left_open_are_resolved_under_the_nodes_own_name() -> None:
     """A private name is resolved below the name that the node gives itself, else below that of its type."""
-    (plain,) = settled([replace(NODE, interfaces=(SCAN, MAP))])
-    (named,) = settled([replace(NODE, interfaces=(MAP,), node_name="gmapping")])
+    (plain,) = canonical([replace(NODE, interfaces=(SCAN, MAP))])
+    (named,) = canonical([replace(NODE, interfaces=(MAP,), node_name="gmapping")])
     assert [i.resolved for i in plain.interfaces] == ["/slam/map", "/scan"]
     assert [i.resolved for i in named.interfaces] == ["/gmapping/map"]
 
@@ -90,7 +90,7 @@ FACTS = st.lists(st.sampled_from([SCAN, MAP, replace(SCAN, name=None), replace(M
 def test_the_order_in_which_facts_were_found_does_not_show(facts: list[Interface], data: st.DataObject) -> None:
     """Merging gives the same node for every order of its facts, and no fact twice."""
     shuffled = data.draw(st.permutations(facts))
-    (one,) = settled([replace(NODE, interfaces=tuple(facts))])
-    (other,) = settled([replace(NODE, interfaces=tuple(shuffled))])
+    (one,) = canonical([replace(NODE, interfaces=tuple(facts))])
+    (other,) = canonical([replace(NODE, interfaces=tuple(shuffled))])
     assert one == other
     assert len(set(one.interfaces)) == len(one.interfaces) == len(set(facts))

@@ -17,11 +17,11 @@ from kg.lint.baseline import compared, read, written
 from kg.lint.finding import Evidence
 
 if TYPE_CHECKING:
-    from kg.lint.baseline import Known
+    from kg.lint.baseline import Entry
     from kg.lint.finding import Finding
 
 
-def kept(findings: list[Finding]) -> Counter[Known]:
+def kept(findings: list[Finding]) -> Counter[Entry]:
     """Return the baseline of findings, written and read."""
     with TemporaryDirectory() as folder:
         file = Path(folder) / "baseline.json"

@@ -58,7 +58,7 @@ def test_a_list_that_may_have_more_items_is_compared_with_none() -> None:
 
 def test_a_subscriber_that_may_be_empty_is_compared_with_null() -> None:
     """An object from outside may be null, so the comparison is unknown."""
-    assert isinstance(compute("==", (Object(Kind(("Node",)), made=False), NULL)), Unknown)
+    assert isinstance(compute("==", (Object(Kind(("Node",)), created=False), NULL)), Unknown)
 
 
 @pytest.mark.parametrize(

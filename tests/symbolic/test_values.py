@@ -105,7 +105,7 @@ def test_concatenation_of_known_values_is_known(values: list[Value]) -> None:
     joined = concatenate(*values)
     assert isinstance(joined, Text)
     pieces = [v.written if isinstance(v, Number) else v.shown for v in values if isinstance(v, Text | Number)]
-    assert joined.known == "".join(pieces)
+    assert joined.exact == "".join(pieces)
     constant = any(isinstance(value, Text) and value.resolution is Resolution.CONSTANT for value in values)
     assert joined.resolution is (Resolution.CONSTANT if constant else Resolution.LITERAL)
 
@@ -115,10 +115,10 @@ def test_concatenation_keeps_known_parts(values: list[Value]) -> None:
     """An unknown part is a hole between the known ones, and the text is never complete."""
     joined = concatenate(*values)
     assert isinstance(joined, Text)
-    holes = [value for value in values if not isinstance(value, Text) or value.known is None]
+    holes = [value for value in values if not isinstance(value, Text) or value.exact is None]
     kept = "".join(part for part in joined.parts if isinstance(part, str))
-    assert kept == "".join(value.known or "" for value in values if isinstance(value, Text))
-    assert (joined.known is None) is bool(holes)
+    assert kept == "".join(value.exact or "" for value in values if isinstance(value, Text))
+    assert (joined.exact is None) is bool(holes)
     assert (joined.resolution is Resolution.PARTIAL) is bool(holes)
     assert (joined.reason is not None) is bool(holes)
 
@@ -144,7 +144,7 @@ def test_a_value_read_back_is_no_literal(value: Value) -> None:
     assert read_back(found) == found
     if isinstance(value, Text) and isinstance(found, Text):
         assert (found.parts, found.parameter, found.reason) == (value.parts, value.parameter, value.reason)
-        assert found.resolution is (Resolution.CONSTANT if value.known is not None else Resolution.PARTIAL)
+        assert found.resolution is (Resolution.CONSTANT if value.exact is not None else Resolution.PARTIAL)
     else:
         assert found == value
 

@@ -44,39 +44,39 @@ def closure_frame(called: Closure) -> Frame:
 
 def _parts(of: Object) -> list[Object]:
     """Return an object of the sources, and those that it holds."""
-    found = [of]
-    for one in found:
-        held = (value for value in one.fields.values() if isinstance(value, Object) and value.kind.cls is not None)
-        found += [value for value in dict.fromkeys(held) if value not in found][: _MOST_PARTS - len(found)]
-    return found
+    parts = [of]
+    for one in parts:
+        members = (value for value in one.fields.values() if isinstance(value, Object) and value.kind.cls is not None)
+        parts += [value for value in dict.fromkeys(members) if value not in parts][: _MOST_PARTS - len(parts)]
+    return parts
 
 
-def _held(of: Object) -> list[tuple[str, Closure | Bound]]:
+def _callables(of: Object) -> list[tuple[str, Closure | Bound]]:
     """Return the functions that an object and what it holds have, each with the name of the field."""
-    found: list[tuple[str, Closure | Bound]] = []
+    callables: list[tuple[str, Closure | Bound]] = []
     seen = {id(of)}
     pending = [of]
     while pending and len(seen) < _MOST_PARTS:
         for name, field in pending.pop().fields.items():
             for value in _elements(field):
                 if isinstance(value, Closure | Bound):
-                    found.append((name, value))
+                    callables.append((name, value))
                 elif isinstance(value, Object) and value.kind.cls is not None and id(value) not in seen:
                     seen.add(id(value))
                     pending.append(value)
-    return found
+    return callables
 
 
-def _elements(held: object) -> Iterator[object]:
+def _elements(value: object) -> Iterator[object]:
     """Yield a value and, of a container, the values in it."""
-    if isinstance(held, Sequence | Either):
-        for item in held.items:
+    if isinstance(value, Sequence | Either):
+        for item in value.items:
             yield from _elements(item)
-    elif isinstance(held, Mapping):
-        for _, item in held.items:
+    elif isinstance(value, Mapping):
+        for _, item in value.items:
             yield from _elements(item)
     else:
-        yield held
+        yield value
 
 
 class Callbacks:
@@ -125,7 +125,7 @@ class Callbacks:
     def _is_idle(self, function: Function, this: Value | None) -> bool:
         """Check whether a callback reaches no effect. It is not run then, and what it changes becomes unknown."""
         reach = self._language.linker.project.reach
-        if reach.reaches(function) or (isinstance(this, Object) and self._runs_held(function, this)):
+        if reach.reaches(function) or (isinstance(this, Object) and self._runs_callable(function, this)):
             return False
         changed = reach.changes(function)
         for of in _parts(this) if isinstance(this, Object) and changed else ():
@@ -134,11 +134,11 @@ class Callbacks:
                     self._language.machine.write(of.fields, name, Unknown("a callback changes it"))
         return True
 
-    def _runs_held(self, function: Function, this: Object) -> bool:
+    def _runs_callable(self, function: Function, this: Object) -> bool:
         """Check whether a callback can call a function that its object holds, and that reaches an effect."""
         reach = self._language.linker.project.reach
-        held = {name for name, one in _held(this) if any(map(reach.reaches, self._functions(one)))}
-        return not held.isdisjoint(reach.uses([function])) if held else False
+        names = {name for name, one in _callables(this) if any(map(reach.reaches, self._functions(one)))}
+        return not names.isdisjoint(reach.uses([function])) if names else False
 
     def _functions(self, called: Closure | Bound) -> Iterable[Function]:
         if isinstance(called, Closure):

@@ -66,10 +66,10 @@ class Calls:
                 return self.method(of, function.name, given, function.of)
             return join(*(self.method(one, function.name, given, function.of) for one in alternatives(of)))
         if isinstance(function, form.Type):
-            found = self._kinds.kind(function, frame)
+            resolved = self._kinds.kind(function, frame)
             values = machine.arguments(expression.arguments, frame)
-            if isinstance(found, Kind):
-                return self._language.construct(found, values, frame, expression.line)
+            if isinstance(resolved, Kind):
+                return self._language.construct(resolved, values, frame, expression.line)
             return Unknown("it is computed")
         called = machine.value(function, frame)
         return self.value(called, Arguments(machine.arguments(expression.arguments, frame), (), expression, frame))
@@ -135,14 +135,14 @@ class Calls:
             of = self._kinds.type_of(form.Name(expression.line, (names[0][9:-1],)), frame)
             if of is not None:
                 given = Arguments(values, of.arguments, expression, frame)
-                known = machine.framework.call_function((*of.names, last), given)
-                return known if known is not None else outside(last, values)
+                result = machine.framework.call_function((*of.names, last), given)
+                return result if result is not None else outside(last, values)
         given = Arguments(values, self._kinds.template(function.template, frame), expression, frame)
         this = this_of(frame)
         if local and isinstance(this, Object):
             if self._kinds.has_field(this, last):
                 return self.value(self._language.member(this, last), replace(given, template=()))
-            if self._language.methods(this.kind, last) or machine.framework.knows_method(this, last):
+            if self._language.methods(this.kind, last) or machine.framework.describes_method(this, last):
                 return self.method(this, last, given)
         scoped = self._sibling(last, given, frame) if local else self._scoped(function, this, given, frame)
         return scoped if scoped is not None else self._function(function, given, frame)
@@ -179,11 +179,11 @@ class Calls:
 
     def _of_base(self, this: Object, base: Kind | None, name: str, given: Arguments) -> Value:
         """Call the method of a base on an object; a base of None is not in the sources."""
-        found = self._fitting(base, name, given) if base is not None else []
-        if found:
-            return self._on(this, found, given)
-        known = self._language.machine.framework.call_method(this, name, given)
-        return known if known is not None else outside(name, given.values)
+        methods = self._fitting(base, name, given) if base is not None else []
+        if methods:
+            return self._on(this, methods, given)
+        result = self._language.machine.framework.call_method(this, name, given)
+        return result if result is not None else outside(name, given.values)
 
     def _function(self, function: form.Name, given: Arguments, frame: Frame) -> Value:
         """Call a function that is not a method: of the sources, of a framework, of a library, or a construction."""
@@ -200,11 +200,11 @@ class Calls:
             matching = [one for one in defined if fits(one, len(given.values))]
         if matching:
             return self._invoke([(one, {}) for one in matching], given)
-        known = language.machine.framework.call_function(names, given)
-        if known is None:
-            known = library.call(language, names, given)
-        if known is not None:
-            return known
+        result = language.machine.framework.call_function(names, given)
+        if result is None:
+            result = library.call(language, names, given)
+        if result is not None:
+            return result
         if last in library.TYPES or last in POINTERS:
             return language.construct(Kind(names, given.template), given.values, frame, given.line)
         kind = self._kinds.kind(form.Type(names, function.template), frame)
@@ -256,50 +256,50 @@ class Calls:
 
     def method(self, of: Value, name: str, given: Arguments, written: Expression | None = None) -> Value:
         """Call a method of a value; `written` is the expression of the value."""
-        known = self._of_object(of, name, given) if isinstance(of, Object) else None
+        result = self._of_object(of, name, given) if isinstance(of, Object) else None
         if isinstance(of, Unknown) and given.template:
-            known = self._node_of(given)
-        if known is None and not (isinstance(of, Object) and of.kind.cls is not None):
+            result = self._node_of(given)
+        if result is None and not (isinstance(of, Object) and of.kind.cls is not None):
             kind = given.template[0] if given.template else None
-            known = self._language.machine.framework.call_unknown_node(name, kind, given)
-        if known is None:
-            known = library.method(self._language, of, name, given, written)
-        if known is None and name in ("first", "second"):
-            known = self._held(self._language.member(of, name), given)  # `found->second(value)`
-        if known is not None:
-            return known
+            result = self._language.machine.framework.call_unknown_node(name, kind, given)
+        if result is None:
+            result = library.method(self._language, of, name, given, written)
+        if result is None and name in ("first", "second"):
+            result = self._call_member(self._language.member(of, name), given)  # `found->second(value)`
+        if result is not None:
+            return result
         self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
 
-    def _held(self, held: Value | None, given: Arguments) -> Value | None:
+    def _call_member(self, member: Value | None, given: Arguments) -> Value | None:
         """Call a function that a member holds; return None for other values."""
-        functions = held is not None and all(isinstance(one, Closure | Bound) for one in alternatives(held))
-        return self.value(held, given) if held is not None and functions else None
+        functions = member is not None and all(isinstance(one, Closure | Bound) for one in alternatives(member))
+        return self.value(member, given) if member is not None and functions else None
 
     def _node_of(self, given: Arguments) -> Object | None:
         """Return the node that a method of an unknown object gives, if its template argument is a class of nodes."""
         first = given.template[0]
-        made = Object(pointee(first.kind), made=False) if isinstance(first, TypeValue) else None
+        node = Object(pointee(first.kind), created=False) if isinstance(first, TypeValue) else None
         framework = self._language.machine.framework
-        if made is None or not framework.is_node(made):
+        if node is None or not framework.is_node(node):
             return None
-        return framework.host_node() if made.kind.cls is None else made
+        return framework.host_node() if node.kind.cls is None else node
 
     def _of_object(self, of: Object, name: str, given: Arguments) -> Value | None:
         """Call a method of an object; return None for methods unknown to the sources and the frameworks."""
         language = self._language
         fitting = self._fitting(of.kind, name, given)
-        if fitting and of.made:
+        if fitting and of.created:
             return self._on(of, fitting, given)
         node = language.machine.framework.is_node(of)
         if not fitting or node:
-            known = language.machine.framework.call_method(of, name, given)
-            if known is not None:
-                return known
+            result = language.machine.framework.call_method(of, name, given)
+            if result is not None:
+                return result
         if fitting and node:  # what it creates on a node that was passed in belongs to the caller
             return self._on(of, fitting, given)
         if not fitting and name in of.fields:
-            return self._held(of.fields[name], given)
+            return self._call_member(of.fields[name], given)
         if fitting:
             self._leave(given, name)
             chosen, bound = self.overload(fitting, given.values)
@@ -314,30 +314,30 @@ class Calls:
 
     def _pointed(self, of: Object) -> Value | None:
         """Return what the `operator->` of an object gives; None if its class has none."""
-        found = self._language.methods(of.kind, "operator->")[-1:]
-        value = self._on(of, found, Arguments([])) if found and of.made else None
-        for one, bound in found if value is None or isinstance(value, Unknown) else ():
+        operators = self._language.methods(of.kind, "operator->")[-1:]
+        value = self._on(of, operators, Arguments([])) if operators and of.created else None
+        for one, bound in operators if value is None or isinstance(value, Unknown) else ():
             value = self._language.unknown(one.returns, frame_of(one, bound), one.name)
         return value if value is not of else None
 
-    def _on(self, of: Object, found: list[Overload], given: Arguments) -> Value:
+    def _on(self, of: Object, methods: list[Overload], given: Arguments) -> Value:
         """Run the best overload of a method on an object."""
         # A method of a class hides those of its bases with the same name, whatever their parameters are.
-        nearest = [one for one in found if one[0].owner is found[0][0].owner]
+        nearest = [one for one in methods if one[0].owner is methods[0][0].owner]
         return self._invoke(nearest, given, of)
 
     def _static(self, kind: Kind, name: str, given: Arguments) -> Value | None:
         """Call a static method of a class; return None if the class has none of that name."""
-        found = self._fitting(kind, name, given)
-        return self._invoke(found, given) if found else None
+        methods = self._fitting(kind, name, given)
+        return self._invoke(methods, given) if methods else None
 
     def _fitting(self, kind: Kind, name: str, given: Arguments) -> list[Overload]:
         """Return the methods of a name that can take the arguments of a call."""
-        return [found for found in self._language.methods(kind, name) if fits(found[0], len(given.values))]
+        return [method for method in self._language.methods(kind, name) if fits(method[0], len(given.values))]
 
-    def _invoke(self, found: list[Overload], given: Arguments, this: Object | None = None) -> Value:
+    def _invoke(self, overloads: list[Overload], given: Arguments, this: Object | None = None) -> Value:
         """Run the best overload of a function."""
-        chosen, bound = self.overload(found, given.values)
+        chosen, bound = self.overload(overloads, given.values)
         frame = frame_of(chosen, bound, None if chosen.static else this)
         frame.types.update(zip(chosen.template, given.template, strict=False))
         self._kinds.bind_template(chosen, frame, given.values, given.written, given.frame)

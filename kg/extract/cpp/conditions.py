@@ -60,10 +60,10 @@ def holds(directive: bytes, macros: Macros) -> bool | None:
     Returns:
         None if something else decides it.
     """
-    found = _DIRECTIVE.match(directive)
-    if found is None:
+    match = _DIRECTIVE.match(directive)
+    if match is None:
         return None
-    kind, condition = found[1], _LEFT_OUT.sub(b" ", found[2])
+    kind, condition = match[1], _LEFT_OUT.sub(b" ", match[2])
     if kind == b"else":
         return True
     tokens = _TOKEN.findall(condition)
@@ -71,8 +71,8 @@ def holds(directive: bytes, macros: Macros) -> bool | None:
         return None
     reading = _Reading(tokens, macros)
     if kind in (b"ifdef", b"ifndef"):
-        known = reading.is_defined(condition.strip())
-        return known if kind == b"ifdef" or known is None else not known
+        defined = reading.is_defined(condition.strip())
+        return defined if kind == b"ifdef" or defined is None else not defined
     return reading.whole()
 
 
@@ -86,8 +86,8 @@ class _Reading:
 
     def whole(self) -> bool | None:
         """Return the truth of the condition; None if a part of it is unknown that decides, or cannot be read."""
-        known = self._either()
-        return known if self._at == len(self._tokens) else None
+        value = self._either()
+        return value if self._at == len(self._tokens) else None
 
     def is_defined(self, name: bytes) -> bool | None:
         """Return whether a macro is defined."""
@@ -117,24 +117,24 @@ class _Reading:
 
     def _joined(self, sign: bytes, part: Callable[[], bool | None], *, decisive: bool) -> bool | None:
         """Return the truth of parts with a sign between them, of which one that is `decisive` decides."""
-        found = [part()]
+        values = [part()]
         while self._next() == sign:
             self._take()
-            found.append(part())
-        return decisive if decisive in found else None if None in found else not decisive
+            values.append(part())
+        return decisive if decisive in values else None if None in values else not decisive
 
     def _one(self) -> bool | None:
         token = self._take()
         if token == b"!":
-            known = self._one()
-            return None if known is None else not known
+            truth = self._one()
+            return None if truth is None else not truth
         if token == b"(":
-            known = self._either()
-            return known if self._take() == b")" else None
+            truth = self._either()
+            return truth if self._take() == b")" else None
         if token == b"defined":
             bracket = self._next() == b"(" and self._take()
-            known = self.is_defined(self._take())
-            return known if not bracket or self._take() == b")" else None
+            truth = self.is_defined(self._take())
+            return truth if not bracket or self._take() == b")" else None
         value = self._value(token)
         if self._next() not in _COMPARISONS:
             return None if value is None else value != 0

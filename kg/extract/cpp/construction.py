@@ -40,29 +40,29 @@ class Constructions:
         arguments = self._language.machine.arguments(expression.arguments, frame)
         if expression.type.pointer and not expression.heap and len(arguments) == 1:
             return arguments[0]
-        found = self._kinds.kind(expression.type, frame)
-        if isinstance(found, TypeValue):
-            found = found.kind
-        if not isinstance(found, Kind):
+        kind = self._kinds.kind(expression.type, frame)
+        if isinstance(kind, TypeValue):
+            kind = kind.kind
+        if not isinstance(kind, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
-        if not arguments and not expression.heap and (found.name in library.NUMBERS or found.name == "bool"):
-            return library.stored(found, number(0.0)) if found.name != "bool" else Truth(False)
-        made = self.construct(found, arguments, frame, expression.line, listed=expression.listed)
-        if expression.heap and isinstance(made, Object):
-            made.heap = True
-        return made
+        if not arguments and not expression.heap and (kind.name in library.NUMBERS or kind.name == "bool"):
+            return library.stored(kind, number(0.0)) if kind.name != "bool" else Truth(False)
+        result = self.construct(kind, arguments, frame, expression.line, listed=expression.listed)
+        if expression.heap and isinstance(result, Object):
+            result.heap = True
+        return result
 
     def default(self, kind: Type, frame: Frame, line: int) -> Value:
         """Return the value of a variable that is declared without one."""
         if kind.pointer:
             return Unknown("it is null")
-        found = self._kinds.kind(kind, frame)
-        if not isinstance(found, Kind):
+        resolved = self._kinds.kind(kind, frame)
+        if not isinstance(resolved, Kind):
             return Unknown("its type is not known")
-        if is_pointer(found):
+        if is_pointer(resolved):
             return Unknown("it is null")
         with self._at(frame, line):
-            value = self.construct(found, [], frame, line)
+            value = self.construct(resolved, [], frame, line)
         if isinstance(value, Object) and value.kind.cls is None:
             value.native["empty"] = Truth(True)
         return value
@@ -76,23 +76,23 @@ class Constructions:
             return self._outside(kind, arguments, line, listed=listed)
         if len(arguments) == 1 and isinstance(arguments[0], Object) and arguments[0].kind.cls is kind.cls:
             return self._language.copies.copied(arguments[0], kind)
-        made = machine.created(Object(kind, line=line, path=frame.unit.path if frame is not None else ""))
+        instance = machine.created(Object(kind, line=line, path=frame.unit.path if frame is not None else ""))
         if len(machine.stack) <= _DEEPEST:
-            self.initialise(made, kind, arguments, listed=listed)
-            machine.framework.constructed(made)
-        return made
+            self.initialise(instance, kind, arguments, listed=listed)
+            machine.framework.constructed(instance)
+        return instance
 
     def _outside(self, kind: Kind, arguments: list[Value], line: int, *, listed: bool) -> Value:
         """Return an object of a class outside of the sources: of a framework, of a library, or unknown."""
         if is_pointer(kind):
             return arguments[0] if arguments else Unknown("it is null")
-        known = self._language.machine.framework.construct(kind, Arguments(arguments))
-        if known is None:
-            known = library.construct(self._language, kind, arguments, listed=listed)
-        if known is None:
-            known = self._wrapped(kind, arguments, line)
-        if known is not None:
-            return known
+        result = self._language.machine.framework.construct(kind, Arguments(arguments))
+        if result is None:
+            result = library.construct(self._language, kind, arguments, listed=listed)
+        if result is None:
+            result = self._wrapped(kind, arguments, line)
+        if result is not None:
+            return result
         self._language.escape(arguments)
         if not arguments or kind.names[:1] not in (("std",), ("auto",)):
             return Object(kind, line=line)
@@ -115,7 +115,7 @@ class Constructions:
 
     def initialise(
         self,
-        made: Object,
+        this: Object,
         kind: Kind,
         arguments: list[Value],
         *,
@@ -128,20 +128,20 @@ class Constructions:
         """
         cls, machine = kind.cls, self._language.machine
         if cls is None:
-            machine.framework.construct_base(made, kind, Arguments(arguments))
+            machine.framework.construct_base(this, kind, Arguments(arguments))
             return
         if len(machine.stack) > _DEEPEST:
             machine.reached("depth")
             return
         bound = self._kinds.bound(cls, kind.arguments)
-        own = inside(cls, bound, made)
+        own = inside(cls, bound, this)
         constructors = self._language.linker.methods(cls).get(cls.name, ())
         candidates = [(f, bound) for f in constructors if fits(f, len(arguments)) and f not in without]
         if not candidates:
-            self._aggregate(made, cls, own, arguments, listed=listed)
+            self._aggregate(this, cls, own, arguments, listed=listed)
             return
         chosen, _ = self._language.calls.overload(candidates, arguments)
-        frame = frame_of(chosen, bound, made)
+        frame = frame_of(chosen, bound, this)
         self._kinds.bind_template(chosen, frame, arguments)
         if len(machine.stack) > _DEEPEST or machine.running[id(chosen)] >= machine.most_repeats:
             machine.reached("depth")
@@ -149,24 +149,24 @@ class Constructions:
         bind(machine, chosen, frame, arguments)
         given = {one.name: one for one in chosen.initialisers}
         if cls.name in given:
-            self.initialise(made, kind, machine.arguments(given[cls.name].arguments, frame), without=(*without, chosen))
+            self.initialise(this, kind, machine.arguments(given[cls.name].arguments, frame), without=(*without, chosen))
         else:
-            self._bases(made, cls, own, frame, given)
-            self._members(made, cls, own, frame, given)
+            self._bases(this, cls, own, frame, given)
+            self._members(this, cls, own, frame, given)
         with machine.entered(chosen):  # after bases and members, as in C++
             machine.run(chosen.body, frame)
 
-    def _aggregate(self, made: Object, cls: Class, own: Frame, arguments: list[Value], *, listed: bool) -> None:
+    def _aggregate(self, instance: Object, cls: Class, own: Frame, arguments: list[Value], *, listed: bool) -> None:
         """Initialise an object of a class without a constructor for some arguments."""
         inherited = bool(arguments) and bool(cls.bases) and not (listed and cls.fields)
         if inherited:
             for index, base in enumerate(cls.bases):
-                found = self._kinds.kind(base, own)
-                if isinstance(found, Kind):
-                    self.initialise(made, found, arguments if index == 0 else [])
+                resolved = self._kinds.kind(base, own)
+                if isinstance(resolved, Kind):
+                    self.initialise(instance, resolved, arguments if index == 0 else [])
         else:
-            self._bases(made, cls, own, own, {})
-        self._members(made, cls, own, own, {})
+            self._bases(instance, cls, own, own, {})
+        self._members(instance, cls, own, own, {})
         if inherited and not listed:
             return
         designated = [pair for pair in (_designated(one, cls) for one in arguments) if pair is not None]
@@ -174,7 +174,7 @@ class Constructions:
             declared = [field for field in cls.fields.values() if not field.static]
             designated = list(zip(declared, arguments, strict=False))
         for field, value in designated:
-            made.fields[field.name] = self._language.converted(value, field.type, None, own)
+            instance.fields[field.name] = self._language.converted(value, field.type, None, own)
 
     @contextmanager
     def _at(self, frame: Frame, line: int, given: tuple[Expression, ...] = ()) -> Iterator[None]:
@@ -186,25 +186,25 @@ class Constructions:
         finally:
             stack.pop()
 
-    def _bases(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
+    def _bases(self, instance: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
         for base in cls.bases:
-            found = self._kinds.kind(base, own)
-            if not isinstance(found, Kind) or found.cls is cls:
+            resolved = self._kinds.kind(base, own)
+            if not isinstance(resolved, Kind) or resolved.cls is cls:
                 continue
-            entry = given.get(base.name) or given.get(found.name) or self._by_alias(found, cls, own, given)
+            entry = given.get(base.name) or given.get(resolved.name) or self._by_alias(resolved, cls, own, given)
             with self._at(frame, entry.line) if entry.line else self._at(own, cls.line):
-                self.initialise(made, found, self._language.machine.arguments(entry.arguments, frame))
+                self.initialise(instance, resolved, self._language.machine.arguments(entry.arguments, frame))
 
     def _by_alias(self, base: Kind, cls: Class, own: Frame, given: _Initialisers) -> form.Initialiser:
         """Return the initialiser of a base that it calls by another name, an empty one if there is none."""
         for name, entry in given.items():
             if name not in cls.fields:
-                meant = self._kinds.kind(form.Type((name,)), own)
-                if isinstance(meant, Kind) and meant.names == base.names:
+                resolved = self._kinds.kind(form.Type((name,)), own)
+                if isinstance(resolved, Kind) and resolved.names == base.names:
                     return entry
         return form.Initialiser("")
 
-    def _members(self, made: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
+    def _members(self, instance: Object, cls: Class, own: Frame, frame: Frame, given: _Initialisers) -> None:
         machine = self._language.machine
         self._around.append(cls)
         for field in cls.fields.values():
@@ -223,22 +223,22 @@ class Constructions:
                     value = self.default(kind, own, field.line)
             else:
                 continue
-            machine.write(made.fields, field.name, value)
+            machine.write(instance.fields, field.name, value)
         self._around.pop()
 
     def _is_around(self, kind: Type, own: Frame) -> bool:
         """Check whether the type of a member is a class around it, so that the member is a pointer by another name."""
-        found = self._kinds.kind(kind, own)
-        return isinstance(found, Kind) and found.cls is not None and found.cls in self._around
+        resolved = self._kinds.kind(kind, own)
+        return isinstance(resolved, Kind) and resolved.cls is not None and resolved.cls in self._around
 
     def _initialised(self, kind: Type | None, arguments: list[Value], own: Frame, entry: form.Initialiser) -> Value:
         """Return the value of a member that a constructor initialises."""
         if kind is None or kind.pointer or kind.reference or self._is_around(kind, own):
             return arguments[0] if arguments else Unknown("it is null")
-        found = self._kinds.kind(kind, own)
-        if not isinstance(found, Kind):
+        resolved = self._kinds.kind(kind, own)
+        if not isinstance(resolved, Kind):
             return arguments[0] if len(arguments) == 1 else Unknown("its type is not known")
-        return self.construct(found, arguments, own, entry.line, listed=entry.listed)
+        return self.construct(resolved, arguments, own, entry.line, listed=entry.listed)
 
     def _valued(self, field: Field, written: Expression, own: Frame) -> Value:
         """Return the value of a member that its declaration initialises."""
@@ -247,15 +247,15 @@ class Constructions:
             return self._language.converted(value, field.type, written, own)
         if self._is_around(field.type, own):
             return value.items[0] if value.items else Unknown("it is null")
-        found = self._kinds.kind(field.type, own)
-        if isinstance(found, Kind):
-            return self.construct(found, list(value.items), own, field.line, listed=True)
+        kind = self._kinds.kind(field.type, own)
+        if isinstance(kind, Kind):
+            return self.construct(kind, list(value.items), own, field.line, listed=True)
         return value
 
 
 def _designated(value: Value, cls: Class) -> tuple[Field, Value] | None:
     """Return the field and the value of `.name = value`, as the interpreter represents it; None for other values."""
     if isinstance(value, Sequence) and len(value.items) == _PAIR and isinstance(value.items[0], Text):
-        field = cls.fields.get(value.items[0].known or "")
+        field = cls.fields.get(value.items[0].exact or "")
         return (field, value.items[1]) if field is not None else None
     return None

@@ -33,7 +33,7 @@ class Copies:
         self._language = language
         self._kinds = language.kinds
 
-    def kept(self, value: Value, kind: Type | None, at: Frame, written: Expression, frame: Frame) -> Value:
+    def copy(self, value: Value, kind: Type | None, at: Frame, written: Expression, frame: Frame) -> Value:
         """Return the value that a place receives from an expression in a frame: a copy of an object in another place.
 
         `kind` is the type of the place, as the frame `at` means it; None if it is not declared.
@@ -44,8 +44,8 @@ class Copies:
             return value
         if isinstance(written, form.Name) and written.names == _THIS:
             return value
-        found = self._kinds.held(kind, at) if kind is not None and kind.names != _AUTO else None
-        return self.copied(value, found or self._kind(written, frame))
+        declared = self._kinds.variable_kind(kind, at) if kind is not None and kind.names != _AUTO else None
+        return self.copied(value, declared or self._kind(written, frame))
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return the value that the target of an assignment holds after it.
@@ -56,14 +56,14 @@ class Copies:
             return value
         declared = self._kinds.written_type(target, frame) if isinstance(target, (form.Name, form.Member)) else None
         kind, at = declared or (None, frame)
-        value = self.kept(value, kind, at, written, frame)
+        value = self.copy(value, kind, at, written, frame)
         through = kind.reference if kind is not None else isinstance(target, form.Unary)
-        held = self._language.machine.value(target, frame) if through and isinstance(value, Object) else None
-        if not (isinstance(held, Object) and isinstance(value, Object) and held.kind.cls is value.kind.cls):
+        current = self._language.machine.value(target, frame) if through and isinstance(value, Object) else None
+        if not (isinstance(current, Object) and isinstance(value, Object) and current.kind.cls is value.kind.cls):
             return value
-        for name, member in value.fields.items() if held.kind.cls is not None else ():
-            self._language.machine.write(held.fields, name, member)
-        return held if held.kind.cls is not None else value
+        for name, member in value.fields.items() if current.kind.cls is not None else ():
+            self._language.machine.write(current.fields, name, member)
+        return current if current.kind.cls is not None else value
 
     def closure(self, expression: form.Lambda, frame: Frame) -> Value:
         """Return the function of a lambda, with the variables that it copies in a frame of their own."""
@@ -74,7 +74,7 @@ class Copies:
         names = [name for name in frame.variables if name not in shared] if shared is not None else ()
         around = [(name, form.Name(expression.line, (name,))) for name in names]
         for name, written in (*around, *expression.captures):
-            inner.variables[name] = self.kept(self._language.machine.value(written, frame), None, frame, written, frame)
+            inner.variables[name] = self.copy(self._language.machine.value(written, frame), None, frame, written, frame)
         captured = tuple(cast("Value", inner.variables[name]) for name, _ in expression.captures)
         return Closure(expression.function, inner, captured=captured)
 
@@ -87,7 +87,7 @@ class Copies:
         declared = self._kinds.written_type(written, frame) if isinstance(written, (form.Name, form.Member)) else None
         if declared is None or (declared[0].names == _AUTO and not declared[0].pointer):
             return None
-        return self._kinds.held(*declared)
+        return self._kinds.variable_kind(*declared)
 
     def copied(self, value: Value, kind: Kind | None = None, copies: dict[int, Object] | None = None) -> Value:
         """Return a copy of a value of a type; objects that pointers hold are the same in both.
@@ -115,7 +115,7 @@ class Copies:
         """Return a copy of an object, with copies of the members that it holds itself."""
         if id(of) in copies:
             return copies[id(of)]
-        made = copies[id(of)] = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
+        copy = copies[id(of)] = replace(of, fields=dict(of.fields), native=dict(of.native), heap=False)
         classes = self._kinds.chain(of.kind)[0]
         for name, value in of.fields.items():
             if not isinstance(value, (Object, Sequence, Mapping, Either)):
@@ -123,7 +123,7 @@ class Copies:
             cls, bound = next(((cls, bound) for cls, bound in classes if name in cls.fields), (None, {}))
             kind = cls.fields[name].type if cls is not None else None
             if cls is None or kind is None:
-                made.fields[name] = self.copied(value, None, copies)
+                copy.fields[name] = self.copied(value, None, copies)
             elif not (kind.pointer or kind.reference):
-                made.fields[name] = self.copied(value, self._kinds.held(kind, inside(cls, bound)), copies)
-        return self._language.machine.created(made)
+                copy.fields[name] = self.copied(value, self._kinds.variable_kind(kind, inside(cls, bound)), copies)
+        return self._language.machine.created(copy)

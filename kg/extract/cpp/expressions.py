@@ -141,7 +141,7 @@ class Expressions:
     def parameters(self, declarator: Node | None) -> tuple[Parameter, ...]:
         """Return the parameters of a function or lambda declarator."""
         listed = declarator.child_by_field_name("parameters") if declarator is not None else None
-        found: list[Parameter] = []
+        parameters: list[Parameter] = []
         for child in syntax.arguments(listed):
             if child.type in (
                 "parameter_declaration",
@@ -154,11 +154,11 @@ class Expressions:
                 variadic = child.type == "variadic_parameter_declaration"
                 shown = syntax.text(name).lstrip(".").strip() if name is not None else ""
                 kind = self.declared(child, inner)
-                made = self.expression(default) if default is not None else None
-                if isinstance(made, Construct) and not made.type.names:  # `Handle pnh = {"~"}`
-                    made = replace(made, type=replace(kind, reference=False))
-                found.append(Parameter(shown, kind, made, variadic))
-        return tuple(found)
+                initial = self.expression(default) if default is not None else None
+                if isinstance(initial, Construct) and not initial.type.names:  # `Handle pnh = {"~"}`
+                    initial = replace(initial, type=replace(kind, reference=False))
+                parameters.append(Parameter(shown, kind, initial, variadic))
+        return tuple(parameters)
 
     # Expressions
 
@@ -191,10 +191,10 @@ class Expressions:
         return Name(line_of(node), (shown,)) if shown else self._opaque(node)
 
     def _name(self, node: Node) -> Expression:
-        found = syntax.parts(node)
-        written = next((part.template for part in reversed(found) if part.template is not None), None)
+        parts = syntax.parts(node)
+        written = next((part.template for part in reversed(parts) if part.template is not None), None)
         template = self._template(written)
-        names = tuple(part.name for part in found if part.name)
+        names = tuple(part.name for part in parts if part.name)
         if len(names) == 1 and node.type == "qualified_identifier":
             names = ("", *names)  # `::name`
         return Name(line_of(node), names, template) if names else self._opaque(node)
@@ -248,17 +248,17 @@ class Expressions:
 
     def arguments(self, node: Node | None) -> tuple[Expression, ...]:
         """Return the forms of an argument list; `"text" MACRO` is one argument."""
-        found: list[Expression] = []
+        arguments: list[Expression] = []
         for child in node.named_children if node is not None else ():
             if child.type == "comment" or child.type in PREPROCESSED:
                 continue
             if child.type == "ERROR":
-                if found and child.named_children:
-                    joined = (found.pop(), *self.expressions(child.named_children))
-                    found.append(Binary(line_of(child), "+", joined))
+                if arguments and child.named_children:
+                    joined = (arguments.pop(), *self.expressions(child.named_children))
+                    arguments.append(Binary(line_of(child), "+", joined))
                 continue
-            found.append(self.expression(child))
-        return tuple(found)
+            arguments.append(self.expression(child))
+        return tuple(arguments)
 
     def _field(self, node: Node) -> Expression:
         of, named = node.child_by_field_name("argument"), node.child_by_field_name("field")
@@ -343,7 +343,7 @@ class Expressions:
 
     def _lambda(self, node: Node) -> Expression:
         body = node.child_by_field_name("body")
-        made = Function(
+        function = Function(
             self._unit,
             "lambda",
             (),
@@ -352,7 +352,7 @@ class Expressions:
             source=body,
         )
         captured, shared = self._captures(node.child_by_field_name("captures"))
-        return Lambda(line_of(node), made, captured, shared)
+        return Lambda(line_of(node), function, captured, shared)
 
     def _captures(self, node: Node | None) -> tuple[tuple[tuple[str, Expression], ...], frozenset[str] | None]:
         """Return what a lambda copies or makes, and what it shares if it copies all else."""
@@ -365,11 +365,11 @@ class Expressions:
             if child.type == "lambda_default_capture":
                 copies = name == "="
             elif child.type == "lambda_capture_initializer" and len(child.named_children) > 1:
-                made = self.expression(child.named_children[1])
+                value = self.expression(child.named_children[1])
                 by_reference = child.children[0].type == "&"
                 line = line_of(child)
                 captured.append(
-                    (syntax.text(child.named_children[0]), Unary(line, "&", made) if by_reference else made)
+                    (syntax.text(child.named_children[0]), Unary(line, "&", value) if by_reference else value)
                 )
             elif child.type == "identifier" and before is not None and before.type == "&":
                 shared.add(name)
@@ -381,7 +381,7 @@ class Expressions:
         sides = [node.child_by_field_name(name) for name in ("left", "right")]
         return Binary(line_of(node), ",", self.expressions(side for side in sides if side is not None))
 
-    def knows(self, node: Node) -> bool:
+    def is_expression(self, node: Node) -> bool:
         """Return whether a node is an expression."""
         return node.type in self._lowered
 

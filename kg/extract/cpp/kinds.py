@@ -69,17 +69,17 @@ class Kinds:
     def kind(self, kind: Type, frame: Frame, depth: int = 0) -> Kind | Value:
         """Return the meaning of a type in a frame: a `Kind`, or the value of a template parameter."""
         if frame.templated:
-            return self._meant(kind, frame, depth)
+            return self._resolve(kind, frame, depth)
         key = (id(kind), frame.unit, frame.scope, depth)
-        known = self._plain.get(key)
-        if known is None:
-            found = self._meant(kind, frame, depth)
+        cached = self._plain.get(key)
+        if cached is None:
+            resolved = self._resolve(kind, frame, depth)
             if _is_plain(kind):
-                self._plain[key] = (kind, found)
-            return found
-        return known[1]
+                self._plain[key] = (kind, resolved)
+            return resolved
+        return cached[1]
 
-    def _meant(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
+    def _resolve(self, kind: Type, frame: Frame, depth: int) -> Kind | Value:
         names = kind.names if "" not in kind.names else tuple(filter(None, kind.names))
         if not names or depth > _DEEPEST:
             return Kind(names)
@@ -100,24 +100,24 @@ class Kinds:
             if computed is not None:
                 return computed
         key = (names, arguments, frame.unit, frame.scope, depth)
-        found = self._meanings.get(key)
-        if found is None:
-            found = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
-        return _with_types(found, frame) if isinstance(found, Kind) and found.arguments else found
+        resolved = self._meanings.get(key)
+        if resolved is None:
+            resolved = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
+        return _with_types(resolved, frame) if isinstance(resolved, Kind) and resolved.arguments else resolved
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""
-        found = self.held(kind, frame) if kind is not None else None
-        return pointee(found) if found is not None else None
+        resolved = self.variable_kind(kind, frame) if kind is not None else None
+        return pointee(resolved) if resolved is not None else None
 
-    def held(self, kind: Type, frame: Frame) -> Kind | None:
+    def variable_kind(self, kind: Type, frame: Frame) -> Kind | None:
         """Return the type of a variable's value, a pointer or an object; None if it is unknown."""
-        found = self.kind(kind, frame)
-        if isinstance(found, TypeValue):
-            found = found.kind
-        if not isinstance(found, Kind):
+        resolved = self.kind(kind, frame)
+        if isinstance(resolved, TypeValue):
+            resolved = resolved.kind
+        if not isinstance(resolved, Kind):
             return None
-        return Kind((POINTER,), (TypeValue(found),)) if kind.pointer else found
+        return Kind((POINTER,), (TypeValue(resolved),)) if kind.pointer else resolved
 
     def _computed(self, names: tuple[str, ...], arguments: tuple[Value, ...]) -> Kind | Value | None:
         """Return what a template of the standard library computes from types; None if it is not known."""
@@ -156,9 +156,9 @@ class Kinds:
             generated = self._linker.generated(names[0], unit) if names[0][:1].isupper() else None
             return Kind(generated or names, arguments)
         if names[-1] in POINTER_ALIASES:
-            held = self._named(names[:-1], arguments, unit, scope, depth + 1)
-            if isinstance(held, Kind):
-                return _pointer(held) if held.cls is not None else Kind((*held.names, names[-1]), held.arguments)
+            owner = self._named(names[:-1], arguments, unit, scope, depth + 1)
+            if isinstance(owner, Kind):
+                return _pointer(owner) if owner.cls is not None else Kind((*owner.names, names[-1]), owner.arguments)
         if names[0] in GENERATED and (full := self._linker.within(names, unit, scope)) is not None:
             return Kind(full, arguments)
         if depth < _DEEPEST:
@@ -171,9 +171,9 @@ class Kinds:
         """Return the type that a name means in a class."""
         if kind.cls is not None:
             scope = (*kind.cls.scope, kind.cls.name)
-            found = self._named(names, arguments, kind.cls.unit, scope, depth + 1)
-            if isinstance(found, Kind) and found.names != names:
-                return found
+            nested = self._named(names, arguments, kind.cls.unit, scope, depth + 1)
+            if isinstance(nested, Kind) and nested.names != names:
+                return nested
             if names[-1] in POINTER_ALIASES:
                 return _pointer(kind)
         return Kind((*kind.names, *names), arguments)
@@ -181,8 +181,8 @@ class Kinds:
     def message(self, kind: Kind, frame: Frame | None) -> Kind:
         """Return the message that objects of a type are sent as, where a frame uses it: the type itself if none."""
         kind = pointee(kind)
-        found = self._linker.find_adapted(kind.names, frame.unit) if frame is not None else None
-        stated = self.kind(found[0], Frame(found[1], ())) if found is not None else kind
+        adapted = self._linker.find_adapted(kind.names, frame.unit) if frame is not None else None
+        stated = self.kind(adapted[0], Frame(adapted[1], ())) if adapted is not None else kind
         return stated if isinstance(stated, Kind) else kind
 
     def nested_type(self, kind: Kind, name: str) -> Kind | None:
@@ -192,24 +192,24 @@ class Kinds:
         frame = inside(kind.cls)
         if not any(at == frame.scope for at, _, _ in cast("CppUnit", frame.unit).aliases(name)):
             return None
-        found = self.kind(form.Type((name,)), frame)
-        return found if isinstance(found, Kind) else None
+        nested = self.kind(form.Type((name,)), frame)
+        return nested if isinstance(nested, Kind) else None
 
     # Template parameters
 
     def _argument(self, argument: Type | Expression, frame: Frame) -> Value:
         if isinstance(argument, form.Type):
-            found = _as_value(self.kind(argument, frame, 1))
-            return TypeValue(Kind((POINTER,), (found,))) if argument.pointer and isinstance(found, TypeValue) else found
+            value = _as_value(self.kind(argument, frame, 1))
+            return TypeValue(Kind((POINTER,), (value,))) if argument.pointer and isinstance(value, TypeValue) else value
         return self._language.machine.value(argument, frame)
 
     def template(self, arguments: tuple[Type | Expression, ...], frame: Frame) -> tuple[Value, ...]:
         """Return the values of template arguments."""
-        found: list[Value] = []
+        values: list[Value] = []
         for argument in arguments:
             value = self._argument(argument, frame)
-            found += value.items if isinstance(value, Pack) else (value,)
-        return tuple(found)
+            values += value.items if isinstance(value, Pack) else (value,)
+        return tuple(values)
 
     def bound(self, cls: Class, arguments: tuple[Value, ...]) -> dict[str, Value]:
         """Return the values of the template parameters of a class."""
@@ -246,9 +246,9 @@ class Kinds:
     def chain(self, kind: Kind) -> tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]:
         """Return the classes of an object, its own first, with their template arguments; and its bases outside."""
         key = (kind.cls or kind.names, kind.arguments)
-        known = self._chains.get(key)
-        if known is not None:
-            return known
+        cached = self._chains.get(key)
+        if cached is not None:
+            return cached
         classes: list[tuple[Class, dict[str, Value]]] = []
         outside: list[Kind] = []
         self._chains[key] = (classes, outside)  # before they are filled, since a base can name the class itself
@@ -263,8 +263,8 @@ class Kinds:
             bound = self.bound(current.cls, current.arguments)
             classes.append((current.cls, bound))
             frame = inside(current.cls, bound)
-            found = [self.kind(base, frame) for base in current.cls.bases]
-            pending += [one for one in found if isinstance(one, Kind)]
+            bases = [self.kind(base, frame) for base in current.cls.bases]
+            pending += [one for one in bases if isinstance(one, Kind)]
         self._methods.pop(key, None)  # found among a part of the classes
         return classes, outside
 
@@ -308,8 +308,8 @@ class Kinds:
             return self.kind_of(called, frame) if names[0] == "std" and names[-1] in library.TYPES else None
         if not isinstance(expression, (form.Name, form.Member)):
             return None
-        found = self.written_type(expression, frame)
-        return self.kind_of(*found) if found is not None else None
+        written = self.written_type(expression, frame)
+        return self.kind_of(*written) if written is not None else None
 
     def written_type(self, expression: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
         """Return the type of a variable or member as written, with the frame that gives it its meaning."""
@@ -350,8 +350,8 @@ def _with_types(kind: Kind, frame: Frame) -> Kind:
     return kind if arguments == kind.arguments else Kind(kind.names, arguments, kind.cls)
 
 
-def _as_value(found: Kind | Value) -> Value:
-    return TypeValue(found) if isinstance(found, Kind) else found
+def _as_value(resolved: Kind | Value) -> Value:
+    return TypeValue(resolved) if isinstance(resolved, Kind) else resolved
 
 
 def _is_plain(kind: Type) -> bool:

@@ -106,21 +106,21 @@ class Cpp:
         if variable is not None and variable[0].value is not None:
             return self._global(variable, last)
         if len(names) == 1 and frame.scope:
-            held = self._static((frame.scope[-1], last), (), Frame(frame.unit, frame.scope[:-1]))
-            if held is not None and not isinstance(held, Bound):
-                return held
+            value = self._static((frame.scope[-1], last), (), Frame(frame.unit, frame.scope[:-1]))
+            if value is not None and not isinstance(value, Bound):
+                return value
         if len(names) > 1:
-            held = self._static(names, self.kinds.template(expression.template, frame), frame)
-            if held is not None:
-                return held
+            value = self._static(names, self.kinds.template(expression.template, frame), frame)
+            if value is not None:
+                return value
         if variable is not None:  # a static member can have its value in the class
             return self._global(variable, last)
         functions = self.linker.find_functions(names, frame.unit, frame.scope)
         if functions:
             return Bound(last, None, tuple(functions), template=self.kinds.template(expression.template, frame))
-        known = self.machine.framework.constant(names) or self._of_message(names, frame)
-        if known is not None:
-            return known
+        constant = self.machine.framework.constant(names) or self._of_message(names, frame)
+        if constant is not None:
+            return constant
         enumerator = self.linker.find_enumerator(last, frame.unit)
         if enumerator is not None:
             return enumerator
@@ -128,9 +128,9 @@ class Cpp:
             macro = self.linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is None:
                 return self.expanded(macro, (), frame, expression.line)
-        found = self.kinds.kind(form.Type(names, expression.template), frame)
-        if isinstance(found, Kind) and (found.cls is not None or found.names != names):
-            return TypeValue(found)
+        resolved = self.kinds.kind(form.Type(names, expression.template), frame)
+        if isinstance(resolved, Kind) and (resolved.cls is not None or resolved.names != names):
+            return TypeValue(resolved)
         return library.CONSTANTS.get(last) or Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
@@ -148,16 +148,16 @@ class Cpp:
         """Return None: static members are written by their names."""
         return None
 
-    def _global(self, found: Variable, name: str) -> Value:
-        statement, unit, at = found
+    def _global(self, variable: Variable, name: str) -> Value:
+        statement, unit, at = variable
         holder = self.machine.globals.setdefault(id(statement), {})
         if name not in holder:
             holder[name] = Unknown(f"{name} depends on itself")
             frame = Frame(unit, at)
             self.machine.run(statement, frame)
             holder[name] = frame.variables.get(statement.name, Unknown("it has no value"))
-        held = holder[name]
-        return library.as_constant(held) if not isinstance(held, Alias) else self.machine.value(held.target, held.frame)
+        slot = holder[name]
+        return library.as_constant(slot) if not isinstance(slot, Alias) else self.machine.value(slot.target, slot.frame)
 
     def _static_local(self, statement: form.Static, frame: Frame) -> None:
         """Declare a variable that all calls of a function share, of each instance of a template its own.
@@ -166,21 +166,21 @@ class Cpp:
         """
         name, machine = statement.name, self.machine
         bound = tuple(one for around in frame.outward() for one in around.types.items())
-        kept = machine.globals.setdefault((id(statement), bound), {})
-        if name not in kept:
-            kept[name] = Unknown(f"{name} depends on itself")
+        variables = machine.globals.setdefault((id(statement), bound), {})
+        if name not in variables:
+            variables[name] = Unknown(f"{name} depends on itself")
             first = form.Declare(statement.line, name, statement.type, statement.value)
             certain = machine.ahead(lambda: machine.run(first, frame))
             if statement.switched:
-                kept[name] = Unknown(f"{name} changes from call to call")
+                variables[name] = Unknown(f"{name} changes from call to call")
             elif certain:
-                kept[name] = frame.variables[name]
+                variables[name] = frame.variables[name]
             else:
-                del kept[name]
+                del variables[name]
                 return
         if statement.type is not None:
             frame.declared[name] = statement.type
-        at = Frame(frame.unit, frame.scope, variables=kept)
+        at = Frame(frame.unit, frame.scope, variables=variables)
         machine.write(frame.variables, name, Alias(form.Name(statement.line, (name,)), at))
 
     def _static(self, names: tuple[str, ...], template: tuple[Value, ...], frame: Frame) -> Value | None:
@@ -197,12 +197,12 @@ class Cpp:
             declared = owner.fields.get(names[-1])
             if declared is not None and declared.value is not None and not declared.static:
                 return library.as_constant(self._declared(declared, declared.value, inside(owner, bound)))
-            held = self._shared(owner, names[-1], bound)
-            if held is not None:
-                return library.as_constant(held[names[-1]])
-        found = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
-        if found is not None:
-            return self._global(found, names[-1])
+            holder = self._shared(owner, names[-1], bound)
+            if holder is not None:
+                return library.as_constant(holder[names[-1]])
+        variable = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
+        if variable is not None:
+            return self._global(variable, names[-1])
         return Bound(names[-1], outer, template=template) if methods else None
 
     def _shared(self, cls: Class, name: str, bound: dict[str, Value]) -> dict[str, Value] | None:
@@ -213,15 +213,15 @@ class Cpp:
         declared = cls.fields.get(name)
         if declared is None or not declared.static or (declared.value is None and not declared.inline):
             return None
-        held = cast("dict[str, Value]", self.machine.globals.setdefault((id(declared), tuple(bound.items())), {}))
-        if name not in held:
-            held[name] = Unknown(f"{name} depends on itself")
+        holder = cast("dict[str, Value]", self.machine.globals.setdefault((id(declared), tuple(bound.items())), {}))
+        if name not in holder:
+            holder[name] = Unknown(f"{name} depends on itself")
             frame = inside(cls, bound)
             if declared.value is not None:
-                held[name] = self._declared(declared, declared.value, frame)
+                holder[name] = self._declared(declared, declared.value, frame)
             elif declared.type is not None:
-                held[name] = self.default(declared.type, frame, declared.line)
-        return held
+                holder[name] = self.default(declared.type, frame, declared.line)
+        return holder
 
     def _instance(self, kind: Kind, frame: Frame) -> Kind:
         """Return a class with the template arguments that it has in the running object, if it is a class of that."""
@@ -242,8 +242,8 @@ class Cpp:
         for parameter, expression in zip(function.parameters, given, strict=False):
             inner.variables[parameter.name] = Alias(expression, frame)
             if isinstance(expression, form.Name) and len(expression.names) > 1:
-                meant = self.kinds.kind(form.Type(expression.names, expression.template), frame)
-                inner.types[parameter.name] = TypeValue(meant) if isinstance(meant, Kind) else meant
+                resolved = self.kinds.kind(form.Type(expression.names, expression.template), frame)
+                inner.types[parameter.name] = TypeValue(resolved) if isinstance(resolved, Kind) else resolved
         running = self.machine.running
         if running[id(macro)]:
             return Unknown("the macro expands to itself")
@@ -259,26 +259,26 @@ class Cpp:
         this, names, last = this_of(frame), target.names, target.names[-1]
         own = this if isinstance(this, Object) and len(names) == 1 and self.kinds.has_field(this, last) else None
         classes = [one for one in self.chain(own.kind)[0] if last in one[0].fields] if own is not None else []
-        found = None
+        variable = None
         if own is None or any(cls.fields[last].static for cls, _ in classes):
-            found = self.linker.find_variable(names, frame.unit, frame.scope)
-        if found is not None:
-            self.machine.write(self.machine.globals.setdefault(id(found[0]), {}), last, value)
+            variable = self.linker.find_variable(names, frame.unit, frame.scope)
+        if variable is not None:
+            self.machine.write(self.machine.globals.setdefault(id(variable[0]), {}), last, value)
             return
         if own is None and (outer := names[:-1] or frame.scope[-1:]):
             kind = self.kinds.kind(form.Type(outer), frame)
             classes = self.chain(kind)[0] if isinstance(kind, Kind) else []
-        held = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
-        if held is not None or own is not None:
-            self.machine.write(held if held is not None else cast("Object", own).fields, last, value)
+        holder = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
+        if holder is not None or own is not None:
+            self.machine.write(holder if holder is not None else cast("Object", own).fields, last, value)
 
     # Members
 
     def member(self, of: Value, name: str) -> Value:
         """Return a member of a value."""
         if isinstance(of, Object):
-            found = self._of_object(of, name)
-            return found if found is not None else Unknown(f"the member {name} is not known")
+            value = self._of_object(of, name)
+            return value if value is not None else Unknown(f"the member {name} is not known")
         if isinstance(of, Sequence) and name in _PAIR and len(of.items) == len(_PAIR):
             return of.items[_PAIR.index(name)]
         if isinstance(of, (Text, Unknown)) and of.parameter is not None:
@@ -299,44 +299,44 @@ class Cpp:
     def _unwritten(self, of: Object, cls: Class, name: str, frame: Frame) -> Value:
         """Return the value of a field that the code that ran did not write."""
         declared = cls.fields[name]
-        held = self._shared(cls, name, frame.types)
-        if held is not None:
-            return held[name]
+        holder = self._shared(cls, name, frame.types)
+        if holder is not None:
+            return holder[name]
         if declared.static:
-            found = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
-            if found is not None:
-                return self._global(found, name)
-        if not of.made:
+            variable = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
+            if variable is not None:
+                return self._global(variable, name)
+        if not of.created:
             return self.unknown(declared.type, frame, name)
         return Unknown(f"{name} is given no value in the code that was run")
 
     def methods(self, kind: Kind, name: str) -> list[Overload]:
         """Return the methods of a name that a class has, its own before those of its bases."""
-        known = self.kinds.methods_of(kind)
-        if name not in known:
+        cached = self.kinds.methods_of(kind)
+        if name not in cached:
             methods = self.linker.methods
-            known[name] = [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
-        return known[name]
+            cached[name] = [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
+        return cached[name]
 
     def declarations(self, kind: Kind, name: str) -> list[Overload]:
         """Return the methods of a name; their declarations if none has a body."""
-        found = self.methods(kind, name)
-        return found or [(one, bound) for cls, bound in self.chain(kind)[0] for one in cls.declared.get(name, ())]
+        methods = self.methods(kind, name)
+        return methods or [(one, bound) for cls, bound in self.chain(kind)[0] for one in cls.declared.get(name, ())]
 
     # Values
 
     def unknown(self, kind: Type | None, frame: Frame, name: str) -> Value:
         """Return a value of a type that comes from outside: an unknown text, an object that no code creates."""
-        found = self.kind_of(kind, frame)
-        if found is None:
+        resolved = self.kind_of(kind, frame)
+        if resolved is None:
             return Unknown(f"{name} comes from outside")
-        given = self.machine.framework.given(found, name)
+        given = self.machine.framework.given(resolved, name)
         if given is not None:
             return given
-        if found.name in library.TEXTS or found.name == "char":
+        if resolved.name in library.TEXTS or resolved.name == "char":
             return Text.hole(f"{name} comes from outside")
-        if found.cls is not None or (len(found.names) > 1 and found.names[0] != "std"):
-            return Object(found, made=False)
+        if resolved.cls is not None or (len(resolved.names) > 1 and resolved.names[0] != "std"):
+            return Object(resolved, created=False)
         return Unknown(f"{name} comes from outside")
 
     def converted(self, value: Value, kind: Type | None, written: Expression | None, frame: Frame) -> Value:
@@ -344,7 +344,7 @@ class Cpp:
         if isinstance(value, (Closure, Bound, Pack)):
             return value
         if written is not None and (kind is None or not (kind.reference or kind.pointer)):
-            value = self.copies.kept(value, kind, frame, written, frame)
+            value = self.copies.copy(value, kind, frame, written, frame)
         if kind is None or type(value) not in _STORED:
             return value
         if isinstance(value, Object):
@@ -356,17 +356,17 @@ class Cpp:
         if isinstance(value, Sequence):
             if value == _NOTHING:
                 return self._nothing(kind, frame)
-            found = self.kind_of(kind, frame)
-            if found is not None and (
-                found.cls is not None or found.name in library.MAPS or self.machine.framework.is_handle(found)
+            target = self.kind_of(kind, frame)
+            if target is not None and (
+                target.cls is not None or target.name in library.MAPS or self.machine.framework.is_handle(target)
             ):
-                return self.construct(found, list(value.items), frame, listed=True)
+                return self.construct(target, list(value.items), frame, listed=True)
         elif isinstance(value, (Text, Number)) and not kind.reference and not kind.pointer:
-            found = self.kind_of(kind, frame)
-            if found is not None and (found.cls is not None or self.machine.framework.constructs(found)):
-                return self.construct(found, [value], frame)
-            if found is not None:
-                return library.stored(found, value)
+            target = self.kind_of(kind, frame)
+            if target is not None and (target.cls is not None or self.machine.framework.constructs(target)):
+                return self.construct(target, [value], frame)
+            if target is not None:
+                return library.stored(target, value)
         return value
 
     def _wrapped(self, value: Object, kind: Type, frame: Frame) -> Value:
@@ -374,21 +374,21 @@ class Cpp:
 
         Classes that hide the type of what they hold (type erasure) have such constructors.
         """
-        held = self.kinds.held(kind, frame) if not kind.pointer else None
-        wrapper = held.cls if held is not None else None
-        if held is None or wrapper is None or wrapper is value.kind.cls or value.kind.cls is None:
+        target = self.kinds.variable_kind(kind, frame) if not kind.pointer else None
+        wrapper = target.cls if target is not None else None
+        if target is None or wrapper is None or wrapper is value.kind.cls or value.kind.cls is None:
             return value
         if not any(map(_takes_any, self.linker.methods(wrapper).get(wrapper.name, ()))):
             return value
         inherits = any(cls is wrapper for cls, _ in self.chain(value.kind)[0])
-        return value if inherits else self.construct(held, [value], frame)
+        return value if inherits else self.construct(target, [value], frame)
 
     def _nothing(self, kind: Type, frame: Frame) -> Value:
         """Return the value of `{}` in a variable of a type."""
-        held = self.kinds.held(kind, frame)
-        if held is None or held.name in library.LISTS:
+        target = self.kinds.variable_kind(kind, frame)
+        if target is None or target.name in library.LISTS:
             return _NOTHING
-        return self.construct(held, [], frame, listed=True)
+        return self.construct(target, [], frame, listed=True)
 
     def assigned(self, target: Expression, value: Value, written: Expression, frame: Frame) -> Value:
         """Return a value as the target of an assignment holds it."""

@@ -160,12 +160,12 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
     value = alternatives(value)[0]
     if kind is None or (kind.names and kind.names[0] in template):
         return 0.5
-    found = language.kind_of(kind, frame)
-    if found is None or found.name in ("auto", "T"):
+    resolved = language.kind_of(kind, frame)
+    if resolved is None or resolved.name in ("auto", "T"):
         return 0.5
-    name = found.name
+    name = resolved.name
     if isinstance(value, Text):
-        return 2.0 if name in TEXTS or name == "char" else (0.2 if found.cls is not None else -1.0)
+        return 2.0 if name in TEXTS or name == "char" else (0.2 if resolved.cls is not None else -1.0)
     if isinstance(value, Number):
         floating = "." in value.written
         if name in NUMBERS:
@@ -178,7 +178,7 @@ def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, templ
     if isinstance(value, (Closure, Bound)):
         return 1.5 if name in ("function", "CallbackT", "Callback") else -0.5
     if isinstance(value, Object):
-        if value.kind.cls is not None and value.kind.cls is found.cls:
+        if value.kind.cls is not None and value.kind.cls is resolved.cls:
             return 2.5
         if language.kinds.is_a(value.kind, name):
             return 2.0
@@ -275,11 +275,11 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     """Return the result of a library function; None for other functions."""
     name, values = names[-1], given.values
     if _MAKERS.fullmatch(name):
-        return _made(language, names, given)
+        return _make_shared(language, names, given)
     if name == "string" and not values:
         return Text.of("")
     if name in ("getenv", "secure_getenv"):
-        variable = as_text(values[0]).known if values else None
+        variable = as_text(values[0]).exact if values else None
         return Unknown("it is read from the environment", label=label_of(variable or "") or None)
     if name in _PACKERS or (name == "value_type" and len(values) == _PAIR):
         return Sequence(tuple(values))
@@ -319,8 +319,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
     if name in ("min", "max"):
         numbers = [value.value for value in values if isinstance(value, Number)]
         return number(min(numbers) if name == "min" else max(numbers)) if len(numbers) == len(values) else None
-    known = tokens.call(language, names, given)
-    return known if known is not None else _command_line(language, name, given)
+    result = tokens.call(language, names, given)
+    return result if result is not None else _command_line(language, name, given)
 
 
 _WRITERS: Final[dict[str, Callable[[list[Value]], Value]]] = {
@@ -340,7 +340,7 @@ def _cased(value: Value, change: Callable[[str], str]) -> Value:
     return replace(value, parts=tuple(change(part) if isinstance(part, str) else part for part in value.parts))
 
 
-def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
+def _make_shared(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
     """Return the object of `make_shared<T>()` or `T::make_shared()`."""
     of = given.template[0] if given.template else None
     if isinstance(of, TypeValue):
@@ -353,10 +353,10 @@ def _made(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | No
     return None
 
 
-def _on_heap(made: Value) -> Value:
-    if isinstance(made, Object):
-        made.heap = True
-    return made
+def _on_heap(value: Value) -> Value:
+    if isinstance(value, Object):
+        value.heap = True
+    return value
 
 
 def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
@@ -400,8 +400,8 @@ def _bind(arguments: list[Value]) -> Value:
         target, given = (first.of, rest) if isinstance(first.of, Object) else (next(objects, first.of), rest[1:])
         return replace(first, of=target, functions=(), given=tuple(given))
     if isinstance(first, Closure):
-        known = tuple(value for value in rest if not isinstance(value, Unknown))
-        return Closure(first.function, first.frame, known, captured=first.captured)
+        bound = tuple(value for value in rest if not isinstance(value, Unknown))
+        return Closure(first.function, first.frame, bound, captured=first.captured)
     return first
 
 
@@ -409,17 +409,17 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     """Return the result of a method of a string, a container or a pointer; None for other methods."""
     frame, values = given.frame, given.values
     if name == "emplace" and written is not None and frame is not None:
-        held = _held(language, given, written, frame)
-        if held is not None:
-            language.machine.assign(written, held, frame)
-            return held
+        emplaced = _emplace(language, given, written, frame)
+        if emplaced is not None:
+            language.machine.assign(written, emplaced, frame)
+            return emplaced
     if isinstance(of, Object):
         return _of_object(language, of, name, given, written)
     if "emplace" in name and written is not None and frame is not None:
         values = _emplaced(language, given, written, frame)
     if name in _ADDERS and frame is not None and len(given.written) == len(values):
         pairs = zip(values, given.written, strict=True)
-        values = [language.copies.kept(value, None, frame, one, frame) for value, one in pairs]
+        values = [language.copies.copy(value, None, frame, one, frame) for value, one in pairs]
     change = _changed(of, name, values)
     if change is not None and written is not None and frame is not None:
         language.machine.assign(written, change, frame)
@@ -439,8 +439,8 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name == "empty" and not isinstance(of, Unknown):
         return _empty(of)
     if name in ("find", "count", "contains") and isinstance(of, (Mapping, Sequence)) and values:
-        found = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else Unknown("it is searched")
-        return Unknown("it is searched") if isinstance(found, Unknown) else Sequence((values[0], found))
+        entry = element(of, values[0]) if name == "find" and isinstance(of, Mapping) else Unknown("it is searched")
+        return Unknown("it is searched") if isinstance(entry, Unknown) else Sequence((values[0], entry))
     if name == "substr" and isinstance(of, Text):
         return _slice(of, values)
     if name in ("rfind", "find_last_of") and values == [Text.of("/")] and _is_namespace(of):
@@ -470,10 +470,10 @@ def _of_object(language: Cpp, of: Object, name: str, given: Arguments, written: 
     return None
 
 
-def _held(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> Value | None:
+def _emplace(language: Cpp, given: Arguments, written: Expression, frame: Frame) -> Value | None:
     """Return the object that `emplace` constructs in an optional, a variant or an `any`; None for other types."""
     declared = language.kinds.written_type(written, frame) if isinstance(written, (form.Name, form.Member)) else None
-    holder = language.kinds.held(*declared) if declared is not None else None
+    holder = language.kinds.variable_kind(*declared) if declared is not None else None
     if holder is None or holder.name not in _HOLDERS:
         return None
     inner = next(iter(given.template or holder.arguments), None)
@@ -500,7 +500,7 @@ def _changed(of: Value, name: str, values: list[Value]) -> Value | None:
     if isinstance(of, Either):
         changed = [_changed(one, name, values) for one in of.items]
         return join(*(one for one in changed if one is not None)) if None not in changed else None
-    if name in ("insert", "push_back") and isinstance(of, Text) and not of.nothing_known and values:
+    if name in ("insert", "push_back") and isinstance(of, Text) and not of.wholly_unknown and values:
         return _inserted(of, values) if name == "insert" else concatenate(of, values[0])
     if name in _ADDERS:
         return _added(of, name, values)
@@ -532,10 +532,10 @@ def _inserted(of: Text, values: list[Value]) -> Value:
         return Text.hole(_CUT, parameter=of.parameter)
     if place.value == 0:
         return concatenate(more, of)
-    if of.known is None:
+    if of.exact is None:
         return Text.hole(_CUT, parameter=of.parameter)
     at = int(place.value)
-    return concatenate(replace(of, parts=(of.known[:at],)), more, replace(of, parts=(of.known[at:],)))
+    return concatenate(replace(of, parts=(of.exact[:at],)), more, replace(of, parts=(of.exact[at:],)))
 
 
 def _resized(of: Sequence, values: list[Value]) -> Sequence:
@@ -576,13 +576,13 @@ def _empty(of: Value) -> Value:
             return LENGTH
         return Truth(not of.items)
     if isinstance(of, Text):
-        if of.parameter is not None and of.parameter.endswith("[]") and of.known != "":
+        if of.parameter is not None and of.parameter.endswith("[]") and of.exact != "":
             return Truth(False)  # a list of names has no empty ones
         if of.parameter is not None:
             return Guard((f"!{of.parameter}",))
         if any(isinstance(part, str) and part for part in of.parts):
             return Truth(False)
-        return Truth(True) if of.known == "" else Unknown("it is not known")
+        return Truth(True) if of.exact == "" else Unknown("it is not known")
     return Unknown("it is not known")
 
 
@@ -593,15 +593,15 @@ def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
         if isinstance(same, Guard):
             return negate(same)
         return number(float(not same.value)) if isinstance(same, Truth) else None
-    given = values[0].known if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
+    given = values[0].exact if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
     if name not in _SEARCHES or given is None or of.parameter is not None:
         return None
     first = of.parts[0]
-    if of.known is None:
+    if of.exact is None:
         begins = isinstance(first, str) and first.startswith(given)
         return number(0) if name == "find" and begins else None
-    found = _SEARCHES[name](of.known, given)
-    return NPOS if found < 0 else number(float(found))
+    index = _SEARCHES[name](of.exact, given)
+    return NPOS if index < 0 else number(float(index))
 
 
 def _of_node(text: Text) -> bool:
@@ -619,28 +619,28 @@ def _slice(text: Text, bounds: list[Value]) -> Value:
     numbers = [int(bound.value) for bound in bounds if isinstance(bound, Number)]
     if numbers == [1] and _of_node(text):
         return text
-    if text.known is None or len(numbers) != len(bounds) or not numbers:
+    if text.exact is None or len(numbers) != len(bounds) or not numbers:
         return Text.hole(_CUT, parameter=text.parameter)
     end = numbers[0] + numbers[1] if len(numbers) > 1 else None
-    return replace(text, parts=(text.known[numbers[0] : end],))
+    return replace(text, parts=(text.exact[numbers[0] : end],))
 
 
 def formatted(pattern: Value, values: list[Value]) -> Value:
     """Return `fmt::format`, `boost::format` or `printf`-like formatting of texts."""
     if isinstance(pattern, Either) or any(isinstance(value, Either) for value in values):
         return join(*(formatted(row[0], list(row[1:])) for row in combinations((pattern, *values))))
-    if not isinstance(pattern, Text) or pattern.known is None:
+    if not isinstance(pattern, Text) or pattern.exact is None:
         return Text.hole("the format is not known")
-    regular = _BRACES if _BRACES.search(pattern.known) else _PRINTF
+    regular = _BRACES if _BRACES.search(pattern.exact) else _PRINTF
     pieces: list[Value] = []
     position, index = 0, 0
-    for match in regular.finditer(pattern.known):
-        pieces.append(Text.of(pattern.known[position : match.start()]))
+    for match in regular.finditer(pattern.exact):
+        pieces.append(Text.of(pattern.exact[position : match.start()]))
         position = match.end()
         if match.group() == "%%":
             pieces.append(Text.of("%"))
             continue
         pieces.append(values[index] if index < len(values) else Text.hole("a value is put in at run time"))
         index += 1
-    pieces.append(Text.of(pattern.known[position:]))
+    pieces.append(Text.of(pattern.exact[position:]))
     return concatenate(*pieces)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from kg.extract.cpp.units import CppUnit, Macro
     from kg.symbolic.form import Class, Declare, Function, Type, Unit
 
-_Found = TypeVar("_Found")
+_Item = TypeVar("_Item")
 _Scope: TypeAlias = tuple[str, ...]
 Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"
 """The declaration of a variable, with its file and scope."""
@@ -47,7 +47,7 @@ class Linker:
         """The files that define methods outside of a class, by its name."""
         self._methods: dict[Class, dict[str, list[Function]]] = {}
         self._meanings: dict[tuple[object, ...], list[Any]] = {}
-        self._held: dict[tuple[str, str, Unit], tuple[CppUnit, ...]] = {}
+        self._holders: dict[tuple[str, str, Unit], tuple[CppUnit, ...]] = {}
         self._generated: dict[tuple[str, Unit], _Scope | None] = {}
         self._macros: dict[tuple[str, Unit], Macro | None] = {}
         self._defined: set[tuple[object, ...]] = set()
@@ -73,13 +73,13 @@ class Linker:
 
     def find_class(self, names: _Scope, unit: Unit, scope: _Scope) -> Class | None:
         """Return the class that a qualified name means in a scope of a file."""
-        found = self._named("class", _classes, names, unit, scope)
-        return found[0] if found else None
+        classes = self._named("class", _classes, names, unit, scope)
+        return classes[0] if classes else None
 
     def find_functions(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
         """Return the functions, all overloads, that a qualified name means in a scope of a file."""
-        found = self._named("function", _functions, names, unit, scope)
-        if not found and (names, unit, scope) not in self._defined:
+        functions = self._named("function", _functions, names, unit, scope)
+        if not functions and (names, unit, scope) not in self._defined:
             # A function that a header only declares is defined in a file of its package.
             self._defined.add((names, unit, scope))
             loaded = len(self.units)
@@ -88,9 +88,9 @@ class Linker:
                     self.load(file)
             if len(self.units) > loaded:
                 self._meanings.pop(("function", names, unit, scope), None)
-                self._held.pop(("function", names[-1], unit), None)
-                found = self._named("function", _functions, names, unit, scope)
-        return found
+                self._holders.pop(("function", names[-1], unit), None)
+                functions = self._named("function", _functions, names, unit, scope)
+        return functions
 
     def find_prototypes(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
         """Return the declarations without body that a qualified name means."""
@@ -98,20 +98,20 @@ class Linker:
 
     def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> _Alias | None:
         """Return the meaning of the name of a type that `using` or `typedef` declares."""
-        found = self._named("alias", _aliases, names, unit, scope)
-        return found[0] if found else None
+        aliases = self._named("alias", _aliases, names, unit, scope)
+        return aliases[0] if aliases else None
 
     def find_adapted(self, names: _Scope, unit: Unit) -> tuple[Type, CppUnit] | None:
         """Return the message that a type stands for, as written, with the file that states it."""
-        found = self._named("adapted", _adapted, names, unit, ())
-        return found[0] if found else None
+        adapted = self._named("adapted", _adapted, names, unit, ())
+        return adapted[0] if adapted else None
 
     def find_variable(self, names: _Scope, unit: Unit, scope: _Scope) -> Variable | None:
         """Return the declaration of a variable at namespace scope, or of a static member."""
-        found = self._named("variable", _variables, names, unit, scope)
-        valued = (one for one in found if one[0].value is not None)
-        defined = (one for one in found if one[0].name not in one[1].external)
-        return next(valued, None) or next(defined, None) or (found[0] if found else None)
+        variables = self._named("variable", _variables, names, unit, scope)
+        valued = (one for one in variables if one[0].value is not None)
+        defined = (one for one in variables if one[0].name not in one[1].external)
+        return next(valued, None) or next(defined, None) or (variables[0] if variables else None)
 
     def find_macro(self, name: str, unit: Unit) -> Macro | None:
         """Return a macro that is visible in a file."""
@@ -122,8 +122,8 @@ class Linker:
 
     def find_enumerator(self, name: str, unit: Unit) -> Enumerator | None:
         """Return the constant of a name that an enumeration defines which is visible in a file."""
-        found = self._holding(unit, "enumerator", name)
-        return Enumerator(name, number=found[0].enumerators[name]) if found else None
+        units = self._holding(unit, "enumerator", name)
+        return Enumerator(name, number=units[0].enumerators[name]) if units else None
 
     def within(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope | None:
         """Return the full name of `msg::Type`, a message of the package whose namespace is around it or used."""
@@ -157,34 +157,34 @@ class Linker:
 
     def _holding(self, unit: Unit, kind: str, name: str) -> tuple[CppUnit, ...]:
         """Return the files, nearest first, that can give a name of a kind its meaning in a file."""
-        found = self._held.get((kind, name, unit))
-        if found is None:
+        units = self._holders.get((kind, name, unit))
+        if units is None:
             own = cast("CppUnit", unit)
-            found = self.project.holding(own, kind, name)
+            units = self.project.holding(own, kind, name)
             if bodies := self._bodies.get((kind, name)):
                 # A name that a header only declares is defined in another file of the program.
-                found = (*found, *(one for one in bodies if one not in found))
-            if not found and ((kind == "class" and own.declares(name)) or _IMPLEMENTATION.search(own.path)):
+                units = (*units, *(one for one in bodies if one not in units))
+            if not units and ((kind == "class" and own.declares(name)) or _IMPLEMENTATION.search(own.path)):
                 # The whole class is in a header that other files of the program include; so are the names that the
                 # bodies of templates use, in a file that their header includes at its end.
                 files = [one.key for one in self.units.values()]
-                found = tuple(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))
-            self._held[kind, name, unit] = found
-        return found
+                units = tuple(dict.fromkeys(one for file in files for one in self.project.find(file, kind, name)))
+            self._holders[kind, name, unit] = units
+        return units
 
     def _named(
         self,
         kind: str,
-        listed: Callable[[CppUnit, str], Iterable[tuple[_Scope, _Found]]],
+        listed: Callable[[CppUnit, str], Iterable[tuple[_Scope, _Item]]],
         names: _Scope,
         unit: Unit,
         scope: _Scope,
-    ) -> list[_Found]:
+    ) -> list[_Item]:
         """Return the nearest declarations of one kind that a qualified name means."""
         key = (kind, names, unit, scope)
-        known = self._meanings.get(key)
-        if known is not None:
-            return known
+        cached = self._meanings.get(key)
+        if cached is not None:
+            return cached
         near = self._holding(unit, kind, names[-1]) if names else ()
         if not near:
             return []
@@ -193,21 +193,21 @@ class Linker:
             meanings = self.project.meanings
             if key in meanings:
                 return meanings[key]
-        ranked: list[tuple[float, _Found]] = []
+        ranked: list[tuple[float, _Item]] = []
         if names[:1] == ("",):
             scope = ()
         *outer, last = [name for name in names if name]
         for wanted in self._without_aliases(tuple(outer), unit, scope):
             for one in near:
-                for at, held in listed(one, last):
+                for at, item in listed(one, last):
                     rank = _rank(at, wanted, scope, unit)
                     if rank is not None:
-                        ranked.append((rank, held))
+                        ranked.append((rank, item))
             if ranked:
                 break
         best = max((rank for rank, _ in ranked), default=0.0)
-        found = meanings[key] = [held for rank, held in ranked if rank == best]
-        return found
+        nearest = meanings[key] = [item for rank, item in ranked if rank == best]
+        return nearest
 
     def spelled(self, names: _Scope, unit: Unit, scope: _Scope) -> _Scope:
         """Return a qualified name of a type without aliases of namespaces."""
@@ -236,11 +236,11 @@ class Linker:
 
     def methods(self, cls: Class) -> dict[str, list[Function]]:
         """Return the methods of a class that have bodies, by name, also those that are defined outside of it."""
-        known = self._methods.get(cls)
-        if known is not None:
-            return known
-        found = {name: list(functions) for name, functions in cls.methods.items()}
-        self._methods[cls] = found
+        cached = self._methods.get(cls)
+        if cached is not None:
+            return cached
+        by_name = {name: list(functions) for name, functions in cls.methods.items()}
+        self._methods[cls] = by_name
         for file in self.project.implementations(cls.unit.key, cls.name, self.units, "::"):
             self.load(file)
         inside = (*cls.scope, cls.name)
@@ -255,11 +255,11 @@ class Linker:
                     function.owner = function.owner or cls
             for function in listed:
                 if function.owner is cls:
-                    found.setdefault(function.name, []).append(function)
-        for function in (one for functions in found.values() for one in functions):
+                    by_name.setdefault(function.name, []).append(function)
+        for function in (one for functions in by_name.values() for one in functions):
             _declare(function, cls)
-        self.project.add_methods(found)
-        return found
+        self.project.add_methods(by_name)
+        return by_name
 
     def _sees(self, one: CppUnit, other: CppUnit) -> bool:
         """Return whether one of two files includes the other, directly or not, or both are the same."""

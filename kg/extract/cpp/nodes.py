@@ -97,22 +97,22 @@ class _Nodes:
 
     def read(self) -> list[Extracted]:
         """Return the nodes, in the order of the build files."""
-        found: list[Extracted] = []
+        extracted: list[Extracted] = []
         plugins = list(self._plugins())
-        made = {plugin.executable for plugin in plugins if plugin.executable}
+        started = {plugin.executable for plugin in plugins if plugin.executable}
         for target in self.build.targets:
-            if target.kind is TargetKind.EXECUTABLE and (target.output_name or target.name) not in made:
+            if target.kind is TargetKind.EXECUTABLE and (target.output_name or target.name) not in started:
                 with self._compiled(target) as nodes:
-                    found += nodes._executable(target, plugins)  # noqa: SLF001 - of the same class
+                    extracted += nodes._executable(target, plugins)  # noqa: SLF001 - of the same class
         for plugin in plugins:
-            found += self.plugin(plugin)
-        found += self._by_plugins
+            extracted += self.plugin(plugin)
+        extracted += self._by_plugins
         for file in self._project.sources():
             if self._project.contains(file, _TREE_NODES.encode()):
-                found += self._tree_nodes(file)
-        if not found and self._package.name not in FRAMEWORKS:
-            found += self._classes()
-        return found
+                extracted += self._tree_nodes(file)
+        if not extracted and self._package.name not in FRAMEWORKS:
+            extracted += self._classes()
+        return extracted
 
     @contextmanager
     def _compiled(self, target: Target) -> Iterator[_Nodes]:
@@ -131,7 +131,7 @@ class _Nodes:
 
         An abstract class is not a node, nor is one whose interfaces all get their names from the code that uses it.
         """
-        found: list[Extracted] = []
+        named: list[Extracted] = []
         words = [word.encode() for word in self._calls.calls if len(word) > _COMMON]
         for file in self._project.sources():
             unit = self._project.unit(file) if "/test" not in file.path else None
@@ -150,8 +150,8 @@ class _Nodes:
                         cls.name, NodeKind.CLASS, "cpp", 0, Location(file.path, cls.line), sources=(file.path,)
                     )
                     extracted = self._extracted(language.machine.framework, node, root)
-                    found += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
-        return found
+                    named += [one for one in extracted if any(i.name or i.parameter for i in one.node.interfaces)]
+        return named
 
     def _files(self, target: Target) -> list[FilePath]:
         """Return the sources of a target and of the libraries of this package that it links."""
@@ -209,22 +209,22 @@ class _Nodes:
     def _component(self, main: Function, language: Cpp, plugins: list[PluginClass]) -> Extracted | None:
         """Return the component that declares all that a program declares; None if there is none."""
         started = _started_by(main)
-        meant = language.kind(started, Frame(main.unit, ())) if started is not None else None
-        if not isinstance(meant, Kind) or meant.cls is None:
+        resolved = language.kind(started, Frame(main.unit, ())) if started is not None else None
+        if not isinstance(resolved, Kind) or resolved.cls is None:
             return None
         for plugin in plugins:
-            if last_part(plugin.type) == meant.name:
+            if last_part(plugin.type) == resolved.name:
                 self.plugin(plugin)
-        return self._alone.get(meant.cls)
+        return self._alone.get(resolved.cls)
 
     def _plugins(self) -> Iterator[PluginClass]:
         """Yield the classes registered in the build files, then those registered in code only."""
         yield from self.build.plugins
-        known = {last_part(plugin.type) for plugin in self.build.plugins}
+        names = {last_part(plugin.type) for plugin in self.build.plugins}
         for file in self._project.sources():
             for plugin in self._registered(file):
-                if last_part(plugin.type) not in known:
-                    known.add(last_part(plugin.type))
+                if last_part(plugin.type) not in names:
+                    names.add(last_part(plugin.type))
                     yield plugin
 
     def _registered(self, file: FilePath) -> Iterator[PluginClass]:
@@ -280,11 +280,11 @@ class _Nodes:
                     exported=plugin.location,
                 )
                 framework = language.machine.framework
-                found = self._extracted(framework, node, root)
-                if found and complete and found[0].node.node_name is not None:
-                    self._alone[cls] = found[0]
+                nodes = self._extracted(framework, node, root)
+                if nodes and complete and nodes[0].node.node_name is not None:
+                    self._alone[cls] = nodes[0]
                 self._by_plugins += self._of_trees(framework, files)
-                return found
+                return nodes
         return []
 
     def _tree_nodes(self, file: FilePath) -> Iterator[Extracted]:
@@ -305,7 +305,7 @@ class _Nodes:
     def _of_trees(self, framework: Framework, files: list[FilePath]) -> Iterator[Extracted]:
         """Yield the nodes of behavior trees that a run registered, each once, and that have interfaces."""
         for one in framework.registered:
-            name = one.name.known if isinstance(one.name, Text) else None
+            name = one.name.exact if isinstance(one.name, Text) else None
             if name and (name, one.kind) not in self._in_trees:
                 self._in_trees.add((name, one.kind))
                 yield from self._tree_node(one, name, files)
@@ -340,8 +340,8 @@ class _Nodes:
                 sources=_sources_of(language, cls),
                 exported=Location(site.unit.path, site.line),
             )
-            found = self._extracted(language.machine.framework, node, root)
-            return [one for one in found if one.node.interfaces]
+            nodes = self._extracted(language.machine.framework, node, root)
+            return [one for one in nodes if one.node.interfaces]
 
     def _started(self, language: Cpp, cls: Class, registration: Registration | None = None) -> tuple[Object, bool]:
         """Create an object of a class, and run the methods that its loader may call.
@@ -411,12 +411,12 @@ class _Nodes:
         if not wanted:
             return None
         last = wanted[-1].partition("<")[0]
-        found: list[Class] = []
+        classes: list[Class] = []
         for unit in tuple(linker.units.values()):
-            found += unit.classes.get(last, ())
+            classes += unit.classes.get(last, ())
             for header in self._project.find(unit.key, "class", last):
-                found += header.classes.get(last, ())
-        own = [cls for cls in found if self._project.is_own(cls.unit.key)]
+                classes += header.classes.get(last, ())
+        own = [cls for cls in classes if self._project.is_own(cls.unit.key)]
         return max(own, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
 
     def _loaded(self, framework: Framework) -> tuple[list[Interface], list[Parameter]]:
@@ -425,7 +425,7 @@ class _Nodes:
         parameters: list[Parameter] = []
         for row in framework.loaded:
             name, kind = row[0], row[1]
-            shown = kind.known if isinstance(kind, Text) else None
+            shown = kind.exact if isinstance(kind, Text) else None
             home, plugin = self._plugin_of(shown) if shown is not None else (None, None)
             own = isinstance(name, Text) and name.parts == (NODE_NAME,)
             renamed = dict(_remappings(row[2])) if len(row) > 2 else {}  # noqa: PLR2004 - the third argument
@@ -450,10 +450,10 @@ class _Nodes:
         if package == self._package.name:
             return self
         reader = self._project.reader
-        found = reader.workspace.package(package)
-        if found is None or found.repository != reader.repository:
+        place = reader.workspace.package(package)
+        if place is None or place.repository != reader.repository:
             return None
-        folder = reader.workspace.folder(found)[1]
+        folder = reader.workspace.folder(place)[1]
         build = read_build(reader, folder)
         return _Nodes(Project(reader, folder, build, self._calls), build, self._calls)
 
@@ -488,7 +488,7 @@ class _Nodes:
 
 def _started_by(main: Function) -> form.Type | None:
     """Return the class of the only object that a program creates, without arguments, to spin it and to end."""
-    found: list[form.Type] = []
+    types: list[form.Type] = []
     pending: list[object] = [main.body]
     while pending:
         one = pending.pop()
@@ -501,7 +501,7 @@ def _started_by(main: Function) -> form.Type | None:
         elif isinstance(one, form.Call) and isinstance(one.function, form.Name):
             names, template = one.function.names, one.function.template
             if names == ("std", "make_shared") and not one.arguments:
-                found += [given for given in template if isinstance(given, form.Type)]
+                types += [given for given in template if isinstance(given, form.Type)]
             elif names not in _STARTING:
                 return None
             pending += one.arguments
@@ -510,7 +510,7 @@ def _started_by(main: Function) -> form.Type | None:
                 return None
         elif not isinstance(one, form.Name | form.Literal):
             return None
-    return found[0] if len(found) == 1 else None
+    return types[0] if len(types) == 1 else None
 
 
 def _as_executable(loaded: NodeType, executable: NodeType) -> NodeType:
@@ -544,7 +544,7 @@ def _version(framework: Framework) -> int:
 
 def _remappings(value: Value) -> Iterator[tuple[str, str]]:
     for key, given in value.items if isinstance(value, Mapping) else ():
-        old, new = (one.known if isinstance(one, Text) else None for one in (key, given))
+        old, new = (one.exact if isinstance(one, Text) else None for one in (key, given))
         if old is not None and new is not None:
             yield normalise(old), normalise(new)
 

@@ -113,9 +113,9 @@ def _unless_directive(change: Callable[[re.Match[bytes]], bytes]) -> Callable[[r
 class _Group:
     """An `#if` with its directives so far."""
 
-    def __init__(self, first: re.Match[bytes], known: bool | None) -> None:  # noqa: FBT001 - a truth of three values
+    def __init__(self, first: re.Match[bytes], condition: bool | None) -> None:  # noqa: FBT001 - a truth of three values
         self.marks = [first]
-        self.known = [known]
+        self.conditions = [condition]
         """Whether each side is compiled if none before it is; None if that is unknown."""
         self.guarded = False
 
@@ -123,9 +123,9 @@ class _Group:
         """Return whether the side that was begun last is compiled; None if that is unknown."""
         if self.guarded:
             return True
-        if True in self.known[:-1] or self.known[-1] is False:
+        if True in self.conditions[:-1] or self.conditions[-1] is False:
             return False
-        return None if None in self.known else True
+        return None if None in self.conditions else True
 
 
 def _without_branches(source: bytes, ros: int, absent: frozenset[str]) -> bytes:
@@ -135,7 +135,7 @@ def _without_branches(source: bytes, ros: int, absent: frozenset[str]) -> bytes:
     split something the first is left that may be compiled. All sides of a test with `__has_include` are left; the
     grammar does not know the test itself.
     """
-    found = bytearray(source)
+    result = bytearray(source)
     macros = Macros(ros, frozenset(_DEFINED.findall(source)), frozenset(name.encode() for name in absent))
     groups: list[_Group] = []
     before: re.Match[bytes] | None = None
@@ -149,42 +149,42 @@ def _without_branches(source: bytes, ros: int, absent: frozenset[str]) -> bytes:
             groups[-1].marks.append(directive)
             if kind == b"endif":
                 group = groups.pop()
-                _keep_sides(found, group.marks, group.known)
+                _keep_sides(result, group.marks, group.conditions)
             else:
-                groups[-1].known.append(holds(directive[0], macros))
+                groups[-1].conditions.append(holds(directive[0], macros))
                 groups[-1].guarded = False
         before = directive
-    return bytes(found)
+    return bytes(result)
 
 
 def _set_macro(
     directive: re.Match[bytes], before: re.Match[bytes] | None, groups: list[_Group], macros: Macros
 ) -> None:
     """Record what a `#define` or `#undef`, within groups and after another directive, says about a macro."""
-    found = _SET.match(directive[0])
-    if found is None:
+    match = _SET.match(directive[0])
+    if match is None:
         return
-    name, text = found[1], None if directive[1] == b"undef" or found[2] else found[3].strip()
+    name, text = match[1], None if directive[1] == b"undef" or match[2] else match[3].strip()
     guard = _UNDEFINED.match(before[0]) if before is not None and text == b"" else None
     if guard is not None and guard[1] == name and groups and len(groups[-1].marks) == 1:
         groups[-1].guarded = True
     compiled = [group.compiled() for group in groups]
     if False in compiled:
         return
-    if None in compiled or found[2]:
+    if None in compiled or match[2]:
         macros.texts.pop(name, None)
     else:
         macros.texts[name] = text
 
 
-def _keep_sides(source: bytearray, marks: list[re.Match[bytes]], known: list[bool | None]) -> None:
+def _keep_sides(source: bytearray, marks: list[re.Match[bytes]], conditions: list[bool | None]) -> None:
     """Blank the sides of an `#if` that are not compiled, and its directives if the grammar cannot read them.
 
-    `known` has for each side whether its condition holds, None if that is unknown.
+    `conditions` has for each side whether its condition holds, None if that is unknown.
     """
     sides = [(one.end(), other.start()) for one, other in pairwise(marks)]
-    first = known.index(True) if True in known else len(known)
-    live = [place for place, one in enumerate(known[: first + 1]) if one is not False]
+    first = conditions.index(True) if True in conditions else len(conditions)
+    live = [place for place, one in enumerate(conditions[: first + 1]) if one is not False]
     splits = any(_splits(source, *side) for side in sides) or _in_statement(source, marks[0].start(), sides)
     if splits:
         live = live[:1]

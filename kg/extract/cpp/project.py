@@ -62,8 +62,8 @@ _LEFT_OUT: Final = re.compile(rb"^[ \t]*//+[ \t]*#[ \t]*define[ \t]+(\w+)[ \t]*(
 _GENERATOR: Final = b"generate_parameter_library"
 _CACHE_BYTES: Final = 12 << 20
 _MOST_HEADERS: Final = 600
-_KEPT: Final = b"_:("
-_NAMES: Final = bytes(code if code < 128 and (chr(code).isalnum() or code in _KEPT) else 32 for code in range(256))  # noqa: PLR2004 - ASCII
+_MARKS: Final = b"_:("
+_NAMES: Final = bytes(code if code < 128 and (chr(code).isalnum() or code in _MARKS) else 32 for code in range(256))  # noqa: PLR2004 - ASCII
 """A table that replaces by spaces what is not part of a name, `::` or `(`."""
 
 
@@ -71,23 +71,23 @@ class _Cache:
     """Units with their contents, kept for later packages until they are those least recently used."""
 
     def __init__(self) -> None:
-        self._held: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
+        self._units_by_file: OrderedDict[FilePath, tuple[bytes, CppUnit]] = OrderedDict()
         self._bytes = 0
 
     def get(self, file: FilePath, content: bytes, ros: int, absent: frozenset[str]) -> CppUnit | None:
         """Return the unit of a file with these contents, as a package of ROS 1 or 2 without some macros compiles it."""
-        known = self._held.get(file)
-        if known is None or known[0] != content or (known[1].ros, known[1].absent) != (ros, absent):
+        cached = self._units_by_file.get(file)
+        if cached is None or cached[0] != content or (cached[1].ros, cached[1].absent) != (ros, absent):
             return None
-        self._held.move_to_end(file)
-        return known[1]
+        self._units_by_file.move_to_end(file)
+        return cached[1]
 
     def keep(self, content: bytes, unit: CppUnit) -> None:
         """Add a unit, and evict others."""
-        self._bytes += len(content) - len(self._held.pop(unit.key, (b"",))[0])
-        self._held[unit.key] = (content, unit)
-        while self._bytes > _CACHE_BYTES and len(self._held) > 1:
-            self._bytes -= len(self._held.popitem(last=False)[1][0])
+        self._bytes += len(content) - len(self._units_by_file.pop(unit.key, (b"",))[0])
+        self._units_by_file[unit.key] = (content, unit)
+        while self._bytes > _CACHE_BYTES and len(self._units_by_file) > 1:
+            self._bytes -= len(self._units_by_file.popitem(last=False)[1][0])
 
 
 _cache: Final = _Cache()
@@ -141,7 +141,7 @@ class Project:
         """For each package its sources, by the names in them with the `::` or `(` that follows."""
         self._libraries = {self._place: self._headers_of(self._place, build)}
         """The YAML files of parameter libraries by the names of their headers, for each package."""
-        self._made: dict[FilePath, bytes] = {}
+        self._converted: dict[FilePath, bytes] = {}
         """The headers made of YAML files."""
 
     def close(self) -> None:
@@ -174,15 +174,15 @@ class Project:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
         undefined = self._absent() if own else self._build.absent
         absent = frozenset(name for name in undefined if name.encode() in data)
-        known = _cache.get(file, data, self._ros, absent)
-        if known is not None:
-            return known
-        made = CppUnit(file, data, self._ros, absent)
+        cached = _cache.get(file, data, self._ros, absent)
+        if cached is not None:
+            return cached
+        unit = CppUnit(file, data, self._ros, absent)
         if not own or not _is_source(file.path):
-            _cache.keep(data, made)
+            _cache.keep(data, unit)
         else:
-            self._alone.append(made)
-        return made
+            self._alone.append(unit)
+        return unit
 
     def _absent(self) -> frozenset[str]:
         """Return the macros without a definition: those of the build files, and those whose `#define` is a comment."""
@@ -192,8 +192,8 @@ class Project:
                 if data is not None and b"define" in data:
                     left_out.update(_LEFT_OUT.findall(data))
                     defined.update(_DEFINED.findall(data))
-            found = {name.decode() for name in left_out - defined}
-            self._undefined = frozenset(self._build.absent) | found.difference(self._build.defined)
+            undefined = {name.decode() for name in left_out - defined}
+            self._undefined = frozenset(self._build.absent) | undefined.difference(self._build.defined)
         return self._undefined
 
     def contains(self, file: FilePath, word: bytes) -> bool:
@@ -203,17 +203,17 @@ class Project:
 
     def include(self, file: FilePath, path: str) -> FilePath | None:
         """Return what `#include "path"` means in `file`, unless it is of a framework or not in the build."""
-        found = self.reader.workspace.include(path, near=file)
-        if found is None:
+        header = self.reader.workspace.include(path, near=file)
+        if header is None:
             return self._parameter_library(file, path)
-        owner = self.reader.workspace.owner(found)
+        owner = self.reader.workspace.owner(header)
         of_framework = owner is not None and owner.name in FRAMEWORKS
         if owner != self._place and (of_framework or path.partition("/")[0] in FRAMEWORKS):
             return None
-        return None if path in _OF_ROS and not of_framework else found
+        return None if path in _OF_ROS and not of_framework else header
 
     def _content(self, file: FilePath) -> bytes | None:
-        return self._made[file] if file in self._made else self.reader.read(file)
+        return self._converted[file] if file in self._converted else self.reader.read(file)
 
     def _parameter_library(self, file: FilePath, path: str) -> FilePath | None:
         """Return the YAML file of the parameter library whose header `path` is, `library.hpp` or `package/library.hpp`.
@@ -230,34 +230,34 @@ class Project:
             makefile = self.reader.read(FilePath(home.repository, package.join("CMakeLists.txt")))
             build = read_build(self.reader, package) if _GENERATOR in (makefile or b"") else None
             self._libraries[home] = self._headers_of(home, build) if build is not None else {}
-        found = self._libraries[home].get(name)
-        if found is not None and found not in self._made:
-            self._made[found] = listener(self.reader.read(found) or b"", found.path)
-        return found
+        source = self._libraries[home].get(name)
+        if source is not None and source not in self._converted:
+            self._converted[source] = listener(self.reader.read(source) or b"", source.path)
+        return source
 
     def _headers_of(self, place: Place, build: BuildModel) -> dict[str, FilePath]:
         return {f"{name}.hpp": FilePath(place.repository, yaml) for name, yaml in build.parameter_libraries}
 
     def _includes(self, file: FilePath) -> tuple[FilePath, ...]:
-        known = self._direct.get(file)
-        if known is None:
+        direct = self._direct.get(file)
+        if direct is None:
             unit = self.unit(file)
-            found = (self.include(file, path) for path in (unit.includes if unit is not None else ()))
-            known = self._direct[file] = tuple(dict.fromkeys(header for header in found if header is not None))
-        return known
+            headers = (self.include(file, path) for path in (unit.includes if unit is not None else ()))
+            direct = self._direct[file] = tuple(dict.fromkeys(header for header in headers if header is not None))
+        return direct
 
     def headers(self, file: FilePath) -> tuple[FilePath, ...]:
         """Return all headers of the build that a file includes, directly or not, nearest first."""
-        known = self._headers.get(file)
-        if known is None:
+        headers = self._headers.get(file)
+        if headers is None:
             seen = {file: None}
             pending = [file]
             while pending and len(seen) < _MOST_HEADERS:
                 level = [header for current in pending for header in self._includes(current)]
                 pending = [header for header in dict.fromkeys(level) if header not in seen]
                 seen.update(dict.fromkeys(pending))
-            known = self._headers[file] = tuple(seen)[1:]
-        return known
+            headers = self._headers[file] = tuple(seen)[1:]
+        return headers
 
     # For `Reach`: names without their scopes, of all programs of the package
 
@@ -274,10 +274,10 @@ class Project:
     def add_methods(self, methods: dict[str, list[Function]]) -> None:
         """Add the methods of a class that a program uses."""
         for name, functions in methods.items():
-            known = self._methods[name]
-            before = len(known)
-            known.update((id(one), one) for one in functions)
-            self.revision += len(known) > before
+            present = self._methods[name]
+            before = len(present)
+            present.update((id(one), one) for one in functions)
+            self.revision += len(present) > before
         self._add_names(methods)
 
     def words(self, code: Function | Class) -> frozenset[str] | None:
@@ -308,11 +308,11 @@ class Project:
         They are in an order of their own: with that of the set, other files would be looked up in each process.
         """
         for word in sorted(words & self._definable):
-            revision, known = self._defined.get(word, (-1, ()))
+            revision, result = self._defined.get(word, (-1, ()))
             if revision != self.revision:
-                known = tuple(self._definitions(word))
-                self._defined[word] = (self.revision, known)
-            yield from known
+                result = tuple(self._definitions(word))
+                self._defined[word] = (self.revision, result)
+            yield from result
 
     def _definitions(self, word: str) -> Iterator[Function | Class]:
         yield from self._methods.get(word, {}).values()
@@ -325,8 +325,8 @@ class Project:
             for unit in tuple(units.get(("class", word), ())):
                 yield from unit.classes[word]
                 for file in self.implementations(unit.key, word, self._used, "::"):
-                    made = self.unit(file)
-                    yield from made.functions.get(word, ()) if made is not None else ()
+                    parsed = self.unit(file)
+                    yield from parsed.functions.get(word, ()) if parsed is not None else ()
 
     def is_alias(self, word: str) -> bool:
         """Check whether a word is also declared as another name of something."""
@@ -338,14 +338,14 @@ class Project:
         if without is not None:
             used, listed = without  # files are only added, so only the new ones are searched
             units = chain(islice(self._used.values(), used, None), islice(self._listed, listed, None))
-            found = any(word.encode() in one.source for one in units)
-            self._mentioned[word] = None if found else (len(self._used), len(self._listed))
+            mentioned = any(word.encode() in one.source for one in units)
+            self._mentioned[word] = None if mentioned else (len(self._used), len(self._listed))
         return self._mentioned[word] is None
 
     # Names
 
-    def implementations(self, header: FilePath, name: str, known: Container[FilePath], end: str) -> list[FilePath]:
-        """Return the sources of the package of a header that contain a name followed by `end`, except for `known` ones.
+    def implementations(self, header: FilePath, name: str, seen: Container[FilePath], end: str) -> list[FilePath]:
+        """Return the sources of the package of a header that contain a name followed by `end`, except for `seen` ones.
 
         They define the methods of a class if `end` is `::`, or a function if it is `(`.
         """
@@ -360,8 +360,8 @@ class Project:
                 data = self._content(file) if _is_source(entry.path) else None
                 for word in _followed(data) if data else ():
                     index[word].append(file)
-        found = index.get(f"{name}{end}".encode(), ())
-        return [file for file in found if file != header and file not in known]
+        sources = index.get(f"{name}{end}".encode(), ())
+        return [file for file in sources if file != header and file not in seen]
 
     def find(self, file: FilePath, kind: str, name: str) -> list[CppUnit]:
         """Return the headers of a file that declare a name of a kind, nearest first; see `CppUnit.names`."""
@@ -369,8 +369,8 @@ class Project:
         listed = self._declaring.get((kind, name))
         if not listed:
             return []
-        found = [one for one in listed if one in near]
-        return sorted(found, key=near.__getitem__) if len(found) > 1 else found
+        units = [one for one in listed if one in near]
+        return sorted(units, key=near.__getitem__) if len(units) > 1 else units
 
     def holding(self, unit: CppUnit, kind: str, name: str) -> tuple[CppUnit, ...]:
         """Return those of a file and its headers that declare a name of a kind, nearest first.
@@ -378,12 +378,12 @@ class Project:
         All programs of the package get the same object.
         """
         key = (kind, name, unit)
-        found = self._holding.get(key)
-        if found is None:
+        units = self._holding.get(key)
+        if units is None:
             near = self.find(unit.key, kind, name)
             own = (unit,) if name in unit.names[kind] else ()
-            found = self._holding[key] = (*own, *(one for one in near if one is not unit))
-        return found
+            units = self._holding[key] = (*own, *(one for one in near if one is not unit))
+        return units
 
     def defining(self, file: FilePath, name: str) -> list[CppUnit]:
         """Return the headers of a file that define methods outside of their class, which has a name."""
@@ -391,18 +391,18 @@ class Project:
 
     def _near(self, file: FilePath) -> dict[CppUnit, int]:
         """Return the headers of a file that can be read, each with its place in the order of nearness."""
-        known = self._nearness.get(file)
-        if known is None:
+        nearness = self._nearness.get(file)
+        if nearness is None:
             units = (self.unit(header) for header in self.headers(file))
-            known = self._nearness[file] = {one: place for place, one in enumerate(units) if one is not None}
-            for one in known:
+            nearness = self._nearness[file] = {one: place for place, one in enumerate(units) if one is not None}
+            for one in nearness:
                 if one not in self._listed:
                     self._listed[one] = None
                     for kind, names in one.names.items():
                         for name in names:
                             self._declaring[kind, name].append(one)
                     self._index(one)
-        return known
+        return nearness
 
     def _index(self, unit: CppUnit) -> None:
         """Add what the macros of a file expand to, and the names that it defines."""

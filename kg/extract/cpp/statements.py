@@ -77,7 +77,7 @@ class Statements:
             lower = self._lowered.get(node.type)
             if lower is not None:
                 return list(lower(self, node))
-            if self._expressions.knows(node):
+            if self._expressions.is_expression(node):
                 return [Step(line_of(node), self._expressions.expression(node))]
             return []
         finally:
@@ -103,10 +103,10 @@ class Statements:
 
     def declaration(self, node: Node) -> list[Declare]:
         """Return the variables of a declaration."""
-        found: list[Declare] = []
+        declarations: list[Declare] = []
         for child in node.children_by_field_name("declarator"):
-            found += self._declared(node, child)
-        return found
+            declarations += self._declared(node, child)
+        return declarations
 
     def _declared(self, node: Node, declarator: Node) -> list[Declare]:
         line = line_of(node)
@@ -130,9 +130,9 @@ class Statements:
         """Return the object without a name that `auto [a, b] = value` declares, and the names of its elements."""
         kind = Type(("auto",), reference=target.type == "reference_declarator")
         whole = syntax.text(target)
-        held = self._begin(written, target, kind, line) if written is not None else None
+        value = self._begin(written, target, kind, line) if written is not None else None
         return [
-            Declare(line, whole, kind, held),
+            Declare(line, whole, kind, value),
             *(
                 Declare(line, name, _ELEMENT, Index(line, Name(line, (whole,)), Literal(line, float(i), str(i))))
                 for i, name in enumerate(_names(target))
@@ -209,8 +209,8 @@ class Statements:
         name = syntax.declared_name(declarator)
         if name is None:
             return []
-        held = self._expressions.expression(value) if value is not None else None
-        return [Declare(line_of(node), syntax.text(name), self._expressions.declared(node, declarator), held)]
+        initial = self._expressions.expression(value) if value is not None else None
+        return [Declare(line_of(node), syntax.text(name), self._expressions.declared(node, declarator), initial)]
 
     def _for(self, node: Node) -> list[Statement]:
         begin, condition = node.child_by_field_name("initializer"), node.child_by_field_name("condition")
@@ -284,8 +284,8 @@ class Statements:
         named = [node.child_by_field_name("name")]
         if node.type == "type_definition":
             named = [syntax.declared_name(one) for one in node.children_by_field_name("declarator")]
-        meant = self._expressions.type(kind)
-        return [Declare(line_of(node), syntax.text(name), None, meant) for name in named if name is not None]
+        target = self._expressions.type(kind)
+        return [Declare(line_of(node), syntax.text(name), None, target) for name in named if name is not None]
 
     def _return(self, node: Node) -> list[Statement]:
         inner = next((c for c in node.named_children if c.type not in _SKIPPED), None)

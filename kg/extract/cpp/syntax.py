@@ -37,8 +37,8 @@ def captures(query: Query, node: Node) -> dict[str, list[Node]]:
 
     The order of tree-sitter is not reliable.
     """
-    found = QueryCursor(query).captures(node)
-    return {name: sorted(nodes, key=lambda one: (one.start_byte, -one.end_byte)) for name, nodes in found.items()}
+    by_name = QueryCursor(query).captures(node)
+    return {name: sorted(nodes, key=lambda one: (one.start_byte, -one.end_byte)) for name, nodes in by_name.items()}
 
 
 def parse(source: bytes) -> Tree:
@@ -72,13 +72,13 @@ def arguments(node: Node | None) -> list[Node]:
 
     `"text" MACRO` does not parse: the error node represents both.
     """
-    found: list[Node] = []
+    arguments: list[Node] = []
     for child in node.named_children if node is not None else ():
-        if child.type == "ERROR" and found and found[-1].type == "string_literal":
-            found[-1] = child
+        if child.type == "ERROR" and arguments and arguments[-1].type == "string_literal":
+            arguments[-1] = child
         elif child.type not in _NO_ARGUMENTS:
-            found.append(child)
-    return found
+            arguments.append(child)
+    return arguments
 
 
 def of_type(node: Node | None, *kinds: str) -> list[Node]:
@@ -97,23 +97,23 @@ def parts(node: Node) -> list[Part]:
     """Return the names of a qualified name or type from the outside in."""
     if node.type in PLAIN:
         return [Part(text(node))]
-    found: list[Part] = []
+    parts: list[Part] = []
     for _ in range(_DEEPEST):
         inner: Node | None = None
         if node.type == "qualified_identifier":
             outer = node.child_by_field_name("scope")
             if outer is not None:
-                found.append(_part(outer))
+                parts.append(_part(outer))
             inner = node.child_by_field_name("name")
         elif node.type == "type_descriptor":
             inner = node.child_by_field_name("type")
         elif node.type in ("dependent_type", "dependent_name"):
             inner = node.named_children[0] if node.named_children else None
         if inner is None:
-            found.append(_part(node))
+            parts.append(_part(node))
             break
         node = inner
-    return found
+    return parts
 
 
 def _part(node: Node) -> Part:
@@ -125,8 +125,8 @@ def _part(node: Node) -> Part:
 
 def simple_name(node: Node) -> str:
     """Return the last word of a name or type, without scope and template arguments."""
-    found = parts(node)
-    return found[-1].name if found else text(node)
+    names = parts(node)
+    return names[-1].name if names else text(node)
 
 
 def declared_name(declarator: Node | None) -> Node | None:

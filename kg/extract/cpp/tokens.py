@@ -50,17 +50,17 @@ def _next(language: Cpp, stream: Value, target: Expression, separator: str, give
         return stream
     text = stream.native.get("text") if isinstance(stream, Object) and stream.kind.name in STREAMS else None
     parameter = text.parameter if isinstance(text, Text) else None
-    if not isinstance(stream, Object) or not isinstance(text, Text) or text.known is None:
+    if not isinstance(stream, Object) or not isinstance(text, Text) or text.exact is None:
         read = part_of(f"{parameter}[]") if parameter is not None else Text.hole(_READ)
         put(machine, target, read, frame)
         return Unknown(_READ)
-    if not text.known.strip():
+    if not text.exact.strip():
         if parameter is None or "taken" in stream.native:
             return Truth(False)
         # The default is empty, and what a launch file sets is not.
         put(machine, target, part_of(f"{parameter}[]"), frame)
         return Unknown("it depends on a parameter", parameter)
-    piece, *rest = re.split(separator, text.known.lstrip() if separator == _SPACE else text.known, maxsplit=1)
+    piece, *rest = re.split(separator, text.exact.lstrip() if separator == _SPACE else text.exact, maxsplit=1)
     put(machine, target, _part(text, piece), frame)
     machine.write(stream.native, "text", replace(text, parts=tuple(rest)))
     machine.write(stream.native, "taken", Truth(True))
@@ -68,10 +68,10 @@ def _next(language: Cpp, stream: Value, target: Expression, separator: str, give
 
 
 def _pieces(text: Value, separator: str | None) -> Value:
-    if not isinstance(text, Text) or text.known is None or separator is None:
+    if not isinstance(text, Text) or text.exact is None or separator is None:
         parameter = text.parameter if isinstance(text, Text | Unknown) else None
         return Unknown(_READ, parameter)
-    pieces = [piece for piece in re.split(separator, text.known) if piece]
+    pieces = [piece for piece in re.split(separator, text.exact) if piece]
     return Sequence(tuple(_part(text, piece) for piece in pieces), parameter=text.parameter)
 
 
@@ -82,5 +82,5 @@ def _part(whole: Text, piece: str) -> Value:
 
 def _separator(values: list[Value]) -> str | None:
     """Return the pattern of the characters that separate pieces; None if they are not known."""
-    known = values[0].known if values and isinstance(values[0], Text) else None
-    return f"[{re.escape(known)}]" if known else None
+    exact = values[0].exact if values and isinstance(values[0], Text) else None
+    return f"[{re.escape(exact)}]" if exact else None

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def included(source: bytes) -> dict[str, int]:
     """Return the paths of the `#include` lines of a file, in order, with the first line of each, from 1."""
-    found: dict[str, int] = {}
+    lines: dict[str, int] = {}
     line, counted = 1, 0
     position = source.find(b"#")
     while position >= 0:
@@ -36,9 +36,9 @@ def included(source: bytes) -> dict[str, int]:
             closing = path.find(b">" if path.startswith(b"<") else b'"', 1)
             if path[:1] in (b"<", b'"') and closing > 0:
                 line, counted = line + source.count(b"\n", counted, position), position
-                found.setdefault(path[1:closing].decode("utf-8", "replace").strip(), line)
+                lines.setdefault(path[1:closing].decode("utf-8", "replace").strip(), line)
         position = source.find(b"#", max(end, position + 1)) if end >= 0 else -1
-    return found
+    return lines
 
 
 def words_of(code: str) -> frozenset[str]:
@@ -48,7 +48,7 @@ def words_of(code: str) -> frozenset[str]:
 
 def assigned_in(code: str) -> frozenset[str]:
     """Return the names that some code assigns, increments, or changes by a method of containers and pointers."""
-    return frozenset(found[1] or found[2] for found in _ASSIGNED.finditer(code))
+    return frozenset(match[1] or match[2] for match in _ASSIGNED.finditer(code))
 
 
 _Scope: TypeAlias = tuple[str, ...]
@@ -99,7 +99,7 @@ class CppFunction(Function):
         self.unit, self.name, self.scope, self.template, self.owner = unit, name, scope, template, None
         self.node, self.declarator = nodes
         self.line = line_of(self.declarator if self.node.type == "function_definition" else self.node)
-        self.outer, self.static, self.marks, self.source, self.body_made = (), False, frozenset(), None, None
+        self.outer, self.static, self.marks, self.source, self.lowered_body = (), False, frozenset(), None, None
         self._words: frozenset[str] | None = None
         self._assigned: frozenset[str] | None = None
 
@@ -155,8 +155,8 @@ class CppClass(Class):
             body = self.node.child_by_field_name("body")
             values = (one.child_by_field_name("default_value") for one in syntax.of_type(body, "field_declaration"))
             code = " ".join(syntax.text(value) for value in values if value is not None)
-            held = [one.type for one in self.fields.values() if one.type is not None and not one.static]
-            kinds = [*self.bases, *(kind for kind in held if not kind.pointer and not kind.reference)]
+            types = [one.type for one in self.fields.values() if one.type is not None and not one.static]
+            kinds = [*self.bases, *(kind for kind in types if not kind.pointer and not kind.reference)]
             self._words = words_of(code).union(*(kind.names for kind in kinds if kind.name not in _POINTERS))
         return self._words
 
@@ -164,15 +164,15 @@ class CppClass(Class):
     def public(self) -> frozenset[str]:
         """The names of its public methods."""
         body = self.node.child_by_field_name("body")
-        found, shown = set(), self.node.type == "struct_specifier"
+        names, shown = set(), self.node.type == "struct_specifier"
         for member in body.named_children if body is not None else ():
             if member.type == "access_specifier":
                 shown = syntax.text(member).startswith("public")
             declarator = _function_declarator(member.child_by_field_name("declarator")) if shown else None
             name = syntax.declared_name(declarator)
             if name is not None:
-                found.add(syntax.text(name))
-        return frozenset(found)
+                names.add(syntax.text(name))
+        return frozenset(names)
 
     @property
     def abstract(self) -> bool:
@@ -255,26 +255,26 @@ class CppUnit(Unit):
 
     def aliases(self, name: str) -> list[tuple[_Scope, Type, _Scope]]:
         """Return the types that `using` or `typedef` gives a name: scope, type, template parameters."""
-        found = self._lowered_aliases.get(name)
-        if found is None:
-            found = self._lowered_aliases[name] = [
+        lowered = self._lowered_aliases.get(name)
+        if lowered is None:
+            lowered = self._lowered_aliases[name] = [
                 (scope, kind if isinstance(kind, Type) else self.expressions.type(kind), template)
                 for scope, kind, template in self._aliases.get(name, ())
             ]
-        return found
+        return lowered
 
     def variables(self, name: str) -> list[tuple[_Scope, Declare]]:
         """Return the variables of a name at namespace scope, and static members, with their scopes."""
-        found = self._lowered_variables.get(name)
-        if found is None:
-            found = self._lowered_variables[name] = []
+        lowered = self._lowered_variables.get(name)
+        if lowered is None:
+            lowered = self._lowered_variables[name] = []
             for scope, node in self._variables.get(name, ()):
                 for declared in self._statements.declaration(node):
                     *outer, last = declared.name.replace(" ", "").split("::")
                     if last == name:
                         declared.name = last
-                        found.append(((*scope, *outer), declared))
-        return found
+                        lowered.append(((*scope, *outer), declared))
+        return lowered
 
     # Names
 
@@ -321,9 +321,9 @@ class CppUnit(Unit):
                     self._adapter(child)
 
     def _add_namespace(self, name: bytes, target: bytes, scope: _Scope) -> None:
-        meant = tuple(part for part in re.sub(r"\s", "", target.decode()).split("::") if part)
-        if (scope, meant) not in self.namespaces[name.decode()]:
-            self.namespaces[name.decode()].append((scope, meant))
+        names = tuple(part for part in re.sub(r"\s", "", target.decode()).split("::") if part)
+        if (scope, names) not in self.namespaces[name.decode()]:
+            self.namespaces[name.decode()].append((scope, names))
 
     def _adapter(self, call: Node) -> None:
         """Read the macro that states which message a type stands for."""
@@ -369,12 +369,12 @@ class CppUnit(Unit):
         if kind is not None and kind.type in ("class_specifier", "struct_specifier", "enum_specifier"):
             self._type(kind, scope, ())
         declarators = node.children_by_field_name("declarator")
-        found = _function_declarator(declarators[0]) if len(declarators) == 1 else None
-        if found is not None:
-            name = syntax.declared_name(found)
+        declarator = _function_declarator(declarators[0]) if len(declarators) == 1 else None
+        if declarator is not None:
+            name = syntax.declared_name(declarator)
             if name is not None:
                 shown = syntax.simple_name(name)
-                self.prototypes[shown].append(CppFunction(self, shown, scope, (node, found), ()))
+                self.prototypes[shown].append(CppFunction(self, shown, scope, (node, declarator), ()))
             return
         external = any(c.type == "storage_class_specifier" and syntax.text(c) == "extern" for c in node.children)
         names = (syntax.declared_name(one) for one in declarators)
@@ -403,9 +403,9 @@ class CppUnit(Unit):
         for member in body.named_children:
             kind = member.type
             if kind == "field_declaration":
-                held = member.child_by_field_name("type")
-                if held is not None and held.type in _CLASSES:
-                    self._type(held, scope, ())
+                inner = member.child_by_field_name("type")
+                if inner is not None and inner.type in _CLASSES:
+                    self._type(inner, scope, ())
             elif kind == "function_definition":
                 name = syntax.declared_name(member.child_by_field_name("declarator"))
                 if name is not None:
@@ -425,11 +425,11 @@ class CppUnit(Unit):
         kind = node.child_by_field_name("type")
         if kind is not None and kind.type in ("class_specifier", "struct_specifier"):
             self._type(kind, scope, template)
-        made = self._defined(node, scope, template, None)
-        if made is not None:
-            self.functions[made.name].append(made)
-            if len(made.scope) > len(scope):
-                self.methods[made.scope[-1]].append(made)
+        function = self._defined(node, scope, template, None)
+        if function is not None:
+            self.functions[function.name].append(function)
+            if len(function.scope) > len(scope):
+                self.methods[function.scope[-1]].append(function)
 
     def _defined(self, node: Node, scope: _Scope, template: _Scope, owner: Class | None) -> Function | None:
         declarator = _function_declarator(node.child_by_field_name("declarator"))
@@ -448,10 +448,10 @@ class CppUnit(Unit):
         outer = tuple(name for name in map(syntax.text, given) if name in template)
         if len(outer) == len(given):
             template = tuple(name for name in template if name not in outer)
-        made = CppFunction(self, shown, inner, (node, declarator), template)
-        made.owner, made.source = owner, body
-        made.outer = outer if len(outer) == len(given) else ()
-        return made
+        function = CppFunction(self, shown, inner, (node, declarator), template)
+        function.owner, function.source = owner, body
+        function.outer = outer if len(outer) == len(given) else ()
+        return function
 
     def code(self, function: Function) -> str:
         """Return the text of the body of a function of this file; empty if it has none."""
@@ -472,13 +472,13 @@ class CppUnit(Unit):
             if kind == "field_declaration":
                 self._field(member, cls)
             elif kind == "function_definition":
-                made = self._defined(member, inner, template, cls)
-                if made is not None:
-                    cls.methods.setdefault(made.name, []).append(made)
+                method = self._defined(member, inner, template, cls)
+                if method is not None:
+                    cls.methods.setdefault(method.name, []).append(method)
             elif kind == "declaration":
-                found = _function_declarator(member.child_by_field_name("declarator"))
-                if found is not None:
-                    self._declare_method(member, found, cls, template)
+                declarator = _function_declarator(member.child_by_field_name("declarator"))
+                if declarator is not None:
+                    self._declare_method(member, declarator, cls, template)
             elif kind == "template_declaration":
                 self.members(member, cls, _template_names(member))
             elif kind in PREPROCESSED:
@@ -490,9 +490,9 @@ class CppUnit(Unit):
         for index, child in enumerate(node.children):
             role = node.field_name_for_child(index)
             if role == "declarator":
-                found = _function_declarator(child)
-                if found is not None and not syntax.is_function_pointer(found):
-                    self._declare_method(node, found, cls, ())
+                declarator = _function_declarator(child)
+                if declarator is not None and not syntax.is_function_pointer(declarator):
+                    self._declare_method(node, declarator, cls, ())
                     continue
                 name = syntax.declared_name(child)
                 if name is not None:
@@ -507,9 +507,9 @@ class CppUnit(Unit):
     def _declare_method(self, node: Node, declarator: Node, cls: Class, template: _Scope) -> None:
         name = syntax.declared_name(declarator)
         if name is not None:
-            made = CppFunction(self, syntax.text(name), (*cls.scope, cls.name), (node, declarator), template)
-            made.owner = cls
-            cls.declared.setdefault(made.name, []).append(made)
+            method = CppFunction(self, syntax.text(name), (*cls.scope, cls.name), (node, declarator), template)
+            method.owner = cls
+            cls.declared.setdefault(method.name, []).append(method)
 
     def bases(self, node: Node) -> tuple[Type, ...]:
         """Return the bases of a class."""
@@ -520,12 +520,12 @@ class CppUnit(Unit):
     def defaults(self, node: Node | None) -> dict[str, Type]:
         """Return the default types of the parameters of a template."""
         listed = node.child_by_field_name("parameters") if node is not None else None
-        found = {}
+        types = {}
         for child in listed.named_children if listed is not None else ():
             name, default = child.child_by_field_name("name"), child.child_by_field_name("default_type")
             if child.type == "optional_type_parameter_declaration" and name is not None and default is not None:
-                found[syntax.text(name)] = self.expressions.type(default)
-        return found
+                types[syntax.text(name)] = self.expressions.type(default)
+        return types
 
     def returned(self, function: CppFunction) -> Type | None:
         """Return the type that a function returns, as written; None for a constructor."""
@@ -538,7 +538,7 @@ class CppUnit(Unit):
     def initialisers(self, node: Node) -> tuple[Initialiser, ...]:
         """Return the initialisers of a constructor."""
         clause = next(iter(syntax.of_type(node, "field_initializer_list")), None)
-        found = []
+        initialisers = []
         for entry in syntax.of_type(clause, "field_initializer"):
             if not entry.named_children:
                 continue
@@ -546,8 +546,8 @@ class CppUnit(Unit):
             given = next(iter(syntax.of_type(entry, "argument_list", "initializer_list")), None)
             listed = given is not None and given.type == "initializer_list"
             arguments = self.expressions.arguments(given)
-            found.append(Initialiser(syntax.simple_name(name), arguments, line_of(entry), listed))
-        return tuple(found)
+            initialisers.append(Initialiser(syntax.simple_name(name), arguments, line_of(entry), listed))
+        return tuple(initialisers)
 
     def expand(self, macro: Macro, line: int) -> Function:
         """Return a macro as a function at the line that uses it. Its text is an expression or statements."""
@@ -561,7 +561,7 @@ class CppUnit(Unit):
         definition = next(iter(syntax.of_type(syntax.parse(source).root_node, "function_definition")), None)
         block = statements.block(definition.child_by_field_name("body") if definition is not None else None)
         parameters = tuple(Parameter(name, None) for name in macro.parameters or ())
-        macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, body_made=block)
+        macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, lowered_body=block)
         return macro.functions[line]
 
 
@@ -572,7 +572,7 @@ def _is_statements(text: str) -> bool:
 
 def _template_names(node: Node) -> tuple[str, ...]:
     listed = node.child_by_field_name("parameters")
-    found = []
+    names = []
     for child in listed.named_children if listed is not None else ():
         if child.type in (
             "type_parameter_declaration",
@@ -590,13 +590,13 @@ def _template_names(node: Node) -> tuple[str, ...]:
             )
         else:
             name = syntax.declared_name(child.child_by_field_name("declarator"))
-        found.append(syntax.text(name) if name is not None else "")
-    return tuple(found)
+        names.append(syntax.text(name) if name is not None else "")
+    return tuple(names)
 
 
 def _enumerated(body: Node) -> dict[str, int | None]:
     """Return the constants of an enumeration with their numbers, None where its text does not give the number."""
-    found: dict[str, int | None] = {}
+    values: dict[str, int | None] = {}
     following: int | None = 0
     for child in body.named_children:
         name = child.child_by_field_name("name") if child.type == "enumerator" else None
@@ -607,9 +607,9 @@ def _enumerated(body: Node) -> dict[str, int | None]:
         if value is not None:
             written = _INTEGER.fullmatch(syntax.text(value).replace("'", ""))
             following = int(written[1], 0) if written is not None else None
-        found[syntax.text(name)] = following
+        values[syntax.text(name)] = following
         following = following + 1 if following is not None else None
-    return found
+    return values
 
 
 def _is_virtual(node: Node) -> bool:

@@ -94,7 +94,7 @@ class Collected:
 
         An executable runs a plugin when its only sources are generated and name the plugin in a string.
         """
-        known = []
+        complete = []
         for plugin in plugins:
             for name, target in list(self.targets.items()):
                 alone = target.generated and len(target.generated) == len(target.sources)
@@ -102,12 +102,12 @@ class Collected:
                     self.plugin_executables.setdefault(plugin.name, target.output_name or name)
                     del self.targets[name]
             executable = plugin.executable or self.plugin_executables.get(plugin.name)
-            known.append(replace(plugin, executable=executable))
-        for plugin in known:
-            made = self.targets.get(plugin.executable or "")
-            if made and not made.sources:
+            complete.append(replace(plugin, executable=executable))
+        for plugin in complete:
+            built = self.targets.get(plugin.executable or "")
+            if built and not built.sources:
                 del self.targets[plugin.executable or ""]
-        return known
+        return complete
 
     def finished(self) -> tuple[Target, ...]:
         """Return the targets, the names of aliases in their links replaced."""
@@ -174,19 +174,19 @@ class _Targets:
     def _take_generated(self, run: Run, target: _Target, written: str) -> None:
         """Take a source that configure_file makes: its template is read in its place."""
         binary = run.scope.variables.get("CMAKE_CURRENT_BINARY_DIR", "")
-        found = run.files.generated.get(posixpath.normpath(posixpath.join(binary, written)))
-        if found:
-            template, text = found
+        generated = run.files.generated.get(posixpath.normpath(posixpath.join(binary, written)))
+        if generated:
+            template, text = generated
             target.sources[template] = None
             target.generated.append(text)
 
     def target_sources(self, run: Run, words: list[str]) -> None:
-        target = self._known(words)
+        target = self._target(words)
         if target:
             self._take(run, target, words[1:])
 
     def target_link_libraries(self, _: Run, words: list[str]) -> None:
-        target = self._known(words)
+        target = self._target(words)
         if target is None:
             return
         for word in words[1:]:
@@ -194,7 +194,7 @@ class _Targets:
                 if part and part not in _TARGET_WORDS and not part.startswith("-"):
                     target.links[part] = None
 
-    def _known(self, words: list[str]) -> _Target | None:
+    def _target(self, words: list[str]) -> _Target | None:
         name = strip_generators(words[0]) if words else ""
         return self.model.targets.get(self.model.aliases.get(name, name))
 
@@ -217,26 +217,26 @@ class _Targets:
 
     def define(self, _: Run, words: list[str], command: str) -> None:
         """target_compile_definitions(target PRIVATE NAME=1), target_compile_options(target PRIVATE -DNAME)."""
-        target = self._known(words)
+        target = self._target(words)
         if target:
             target.macros.update(macros_of(command, (word for word in words[1:] if word not in _TARGET_WORDS)))
 
     def _define_by_property(self, names: list[str], name: str, values: list[str]) -> None:
         command = _MACRO_PROPERTIES.get(name)
         parts = [part for value in values for part in re.split(r"[;\s]+", value) if part]
-        for target in map(self._known, ([one] for one in names)) if command else ():
+        for target in map(self._target, ([one] for one in names)) if command else ():
             if target:
                 target.macros.update(macros_of(command or "", parts))
 
     def _rename(self, names: list[str], output: str | None) -> None:
         for name in names if output else ():
-            target = self._known([name])
+            target = self._target([name])
             if target:
                 target.output_name = output
 
     def register_node(self, run: Run, words: list[str]) -> None:
         """rclcpp_components_register_node(target PLUGIN class EXECUTABLE name)."""
-        target = self._known(words)
+        target = self._target(words)
         values = dict(zip(words[1::2], words[2::2], strict=False))
         if values.get("PLUGIN"):
             self._component(run, words[0], values["PLUGIN"], values.get("EXECUTABLE"), target)
@@ -245,11 +245,11 @@ class _Targets:
         """rclcpp_components_register_nodes(target class...)."""
         for plugin in words[1:]:
             if plugin != "RESOURCE_INDEX":
-                self._component(run, words[0], plugin, None, self._known(words))
+                self._component(run, words[0], plugin, None, self._target(words))
 
     def _component(self, run: Run, name: str, plugin: str, executable: str | None, target: _Target | None) -> None:
         library = (target.output_name if target else None) or name
-        found = PluginClass(
+        component = PluginClass(
             name=plugin,
             type=plugin,
             registration=Registration.COMPONENT,
@@ -257,8 +257,8 @@ class _Targets:
             library=library,
             executable=executable or None,
         )
-        if found not in self.model.plugins:
-            self.model.plugins.append(found)
+        if component not in self.model.plugins:
+            self.model.plugins.append(component)
 
     def plugin_executable(self, _: Run, words: list[str]) -> None:
         """kg_plugin_executable(executable plugin): the build makes a program that runs the plugin alone."""
@@ -402,9 +402,9 @@ def _entrances(files: CMakeFiles, folder: PackageFolder) -> list[str]:
     path = folder.join("CMakeLists.txt")
     if files.exists(path) or folder.manifest:
         return [path] if files.exists(path) else []
-    found = [entry.path for entry in folder.files if entry.path.endswith("/CMakeLists.txt")]
+    paths = [entry.path for entry in folder.files if entry.path.endswith("/CMakeLists.txt")]
     tops: list[str] = []
-    for path in sorted(found, key=lambda path: path.count("/")):
+    for path in sorted(paths, key=lambda path: path.count("/")):
         if not any(path.startswith(posixpath.dirname(top) + "/") for top in tops):
             tops.append(path)
     return tops

@@ -189,14 +189,14 @@ def _math(run: Run, words: list[str]) -> None:
 def _glob(run: Run, words: list[str], *, recurse: bool) -> list[str]:
     relative = words[words.index("RELATIVE") + 1] if "RELATIVE" in words[:-1] else None
     skipped = {"RELATIVE", "CONFIGURE_DEPENDS", "FOLLOW_SYMLINKS", relative}
-    found: dict[str, None] = {}
+    paths: dict[str, None] = {}
     for pattern in words:
         if pattern not in skipped and pattern not in {"LIST_DIRECTORIES", "true", "false"}:
             run.spend(_PATTERN_WORK + 4 * run.files.size)
             for path in run.files.glob(pattern, run.folder, recurse=recurse):
                 whole = posixpath.join(SOURCE, path)
-                found[posixpath.relpath(whole, relative) if relative else whole] = None
-    return list(found)
+                paths[posixpath.relpath(whole, relative) if relative else whole] = None
+    return list(paths)
 
 
 def _aux_source_directory(run: Run, words: list[str]) -> None:
@@ -270,9 +270,9 @@ def _parse_arguments(run: Run, words: list[str]) -> None:
         else:
             values["UNPARSED_ARGUMENTS"].append(word)
     for name in (*options, *single, *multiple, "UNPARSED_ARGUMENTS"):
-        found = values.get(name)
+        value = values.get(name)
         default = "FALSE" if name in options else ""
-        run.scope.set(f"{prefix}_{name}", ";".join(found) if found else default)
+        run.scope.set(f"{prefix}_{name}", ";".join(value) if value else default)
 
 
 def _defining(command: str) -> Callable[[Run, list[str]], None]:

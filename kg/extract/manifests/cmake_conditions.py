@@ -119,8 +119,8 @@ class _Parser:
     def _compare(self, left: Token, how: str, right: Token) -> bool | None:
         one, other = self._value(left), self._value(right)
         if how == "IN_LIST":
-            known = right.text in self.scope.variables and right.text not in self.scope.uncertain
-            return one in split_list(self.scope.variables[right.text]) if one is not None and known else None
+            certain = right.text in self.scope.variables and right.text not in self.scope.uncertain
+            return one in split_list(self.scope.variables[right.text]) if one is not None and certain else None
         if one is None or other is None:
             return None
         if how == "MATCHES":
@@ -136,14 +136,14 @@ class _Parser:
 
     def _value(self, token: Token) -> str | None:
         """Return the text of an operand: the value of the variable it names, else itself; None when uncertain."""
-        if not token.certain or token.text in self.scope.uncertain or self._is_found(token):
+        if not token.certain or token.text in self.scope.uncertain or self._is_libraries(token):
             return None
         return token.text if token.quoted else self.scope.variables.get(token.text, token.text)
 
-    def _is_found(self, token: Token) -> bool:
+    def _is_libraries(self, token: Token) -> bool:
         """Return whether an operand is a list of libraries that packages which are looked for export."""
-        found = self.scope.variables.get("catkin_LIBRARIES")
-        return bool(found) and token.text in (found, "catkin_LIBRARIES")
+        libraries = self.scope.variables.get("catkin_LIBRARIES")
+        return bool(libraries) and token.text in (libraries, "catkin_LIBRARIES")
 
 
 def _compare_versions(one: str, how: str, other: str) -> bool | None:

@@ -314,16 +314,16 @@ def macros_of(command: str, words: Iterable[str]) -> Iterator[str]:
 
 def _macros_in(statements: Sequence[Statement]) -> set[str]:
     """Return the macros that statements define for C++, those in blocks too."""
-    found: set[str] = set()
+    macros: set[str] = set()
     pending = list(statements)
     while pending:
         one = pending.pop()
         if isinstance(one, Command):
             words = (word for argument in one.arguments for word in argument.text.split())
-            found.update(macros_of(one.name, words))
+            macros.update(macros_of(one.name, words))
         else:
             pending += [inner for _, body in one.branches for inner in body]
-    return found
+    return macros
 
 
 def _items(words: list[str], scope: Scope) -> list[str]:
@@ -432,14 +432,14 @@ class CMakeFiles:
         plain = not any(mark in head for mark in "*?[")
         match = re.compile(fnmatch.translate(tail)).match
         inside = re.compile(fnmatch.translate(head)).match
-        found = []
+        paths = []
         for path in self._entries:
             where, name = posixpath.split(path)
             near = where == head if plain else inside(where) and where.count("/") == head.count("/")
             below = recurse and (where.startswith(head + "/") or not head)
             if (near or below) and match(name):
-                found.append(path)
-        return found
+                paths.append(path)
+        return paths
 
     def module(self, name: str, base: str) -> str | None:
         """Return the file that `include(name)` means: a path, or a module in a folder `cmake` of the package."""
@@ -456,8 +456,8 @@ class CMakeFiles:
         key = (name, len(self.packages))
         if key not in self._definitions:
             libraries = map(self._library, (self.package.name, *self.packages))
-            found = next((library[name] for library in libraries if name in library), None)
-            self._definitions[key] = found or _known_macros().get(name)
+            own = next((library[name] for library in libraries if name in library), None)
+            self._definitions[key] = own or _bundled_macros().get(name)
         return self._definitions[key]
 
     def _library(self, package: str) -> dict[str, Definition]:
@@ -481,10 +481,10 @@ def _definitions(text: bytes, base: str) -> Mapping[str, Definition]:
     lower = text.lower()
     if b"macro" not in lower and b"function" not in lower:
         return {}
-    found: dict[str, Definition] = {}
+    definitions: dict[str, Definition] = {}
     for name, definition in _collect(parse(text.decode("utf-8", "replace"))[0], base):
-        found.setdefault(name, definition)
-    return found
+        definitions.setdefault(name, definition)
+    return definitions
 
 
 def _collect(statements: Iterable[Statement], base: str) -> Iterator[tuple[str, Definition]]:
@@ -503,5 +503,5 @@ def _collect(statements: Iterable[Statement], base: str) -> Iterator[tuple[str, 
 
 
 @cache
-def _known_macros() -> Mapping[str, Definition]:
+def _bundled_macros() -> Mapping[str, Definition]:
     return _definitions((folder("ontology") / "cmake-macros.cmake").read_bytes(), "")

@@ -118,7 +118,7 @@ class _Lexer:
 
     def arguments(self, position: int, start: int) -> tuple[list[Argument], int]:
         """Return the arguments from behind the parenthesis that opens them, and the position behind its match."""
-        found: list[Argument] = []
+        arguments: list[Argument] = []
         depth = 0
         while True:
             position = _skip(self._text, position)
@@ -128,8 +128,8 @@ class _Lexer:
             if argument.form == "paren":
                 depth += 1 if argument.text == "(" else -1
                 if depth < 0:
-                    return found, position
-            found.append(argument)
+                    return arguments, position
+            arguments.append(argument)
 
     def _argument(self, position: int) -> tuple[Argument, int]:
         bracket = _BRACKET.match(self._text, position)

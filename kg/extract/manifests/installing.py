@@ -51,16 +51,16 @@ class Installed:
         wanted = posixpath.normpath(f"{self._share}/{inner}")
         for destination, source in self._rules:
             if destination.endswith("/"):
-                found = source + wanted[len(destination) :] if wanted.startswith(destination) else None
+                path = source + wanted[len(destination) :] if wanted.startswith(destination) else None
             else:
                 folder, name = posixpath.split(wanted)
                 matches = folder == posixpath.dirname(destination) and fnmatch.fnmatchcase(
                     name, posixpath.basename(destination)
                 )
                 pattern = any(mark in source for mark in "*?[")
-                found = (posixpath.join(posixpath.dirname(source), name) if pattern else source) if matches else None
-            if found is not None and self._reader.workspace.is_file(self._reader.file(posixpath.normpath(found))):
-                return posixpath.normpath(found)
+                path = (posixpath.join(posixpath.dirname(source), name) if pattern else source) if matches else None
+            if path is not None and self._reader.workspace.is_file(self._reader.file(posixpath.normpath(path))):
+                return posixpath.normpath(path)
         return None
 
     def _add(self, destination: str, source: str) -> None:
@@ -85,7 +85,7 @@ class Installed:
     def _pair(self, pair: Value) -> Iterator[tuple[str, str]]:
         """Yield each file of a pair of a destination and a list of files."""
         match pair:
-            case Sequence(items=(Text(known=str() as destination), Sequence(open=False) as files)):
+            case Sequence(items=(Text(exact=str() as destination), Sequence(open=False) as files)):
                 names = lines(files)
                 self._unknown |= len(names) != len(files.items)
                 for source in names:

@@ -41,8 +41,8 @@ def holds(condition: str | None, variables: Mapping[str, str]) -> bool:
 
     def compared(match: re.Match[str]) -> str:
         sides = [variables.get(one[1:]) if one.startswith("$") else one.strip("\"'") for one in (match[1], match[3])]
-        known = [side for side in sides if side is not None]
-        return str(len(known) < len(sides) or _COMPARE[match[2]](*known))
+        values = [side for side in sides if side is not None]
+        return str(len(values) < len(sides) or _COMPARE[match[2]](*values))
 
     formula = _COMPARISON.sub(compared, condition)
     try:
@@ -197,14 +197,14 @@ def _ros_versions(
 ) -> frozenset[int]:
     """Return the versions of ROS that build tools show, or else client libraries; none if neither shows one."""
     for marks in (_TOOLS, _CLIENTS):
-        found = set()
+        versions = set()
         for ros in (1, 2):
             names = {dependency.name for dependency in _under(ros, needed)}
             types = {text for tag, _, text, _ in _under(ros, exported) if tag == "build_type"}
             if not (names | types).isdisjoint(marks[ros]):
-                found.add(ros)
-        if found:
-            return frozenset(found)
+                versions.add(ros)
+        if versions:
+            return frozenset(versions)
     return frozenset()
 
 

@@ -33,15 +33,15 @@ def exported_files(
     folder: PackageFolder, exports: Iterable[tuple[str, dict[str, str], str, int]], listed: Iterable[str]
 ) -> list[str]:
     """Return the plugin descriptions of a package: those its manifest or CMake export and those named like one."""
-    found: dict[str, None] = {}
+    files: dict[str, None] = {}
     for _, attributes, _, _ in exports:
         written = attributes.get("plugin")
         if written:
             relative = written.replace("${prefix}", "").replace("$(prefix)", "").lstrip("/")
-            found[posixpath.normpath(folder.join(relative))] = None
-    found.update(dict.fromkeys(listed))
-    found.update((entry.path, None) for entry in folder.files if entry.kind is FileKind.PLUGIN)
-    return list(found)
+            files[posixpath.normpath(folder.join(relative))] = None
+    files.update(dict.fromkeys(listed))
+    files.update((entry.path, None) for entry in folder.files if entry.kind is FileKind.PLUGIN)
+    return list(files)
 
 
 def read_plugin_file(reader: Reader, path: str, targets: Iterable[Target]) -> Iterator[PluginClass]:
@@ -63,9 +63,9 @@ def read_plugin_file(reader: Reader, path: str, targets: Iterable[Target]) -> It
     for library in result.root.iter("library"):
         name = _library(str(library.get("path") or ""), names)
         for element in library.iter("class"):
-            found = _plugin(element, name, path)
-            if found:
-                yield found
+            plugin = _plugin(element, name, path)
+            if plugin:
+                yield plugin
 
 
 def _single_root(text: bytes) -> bytes:

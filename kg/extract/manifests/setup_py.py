@@ -36,17 +36,17 @@ class Setup:
 
 def read_setup(reader: Reader, folder: PackageFolder) -> Setup:
     """Return the console scripts, scripts and parameter modules that a package declares."""
-    found = _Found(reader, folder)
+    collector = _Collector(reader, folder)
     for name, read in (("setup.py", _setup_py), ("setup.cfg", _setup_cfg), ("pyproject.toml", _pyproject)):
         path = folder.join(name)
         if reader.workspace.entry(reader.file(path)):
             text = reader.read(path)
             if text is not None:
-                read(found, path, text)
-    return found.setup
+                read(collector, path, text)
+    return collector.setup
 
 
-class _Found:
+class _Collector:
     """Collects entry points and scripts, the first of a name counts."""
 
     def __init__(self, reader: Reader, folder: PackageFolder) -> None:
@@ -83,70 +83,70 @@ class _Found:
             for candidate in (f"{stem}.py", f"{stem}/__init__.py"):
                 if self.reader.workspace.entry(self.reader.file(candidate)):
                     return candidate
-        found = self.reader.workspace.module(module, near=self.reader.file(path))
-        return found.path if found and found.repository == self.reader.repository else None
+        file = self.reader.workspace.module(module, near=self.reader.file(path))
+        return file.path if file and file.repository == self.reader.repository else None
 
 
-def _setup_py(found: _Found, path: str, text: bytes) -> None:
+def _setup_py(collector: _Collector, path: str, text: bytes) -> None:
     written = text.decode().splitlines()
-    for call in calls_of(found.reader, found.reader.file(path)):
+    for call in calls_of(collector.reader, collector.reader.file(path)):
         if call.name == "generate_parameter_module":
             match [lines(value) for value in call.values[:2]]:
                 case [[module], [file]]:
-                    found.parameter_module(module, file)
+                    collector.parameter_module(module, file)
         if call.name in _SETUP_CALLS:
             folders = entries(call.named.get("package_dir")).values()
-            found.roots[:0] = [folder for value in folders for folder in lines(value)]
+            collector.roots[:0] = [folder for value in folders for folder in lines(value)]
             for line in _scripts_of(call):
-                found.entry(line, path, _line_of(written, line))
+                collector.entry(line, path, _line_of(written, line))
             for line in lines(call.named.get("scripts")):
-                found.script(line, path, _line_of(written, line))
+                collector.script(line, path, _line_of(written, line))
 
 
 def _scripts_of(call: Called) -> list[str]:
     """Return the console scripts of a call: those in a dictionary, or in a text that is written like an INI file."""
     given = call.named.get("entry_points")
-    section, found = "", lines(entries(given).get("console_scripts"))
+    section, scripts = "", lines(entries(given).get("console_scripts"))
     for line in lines(given):
         if line.strip().startswith("["):
             section = line.strip(" []\t")
         elif section == "console_scripts":
-            found.append(line)
-    return found
+            scripts.append(line)
+    return scripts
 
 
-def _setup_cfg(found: _Found, path: str, text: bytes) -> None:
+def _setup_cfg(collector: _Collector, path: str, text: bytes) -> None:
     config = configparser.RawConfigParser(strict=False, allow_no_value=True)
     try:
         config.read_string(text.decode())
     except configparser.Error as error:
-        found.reader.problem("KG115", f"setup.cfg does not parse: {error.message.splitlines()[0]}", path)
+        collector.reader.problem("KG115", f"setup.cfg does not parse: {error.message.splitlines()[0]}", path)
         return
     lines = text.decode().splitlines()
     listed = config.get("options.entry_points", "console_scripts", fallback=None) or ""
     for written in listed.splitlines():
-        found.entry(written, path, _line_of(lines, written))
+        collector.entry(written, path, _line_of(lines, written))
     for written in (config.get("options", "scripts", fallback=None) or "").splitlines():
         if written.strip():
-            found.script(written.strip(), path, _line_of(lines, written))
+            collector.script(written.strip(), path, _line_of(lines, written))
 
 
 def _line_of(lines: list[str], written: str) -> int:
     """Return the first line that contains a text; of a text that the file computes, that with what is before `=`."""
     for text in (written.strip(), written.partition("=")[0].strip()):
-        found = next((number for number, line in enumerate(lines, 1) if text and text in line), None)
-        if found is not None:
-            return found
+        index = next((number for number, line in enumerate(lines, 1) if text and text in line), None)
+        if index is not None:
+            return index
     return 1
 
 
-def _pyproject(found: _Found, path: str, text: bytes) -> None:
+def _pyproject(collector: _Collector, path: str, text: bytes) -> None:
     try:
         project = tomllib.loads(text.decode()).get("project", {})
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        found.reader.problem("KG115", f"pyproject.toml does not parse: {error}", path)
+        collector.reader.problem("KG115", f"pyproject.toml does not parse: {error}", path)
         return
     scripts = project.get("scripts") if isinstance(project, dict) else None
     lines = text.decode().splitlines()
     for name, written in scripts.items() if isinstance(scripts, dict) else ():
-        found.entry(f"{name} = {written}", path, _line_of(lines, str(written)))
+        collector.entry(f"{name} = {written}", path, _line_of(lines, str(written)))

@@ -50,16 +50,16 @@ class GeneratedLibrary:
 
 def parse_generated(content: bytes, path: str) -> GeneratedLibrary:
     """Return what the YAML file at `path` declares; where it is malformed, what comes before the mistake."""
-    found: list[Parameter] = []
+    parameters: list[Parameter] = []
     keys: list[str] = []
     error: tuple[str, int | None] | None = None
     try:
         root = compose_yaml(content.decode())
         keys += [str(key.value) for key, _ in root.value] if isinstance(root, yaml.MappingNode) else []
-        found.extend(_Walk(path).parameters_of(root))
+        parameters.extend(_Walk(path).parameters_of(root))
     except YamlFault as fault:
         error = (f"the file {fault.message}", fault.line)
-    return GeneratedLibrary(keys[0] if len(keys) == 1 else "", tuple(found), error)
+    return GeneratedLibrary(keys[0] if len(keys) == 1 else "", tuple(parameters), error)
 
 
 def read_generated(reader: Reader, path: str) -> tuple[Parameter, ...]:
@@ -136,12 +136,12 @@ def attach(reader: Reader, package: PackageFolder, build: BuildModel, nodes: Ite
     libraries = {FilePath(reader.repository, path): keys for path, keys in own.items()}
     complete = []
     for extracted in nodes:
-        found = [
+        parameters = [
             *(_declared(reader, parameter, libraries) for parameter in extracted.node.parameters),
             *_imported(reader, extracted.node, build),
             *_reconfigured(reader, package, build, extracted.marks),
         ]
-        complete.append(replace(extracted, node=replace(extracted.node, parameters=tuple(found))))
+        complete.append(replace(extracted, node=replace(extracted.node, parameters=tuple(parameters))))
     used = {parameter.location.path for extracted in complete for parameter in extracted.node.parameters}
     complete.extend(
         Extracted(_library_node(target, path, own[path], "cpp" if build.targets else "python"))
@@ -193,14 +193,14 @@ def _imported(reader: Reader, node: NodeType, build: BuildModel) -> Iterator[Par
 
 def _listeners(content: bytes, module: str) -> Iterator[str]:
     """Yield the prefixes of the listeners that a Python source constructs of a module: `module.ParamListener(node)`."""
-    found = captures(parse(content).root_node)
+    captured = captures(parse(content).root_node)
     names = {module}
-    for statement in found.get("import", ()):
+    for statement in captured.get("import", ()):
         for name in statement.children_by_field_name("name"):
             alias = name.child_by_field_name("alias")
             if alias is not None and code(name.child_by_field_name("name")).rpartition(".")[2] == module:
                 names.add(code(alias))
-    for call in found.get("call", ()):
+    for call in captured.get("call", ()):
         *outer, last = code(call.child_by_field_name("function")).split(".")
         if last == _LISTENER.decode() and outer and outer[-1] in names:
             given = [code(argument) for argument in argument_nodes(call)]

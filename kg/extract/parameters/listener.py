@@ -61,8 +61,8 @@ def _value(part: Hole) -> str:
 
 def _cpp_type(kind: str | None) -> str | None:
     element, _, array = (kind or "").partition("_")
-    known = _TYPES.get(element)
-    return f"std::vector<{known}>" if array and known is not None else known
+    type_name = _TYPES.get(element)
+    return f"std::vector<{type_name}>" if array and type_name is not None else type_name
 
 
 def _members(groups: dict[str, Any]) -> str:

@@ -42,7 +42,7 @@ def generates(reader: Reader, file: FilePath, package: str, name: str) -> bool:
     """
     for call in calls_of(reader, file):
         given = {**dict(zip(_GENERATE_ARGUMENTS, call.values, strict=False)), **call.named}
-        home, stem = (one.known if isinstance(one := given.get(key), Text) else None for key in ("pkgname", "name"))
+        home, stem = (one.exact if isinstance(one := given.get(key), Text) else None for key in ("pkgname", "name"))
         if call.name == "generate" and stem == name and package in {"", home}:
             return True
     return False
@@ -51,24 +51,24 @@ def generates(reader: Reader, file: FilePath, package: str, name: str) -> bool:
 def _added(call: Called, repository: str) -> Iterator[Parameter]:
     given = {**dict(zip(_ADD_ARGUMENTS, call.values, strict=False)), **call.named}
     name, kind, description = (given.get(part) for part in ("name", "paramtype", "description"))
-    known = _TYPES.get(kind.kind.name) if isinstance(kind, TypeValue) else None
-    if known is not None and isinstance(name, Text) and name.shown:
+    type_name = _TYPES.get(kind.kind.name) if isinstance(kind, TypeValue) else None
+    if type_name is not None and isinstance(name, Text) and name.shown:
         other = call.file.repository if call.file.repository != repository else None
         yield Parameter(
             name=name.shown,
-            type=known,
+            type=type_name,
             default=_default(given.get("default")),
             access=Access.READ,
             location=Location(call.file.path, call.line, other),
             resolution=Resolution.PARTIAL if is_partial(name.shown) else Resolution.LITERAL,
-            description=description.known if isinstance(description, Text) else None,
+            description=description.exact if isinstance(description, Text) else None,
         )
 
 
 def _default(value: Value | None) -> str | None:
     """Return a default as YAML; None for one that is not known."""
-    if isinstance(value, Text) and value.known is not None:
-        return json.dumps(value.known)
+    if isinstance(value, Text) and value.exact is not None:
+        return json.dumps(value.exact)
     if isinstance(value, Truth):
         return str(value.value).lower()
     return value.written if isinstance(value, Number) else None

@@ -38,9 +38,9 @@ class Callbacks:
     def run(self, machine: Machine) -> None:
         """Make unknown what the functions can have changed and what decides conditions."""
         for called in self._registered.values():
-            for held, name in self._changed(called):
-                if name in held and decides(held[name]):
-                    machine.write(held, name, _CHANGED)
+            for holder, name in self._changed(called):
+                if name in holder and decides(holder[name]):
+                    machine.write(holder, name, _CHANGED)
 
     def _changed(self, called: Closure) -> Iterator[tuple[dict[str, Any], str]]:
         """Yield what a function assigns outside of it: the variables of an object or a frame, and a name among them."""
@@ -54,9 +54,9 @@ class Callbacks:
         own = {one.name: value for one, value in zip(function.parameters, called.bound, strict=False)}
         for of, name in attributes:
             holder = called.frame.holder(of)
-            held = own.get(of) or (holder[of] if holder is not None else None)
-            if isinstance(held, Object):
-                yield held.fields, name
+            instance = own.get(of) or (holder[of] if holder is not None else None)
+            if isinstance(instance, Object):
+                yield instance.fields, name
         for name in variables:
             holder = called.frame.holder(name)
             if holder is not None:

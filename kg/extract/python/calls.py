@@ -90,7 +90,7 @@ class Calls:
             if name != "**":
                 named[name] = value
             elif isinstance(value, Mapping):
-                named.update((key.known, held) for key, held in value.items if isinstance(key, Text) and key.known)
+                named.update((key.exact, item) for key, item in value.items if isinstance(key, Text) and key.exact)
         return Arguments(values, (), expression, frame, named)
 
     def _decorated(self, expression: form.Call, frame: Frame) -> Value:
@@ -99,8 +99,8 @@ class Calls:
         decorator, function = (machine.value(one, frame) for one in expression.arguments)
         if not isinstance(decorator, Closure):
             return function
-        made = self.value(decorator, Arguments([function]))
-        return made if isinstance(made, Closure | TypeValue | Object) else function
+        decorated = self.value(decorator, Arguments([function]))
+        return decorated if isinstance(decorated, Closure | TypeValue | Object) else function
 
     def construct_expression(self, expression: form.Construct, frame: Frame) -> Value:
         """Return an unknown value, since Python constructs by calls."""
@@ -121,9 +121,9 @@ class Calls:
         if isinstance(called, TypeValue):
             return self.construct(called.kind, given) if called.kind.cls is not None else self.outside(called, given)
         if isinstance(called, Object):
-            held = self._language.of_object(called, "__call__")
-            if isinstance(held, Closure):
-                return self._invoke(held, given)
+            method = self._language.of_object(called, "__call__")
+            if isinstance(method, Closure):
+                return self._invoke(method, given)
         self._escape_all(given)
         return Unknown(called.reason if isinstance(called, Unknown) else "the called function is unknown")
 
@@ -140,27 +140,27 @@ class Calls:
         function = called.function
         through_class = function.owner is not None and not called.bound and called.frame.this is None
         this = next(iter(arguments if through_class else called.bound), None)
-        made = Frame(function.unit, (*function.scope, function.name), this, parent=called.frame)
+        frame = Frame(function.unit, (*function.scope, function.name), this, parent=called.frame)
         if this is None:
-            made.this = called.frame.this
+            frame.this = called.frame.this
         if function.owner is not None:
-            made.types[CLASS] = TypeValue(Kind(("class",), cls=function.owner))
-        return made
+            frame.types[CLASS] = TypeValue(Kind(("class",), cls=function.owner))
+        return frame
 
     def method(self, of: Value, name: str, given: Arguments, written: Expression | None = None) -> Value:
         """Call a method of a value; `written` is the expression of the value."""
         if isinstance(of, Object):
-            held = self._language.of_object(of, name)
-            if not isinstance(held, Unknown):
-                return self.value(held, given)
+            member = self._language.of_object(of, name)
+            if not isinstance(member, Unknown):
+                return self.value(member, given)
         elif isinstance(of, TypeValue):
             return self.value(self._language.member(of, name), given)
         else:
-            known = library.method(self._language, of, name, given, written)
-            if known is None:
-                known = self._of_unknown_node(name, given)
-            if known is not None:
-                return known
+            result = library.method(self._language, of, name, given, written)
+            if result is None:
+                result = self._of_unknown_node(name, given)
+            if result is not None:
+                return result
         self._escape_all(given)
         if isinstance(of, Unknown):
             return replace(of, parameter=None) if of.label else outside(name, given.values, of.reason)
@@ -175,13 +175,13 @@ class Calls:
             for base in self._language.chain(of.kind)[1]:
                 machine.framework.construct_base(of, base, given)
             return Unknown("it returns nothing")
-        known = library.object_method(self._language, of, name, given)
-        if known is None:
-            known = machine.framework.call_method(of, name, given)
-        if known is None:
-            known = self._of_unknown_node(name, given)
-        if known is not None:
-            return known
+        result = library.object_method(self._language, of, name, given)
+        if result is None:
+            result = machine.framework.call_method(of, name, given)
+        if result is None:
+            result = self._of_unknown_node(name, given)
+        if result is not None:
+            return result
         self._escape_all(given)
         return outside(name, given.values)
 
@@ -198,13 +198,13 @@ class Calls:
             base = Kind(public(names[:-1]))
             framework.construct_base(given.values[0], base, replace(given, values=given.values[1:]))
             return Unknown("it returns nothing")
-        known = library.call(language, names, given)
-        if known is None:
-            known = framework.construct(Kind(public(names)), given)
-        if known is None:
-            known = framework.call_function(public(names), given)
-        if known is not None:
-            return known
+        result = library.call(language, names, given)
+        if result is None:
+            result = framework.construct(Kind(public(names)), given)
+        if result is None:
+            result = framework.call_function(public(names), given)
+        if result is not None:
+            return result
         self._escape_all(given)
         if names[-1][:1].isupper():
             return Object(called.kind, fields=dict(given.named))
@@ -217,26 +217,26 @@ class Calls:
         language, cls = self._language, kind.cls
         machine = language.machine
         line = given.call.line if given.call is not None else cls.line if cls is not None else 0
-        made = Object(kind, line=line, path=cls.unit.path if cls is not None else "")
+        instance = Object(kind, line=line, path=cls.unit.path if cls is not None else "")
         if len(machine.stack) > _DEEPEST:
             machine.reached("depth")
-            return made
+            return instance
         chain, outside = language.chain(kind)
         owner = next((one for one, _ in chain if "__init__" in one.methods), None)
         if owner is not None:
-            self._initialise(Closure(owner.methods["__init__"][0], language.around[owner], (made,)), given)
+            self._initialise(Closure(owner.methods["__init__"][0], language.around[owner], (instance,)), given)
         else:
             if not any(map(machine.framework.constructs, outside)):
                 names = dict.fromkeys(name for one, _ in reversed(chain) for name in one.fields)
-                made.fields.update(zip(names, given.values, strict=False))
-            made.fields.update(given.named)
+                instance.fields.update(zip(names, given.values, strict=False))
+            instance.fields.update(given.named)
             for base in outside:
-                machine.framework.construct_base(made, base, given)
-        machine.framework.constructed(made)
+                machine.framework.construct_base(instance, base, given)
+        machine.framework.constructed(instance)
         if not hosted and any(map(self._calls_back, outside)):
             methods = dict.fromkeys(name for cls, _ in chain for name in cls.methods)
-            self.escape([language.of_object(made, name) for name in methods if not name.startswith("_")])
-        return made
+            self.escape([language.of_object(instance, name) for name in methods if not name.startswith("_")])
+        return instance
 
     def _initialise(self, called: Closure, given: Arguments) -> None:
         machine, function = self._language.machine, called.function
@@ -267,9 +267,9 @@ class Calls:
                 if isinstance(one, Closure):
                     self._schedule(one)
                 elif isinstance(one, Bound) and isinstance(one.of, Object):
-                    held = self._language.of_object(one.of, one.name)
-                    if isinstance(held, Closure):
-                        self._schedule(held)
+                    method = self._language.of_object(one.of, one.name)
+                    if isinstance(method, Closure):
+                        self._schedule(method)
                 elif isinstance(one, TypeValue) and self._is_created(one.kind):
                     self.create(one)
                 elif isinstance(one, Sequence):

@@ -50,7 +50,7 @@ __all__ = [
     "MISSING",
     "Dialect",
     "ExpressionError",
-    "NotKnownError",
+    "UnknownValueError",
     "UnsupportedError",
     "evaluate_text",
     "failure",
@@ -81,7 +81,7 @@ _CONVERSIONS: Final[dict[str, Callable[[object], object]]] = {
 }
 
 
-class NotKnownError(Exception):
+class UnknownValueError(Exception):
     """The value depends on something that is not known, which whoever made it unknown has reported."""
 
 
@@ -119,7 +119,7 @@ class Dialect:
     `names` looks a name up before all others, `arguments` after those of `math` and before those of Python; both give
     `MISSING` for a name that they do not have. `functions` are called by name, which may have dots. `modules` are the
     names of modules with what they are in Python; names of `math` can be used without it. `member` gives `value.name`
-    of an object of the language's own, else `MISSING`. All may raise `NotKnownError`.
+    of an object of the language's own, else `MISSING`. All may raise `UnknownValueError`.
     """
 
     names: Callable[[str], object] = _nothing
@@ -135,7 +135,7 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
     Raises:
         ExpressionError: if the text is not an expression, or Python raises an error.
         UnsupportedError: if the expression uses what is not evaluated here, or grows too large.
-        NotKnownError: if the value depends on an unknown value.
+        UnknownValueError: if the value depends on an unknown value.
     """
     if len(source) > _MOST_SOURCE:
         raise UnsupportedError(f"the expression is longer than {_MOST_SOURCE} characters")
@@ -146,7 +146,7 @@ def evaluate_text(source: str, dialect: Dialect) -> object:
             raise ExpressionError("it is not an expression")
         value = evaluation.value(lowered)
         if not evaluation.is_known(value, holes=True):
-            raise NotKnownError
+            raise UnknownValueError
     except RecursionError:
         raise UnsupportedError("the expression takes too long") from None
     return value
@@ -194,11 +194,11 @@ class _Evaluation:
         Raises:
             UnsupportedError: if it is too large, or no value of Python.
         """
-        waiting, found, characters = [value], 0, 0
+        waiting, count, characters = [value], 0, 0
         known = True
         while waiting:
             one = waiting.pop()
-            found += 1
+            count += 1
             if isinstance(one, str):
                 characters += len(one)
                 known = known and (holes or HOLE not in one)
@@ -210,22 +210,22 @@ class _Evaluation:
                 known = False
             elif one is not None and not isinstance(one, int | float):
                 raise UnsupportedError(f"a value of the type {type(one).__name__.lstrip('_').lower()} is not evaluated")
-            if found > _MOST_VALUES or characters > MOST_TEXT:
+            if count > _MOST_VALUES or characters > MOST_TEXT:
                 raise UnsupportedError(TOO_LARGE)
-        self._count(found)
+        self._count(count)
         return known
 
     def _is_container(self, value: object) -> bool:
         """Check whether the items of a value are at hand, known or not, or it is not a container at all."""
-        known = not isinstance(value, str) or HOLE not in value
-        return known if isinstance(value, str | list | tuple | dict) else self.is_known(value)
+        complete = not isinstance(value, str) or HOLE not in value
+        return complete if isinstance(value, str | list | tuple | dict) else self.is_known(value)
 
     def _count(self, size: int = 0) -> None:
         self._steps += 1 + size // _SIZE_OF_A_STEP
         if self._steps > _MOST_STEPS:
             raise UnsupportedError("the expression takes too long")
 
-    def _made(self, value: object) -> object:
+    def _checked(self, value: object) -> object:
         """Return a value that Python computed, if it is of a size and a type that expressions may have."""
         if isinstance(value, str):
             refuse_over(len(value))
@@ -252,7 +252,7 @@ class _Evaluation:
         is_enough = self._is_container if shallow else self.is_known
         if not all(map(is_enough, (*args, *(named or {}).values()))):
             return _UNKNOWN
-        return self._made(called(function, args, named or {}))
+        return self._checked(called(function, args, named or {}))
 
     def _given(
         self, function: Callable[..., object], args: list[Any], named: Mapping[str, Any] | None = None
@@ -260,7 +260,7 @@ class _Evaluation:
         """Return the result of a function of the dialect."""
         try:
             return called(function, args, named or {})
-        except NotKnownError:
+        except UnknownValueError:
             return _UNKNOWN
 
     @staticmethod
@@ -275,25 +275,25 @@ class _Evaluation:
     def _literal(self, expression: form.Literal) -> object:
         if type(expression.value) is float:
             try:
-                return self._made(int(expression.written, 0))
+                return self._checked(int(expression.written, 0))
             except ValueError:
                 return expression.value
-        return self._made(expression.value)
+        return self._checked(expression.value)
 
     def _name(self, expression: form.Name) -> object:
         name = expression.names[-1]
-        found = self._given(self._dialect.names, [name])
-        if found is MISSING and name in self._modules:
+        value = self._given(self._dialect.names, [name])
+        if value is MISSING and name in self._modules:
             return _Reference(self._modules[name])
-        if found is MISSING:
-            found = _referred(f"math.{name}")
-        if found is MISSING:
-            found = self._given(self._dialect.arguments, [name])
-        if found is MISSING:
-            found = _referred(f"builtins.{name}")
-        if found is MISSING:
+        if value is MISSING:
+            value = _referred(f"math.{name}")
+        if value is MISSING:
+            value = self._given(self._dialect.arguments, [name])
+        if value is MISSING:
+            value = _referred(f"builtins.{name}")
+        if value is MISSING:
             raise ExpressionError(f"NameError: name '{name}' is not defined")
-        return found
+        return value
 
     def _member(self, expression: form.Member) -> object:
         of = self.value(expression.of)
@@ -306,10 +306,10 @@ class _Evaluation:
         return _UNKNOWN if given is MISSING else given
 
     def _unary(self, expression: form.Unary) -> object:
-        held = self.value(expression.operand)
+        operand = self.value(expression.operand)
         if expression.sign != "not":
-            return self._applied(UNARY[expression.sign], [held])
-        truth = self._truth(held)
+            return self._applied(UNARY[expression.sign], [operand])
+        truth = self._truth(operand)
         return _UNKNOWN if truth is None else not truth
 
     def _binary(self, expression: form.Binary) -> object:
@@ -344,7 +344,7 @@ class _Evaluation:
             and any(texts)
             and all(one or two is _UNKNOWN for one, two in zip(texts, (left, right), strict=True))
         ):
-            return self._made(f"{left}{right}")
+            return self._checked(f"{left}{right}")
         if sign == "%" and isinstance(left, str):
             return self._percent(left, right)
         if sign in ("==", "!=") and any(texts) and (left is None or right is None):
@@ -352,9 +352,9 @@ class _Evaluation:
         return self._applied(operate, [left, right], shallow=sign in ("+", "|"))
 
     def _choice(self, expression: form.Choice) -> object:
-        held = self._truth(self.value(expression.condition))
-        if held is not None:
-            return self.value(expression.then if held else expression.otherwise)
+        condition = self._truth(self.value(expression.condition))
+        if condition is not None:
+            return self.value(expression.then if condition else expression.otherwise)
         one, other = self.value(expression.then), self.value(expression.otherwise)
         return one if type(one) is type(other) and one == other else _UNKNOWN
 
@@ -364,38 +364,38 @@ class _Evaluation:
         """Return the items of an iterable; None if they are unknown."""
         if not self._is_container(value):
             return None
-        found: list[object] = called(list, [value], {})
-        self._count(len(found))
-        return found
+        items: list[object] = called(list, [value], {})
+        self._count(len(items))
+        return items
 
     def _values(self, expressions: tuple[Expression, ...]) -> list[object] | None:
         """Return the values of items or arguments; None if it is not known how many there are."""
-        found: list[object] = []
+        values: list[object] = []
         for one in expressions:
             items = self._items(self.value(one.of)) if isinstance(one, form.Spread) else [self.value(one)]
             if items is None:
                 return None
-            found += items
-        return found
+            values += items
+        return values
 
     def _display(self, expression: form.Display) -> object:
-        found = self._values(expression.items)
-        if found is None:
+        values = self._values(expression.items)
+        if values is None:
             return _UNKNOWN
         if expression.kind == "set":
-            return self._applied(FUNCTIONS["builtins.set"], [found])
-        return self._made(tuple(found) if expression.kind == "tuple" else found)
+            return self._applied(FUNCTIONS["builtins.set"], [values])
+        return self._checked(tuple(values) if expression.kind == "tuple" else values)
 
     def _pairs(self, expression: form.Pairs) -> object:
         pairs = [(self.value(key), self.value(value)) for key, value in expression.items]
         if not self.is_known([key for key, _ in pairs]):
             return _UNKNOWN
-        return self._made(called(dict, [pairs], {}))
+        return self._checked(called(dict, [pairs], {}))
 
     def _index(self, expression: form.Index) -> object:
         of, key = self.value(expression.of), self.value(expression.key)
-        known = self.is_known(key) and self._is_container(of)
-        return called(operator.getitem, [of, key], {}) if known else _UNKNOWN
+        is_known = self.is_known(key) and self._is_container(of)
+        return called(operator.getitem, [of, key], {}) if is_known else _UNKNOWN
 
     # Calls
 
@@ -421,8 +421,8 @@ class _Evaluation:
         path = function.path if isinstance(function, _Reference) else ""
         own = self._dialect.functions.get(path)
         if own is not None:
-            known = self.is_known([*args, *named.values()])
-            return self._given(own, args, named) if known else _UNKNOWN
+            is_known = self.is_known([*args, *named.values()])
+            return self._given(own, args, named) if is_known else _UNKNOWN
         if path == "builtins.str" and len(args) == 1 and not named:
             is_text = isinstance(args[0], str) or self.is_known(args[0])
             return self._formatted(args[0], "", "") if is_text else _UNKNOWN
@@ -435,9 +435,9 @@ class _Evaluation:
     def _decided(self, path: str, value: object) -> object:
         """Return `bool(value)`, or `all` or `any` of its items, which one item may decide."""
         items = [value] if path == "builtins.bool" else self._items(value)
-        found = {self._truth(item) for item in items} if items is not None else {None}
+        truths = {self._truth(item) for item in items} if items is not None else {None}
         ends_at = path != "builtins.all"
-        return ends_at if ends_at in found else _UNKNOWN if None in found else not ends_at
+        return ends_at if ends_at in truths else _UNKNOWN if None in truths else not ends_at
 
     def _method(self, of: object, name: str, args: list[Any], named: Mapping[str, Any]) -> object:
         """Return the result of a method of a text, list, tuple or dictionary that does not change it."""
@@ -450,7 +450,7 @@ class _Evaluation:
                 return _UNKNOWN
             texts = [HOLE if item is _UNKNOWN else item for item in items]
             refuse_over(sum(len(text) for text in texts if isinstance(text, str)) + len(of) * len(texts))
-            return self._made(called(of.join, [texts], {}))
+            return self._checked(called(of.join, [texts], {}))
         if isinstance(of, str) and name == "format":
             return self._braces(of, args, named) if self.is_known(of) else _UNKNOWN
         kind = type(of)
@@ -459,8 +459,8 @@ class _Evaluation:
         read = getattr(kind, name)
         if kind is dict:
             known = self.is_known([*args, *named.values()])
-            found: Any = called(read, [of, *args], named) if known else _UNKNOWN
-            return list(found) if known and name in ("items", "keys", "values") else found
+            result: Any = called(read, [of, *args], named) if known else _UNKNOWN
+            return list(result) if known and name in ("items", "keys", "values") else result
         if (
             name == "replace"
             and isinstance(of, str)
@@ -482,14 +482,14 @@ class _Evaluation:
             return HOLE
         if not _SPEC.fullmatch(spec):
             raise UnsupportedError("the format of a text is not evaluated")
-        return str(self._made(called(format, [_CONVERSIONS[conversion](value), spec], {})))
+        return str(self._checked(called(format, [_CONVERSIONS[conversion](value), spec], {})))
 
     def _braces(self, template: str, args: list[Any], named: Mapping[str, Any]) -> object:
         """Return `template.format(*args, **named)`."""
         automatic = count()
-        made = ""
+        text = ""
         for literal, name, spec, conversion in called(lambda: list(Formatter().parse(template)), [], {}):
-            made += literal
+            text += literal
             if name is None:
                 continue
             if not re.fullmatch(r"\w*", name) or "{" in spec or (conversion or "") not in _CONVERSIONS:
@@ -497,9 +497,9 @@ class _Evaluation:
             key = name or str(next(automatic))
             given = args if key.isdecimal() else named
             value = called(operator.getitem, [given, int(key) if key.isdecimal() else key], {})
-            made += self._formatted(value, spec, conversion or "")
-            refuse_over(len(made))
-        return self._made(made)
+            text += self._formatted(value, spec, conversion or "")
+            refuse_over(len(text))
+        return self._checked(text)
 
     def _percent(self, template: str, operand: object) -> object:
         """Return `template % operand`."""
@@ -513,7 +513,7 @@ class _Evaluation:
         given = operand.values() if isinstance(operand, dict) else values
         longest = max((len(str(value)) for value in given), default=0)
         refuse_over(len(template) + (1 + longest) * template.count("%"))
-        return self._made(called(operator.mod, [template, operand], {}))
+        return self._checked(called(operator.mod, [template, operand], {}))
 
     _evaluators: ClassVar[dict[type, Callable[..., object]]] = {
         form.Literal: _literal,
@@ -530,5 +530,5 @@ class _Evaluation:
 
 
 def _referred(path: str) -> object:
-    known = path in FUNCTIONS or path in CONSTANTS
-    return CONSTANTS.get(path, _Reference(path)) if known else MISSING
+    supported = path in FUNCTIONS or path in CONSTANTS
+    return CONSTANTS.get(path, _Reference(path)) if supported else MISSING

@@ -86,10 +86,10 @@ class Expressions:
             lower = self._lowered.get(node.type)
             if lower is None or self._depth > _DEEPEST:
                 return Opaque(line_of(node), code(node)[:_SHOWN])
-            made = lower(self, node)
+            lowered = lower(self, node)
             if self.sources is not None:
-                self.sources[made] = node
-            return made
+                self.sources[lowered] = node
+            return lowered
         finally:
             self._depth -= 1
 
@@ -165,17 +165,17 @@ class Expressions:
 
     def _unary(self, node: Node) -> Expression:
         sign, operand = code(node.child_by_field_name("operator")), node.child_by_field_name("argument")
-        held = self.expression(operand)
-        if sign == "-" and isinstance(held, Literal) and isinstance(held.value, float):
-            minus, rest = ("", held.written[1:]) if held.written.startswith("-") else ("-", held.written)
-            return Literal(line_of(node), -held.value, f"{minus}{rest}")
-        return Unary(line_of(node), sign, held)
+        inner = self.expression(operand)
+        if sign == "-" and isinstance(inner, Literal) and isinstance(inner.value, float):
+            minus, rest = ("", inner.written[1:]) if inner.written.startswith("-") else ("-", inner.written)
+            return Literal(line_of(node), -inner.value, f"{minus}{rest}")
+        return Unary(line_of(node), sign, inner)
 
     def _comparison(self, node: Node) -> Expression:
-        line, held = line_of(node), self._all(node.named_children)
+        line, operands = line_of(node), self._all(node.named_children)
         signs = [" ".join(code(one).split()) for one in node.children_by_field_name("operators")]
         pairs: list[Expression] = []
-        for sign, left, right in zip(signs, held, held[1:], strict=False):
+        for sign, left, right in zip(signs, operands, operands[1:], strict=False):
             compared = Binary(line, _SIGNS.get(sign, sign.removeprefix("not ")), (left, right))
             pairs.append(Unary(line, "not", compared) if sign == "not in" else compared)
         return pairs[0] if len(pairs) == 1 else Binary(line, "and", tuple(pairs))
@@ -265,21 +265,21 @@ class Expressions:
             elif clause.type == "for_in_clause":
                 over = self.expression(clause.child_by_field_name("right"))
                 statement = self.loop(line, clause.child_by_field_name("left"), over, (statement,))
-        made = Display(line, (Spread(line, result),), "set") if node.type == "set_comprehension" else result
-        filled = (Declare(line, _RESULT, None, start), statement, Return(line, made))
+        returned = Display(line, (Spread(line, result),), "set") if node.type == "set_comprehension" else result
+        filled = (Declare(line, _RESULT, None, start), statement, Return(line, returned))
         return Call(line, Lambda(line, self._function(line, (), Block(line, filled))), ())
 
     def loop(self, line: int, target: Node | None, over: Expression, body: tuple[Statement, ...]) -> Loop:
         """Return a loop over a collection; targets that are not plain names are assigned in its body."""
         names = [target] if target is not None and target.type not in _LISTS else list(_children(target))
         if names and all(name.type == "identifier" for name in names):
-            made = Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)
+            loop = Loop(line, Block(line, body, open=True), tuple(code(name) for name in names), over)
         else:
             first = Step(line, Assign(line, self.expression(target), Name(line, (_ITEM,))))
-            made = Loop(line, Block(line, (first, *body), open=True), (_ITEM,), over)
+            loop = Loop(line, Block(line, (first, *body), open=True), (_ITEM,), over)
         if self.sources is not None and target is not None:
-            self.sources[made] = target
-        return made
+            self.sources[loop] = target
+        return loop
 
     # Functions
 
@@ -289,11 +289,11 @@ class Expressions:
         return Lambda(line, self._function(line, self.parameters(node), body))
 
     def _function(self, line: int, parameters: tuple[Parameter, ...], body: Block) -> Function:
-        return Function(self._unit, "<lambda>", (), parameters, line, body_made=body)
+        return Function(self._unit, "<lambda>", (), parameters, line, lowered_body=body)
 
     def parameters(self, node: Node) -> tuple[Parameter, ...]:
         """Return the parameters of a function or lambda."""
-        found: list[Parameter] = []
+        parameters: list[Parameter] = []
         named = False
         for child in _children(node.child_by_field_name("parameters")):
             inner = child.named_children[0] if child.type == "typed_parameter" else child
@@ -301,14 +301,14 @@ class Expressions:
                 named = True
             elif inner.type in ("list_splat_pattern", "dictionary_splat_pattern"):
                 name = code(inner.named_children[0]) if inner.named_child_count else ""
-                found.append(Parameter(name, None, variadic=True, named=inner.type == "dictionary_splat_pattern"))
+                parameters.append(Parameter(name, None, variadic=True, named=inner.type == "dictionary_splat_pattern"))
                 named = True
             elif inner.type != "positional_separator":
                 default = child.child_by_field_name("value")
                 value = self.expression(default) if default is not None else None
                 name = code(inner.child_by_field_name("name") or inner)
-                found.append(Parameter(name, None, value, named=named))
-        return tuple(found)
+                parameters.append(Parameter(name, None, value, named=named))
+        return tuple(parameters)
 
     # Others
 

@@ -43,8 +43,8 @@ def elements(of: Value) -> list[Value]:
     if isinstance(of, Mapping):
         keys = [key for key, _ in of.items]
         return keys if keys or of.parameter is None else [key_of(of.parameter)]
-    if isinstance(of, Text) and of.known is not None and of.parameter is None:
-        return [replace(of, parts=(letter,), own=False) for letter in of.known[:_MOST_ITEMS]]
+    if isinstance(of, Text) and of.exact is not None and of.parameter is None:
+        return [replace(of, parts=(letter,), own=False) for letter in of.exact[:_MOST_ITEMS]]
     return containers.elements(of)
 
 
@@ -58,16 +58,16 @@ def _listed(values: list[Value]) -> Value:
     if not values:
         return Sequence(())
     of = values[0]
-    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.known is not None):
+    if (isinstance(of, Mapping) and of.items) or (isinstance(of, Text) and of.exact is not None):
         return Sequence(tuple(elements(of)), is_open(of))
     return of
 
 
 def countable(value: Value) -> list[Value] | None:
     """Return the items of a value, if all are known; None for others."""
-    known = isinstance(value, Sequence | Mapping) and not value.open
-    known = known or (isinstance(value, Text) and value.known is not None)
-    return elements(value) if known or is_unknown_parameter(value) else None
+    complete = isinstance(value, Sequence | Mapping) and not value.open
+    complete = complete or (isinstance(value, Text) and value.exact is not None)
+    return elements(value) if complete or is_unknown_parameter(value) else None
 
 
 def _zip(values: list[Value]) -> Value:
@@ -93,7 +93,7 @@ def _length(values: list[Value]) -> Value:
         return LENGTH
     if isinstance(of, Sequence | Mapping) and not of.open and (of.items or of.parameter is None):
         return number(len(of.items), of.parameter)
-    return number(len(of.known), of.parameter) if isinstance(of, Text) and of.known is not None else _COMPUTED
+    return number(len(of.exact), of.parameter) if isinstance(of, Text) and of.exact is not None else _COMPUTED
 
 
 def _join_names(values: list[Value]) -> Value:
@@ -111,7 +111,7 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
     """`get_message_class("package/Type")` and its like."""
 
     def apply(values: list[Value]) -> Value:
-        name = values[0].known if values and isinstance(values[0], Text) else None
+        name = values[0].exact if values and isinstance(values[0], Text) else None
         parts = name.split("/") if name else []
         return TypeValue(Kind((parts[0], kind, parts[-1]))) if len(parts) > 1 else _COMPUTED
 
@@ -120,20 +120,20 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
 
 def _converted(values: list[Value], convert: Callable[[str | float], Value]) -> Value:
     of = values[0] if values else number(0)
-    known = plain(of)
-    if known is None or getattr(of, "parameter", None) is not None or len(str(known)) > _LONGEST_NUMBER:
+    text = plain(of)
+    if text is None or getattr(of, "parameter", None) is not None or len(str(text)) > _LONGEST_NUMBER:
         return of
     try:
-        return convert(known)
+        return convert(text)
     except (ValueError, OverflowError):
-        return Unknown(f"`{known}` is not a number")
+        return Unknown(f"`{text}` is not a number")
 
 
 def _truth(values: list[Value]) -> Value:
     """`bool(x)`."""
     of = values[0] if values else Truth(False)
-    held = truth(of)
-    return held if isinstance(held, Truth) else of
+    result = truth(of)
+    return result if isinstance(result, Truth) else of
 
 
 def _absolute(values: list[Value]) -> Value:
@@ -144,46 +144,46 @@ def _absolute(values: list[Value]) -> Value:
     return Number(abs(of.value), of.written.removeprefix("-"), of.parameter)
 
 
-def _plain(found: list[Value] | None) -> list[str] | list[float] | None:
+def _plain(values: list[Value] | None) -> list[str] | list[float] | None:
     """Return texts, or numbers, that are all known; None for others."""
-    texts = [one.known for one in found or () if isinstance(one, Text) and one.known is not None]
-    if texts and len(texts) == len(found or ()):
+    texts = [one.exact for one in values or () if isinstance(one, Text) and one.exact is not None]
+    if texts and len(texts) == len(values or ()):
         return texts
-    numbers = [one.value for one in found or () if isinstance(one, Number)]
-    return numbers if len(numbers) == len(found or ()) else None
+    numbers = [one.value for one in values or () if isinstance(one, Number)]
+    return numbers if len(numbers) == len(values or ()) else None
 
 
 def _reversed(values: list[Value]) -> Value:
-    found = countable(values[0]) if values else None
-    return Sequence(tuple(reversed(found))) if found is not None else values[0] if values else _COMPUTED
+    items = countable(values[0]) if values else None
+    return Sequence(tuple(reversed(items))) if items is not None else values[0] if values else _COMPUTED
 
 
 def _sum(values: list[Value]) -> Value:
     """`sum(x, start)`."""
-    found = countable(values[0]) if values else None
-    if found is None:
+    items = countable(values[0]) if values else None
+    if items is None:
         return _COMPUTED
     start = values[1] if len(values) > 1 else number(0)
-    return compute("+", (start, *found)) if found else start
+    return compute("+", (start, *items)) if items else start
 
 
 def _extreme(choose: Callable[[Iterable[int], Callable[[int], float]], int]) -> Callable[..., Value]:
     def apply(values: list[Value]) -> Value:
-        found = countable(values[0]) if len(values) == 1 else values
-        numbers = [one.value for one in found or () if isinstance(one, Number)]
-        if not found or len(numbers) < len(found):
+        items = countable(values[0]) if len(values) == 1 else values
+        numbers = [one.value for one in items or () if isinstance(one, Number)]
+        if not items or len(numbers) < len(items):
             return _COMPUTED
-        return found[choose(range(len(numbers)), numbers.__getitem__)]
+        return items[choose(range(len(numbers)), numbers.__getitem__)]
 
     return apply
 
 
 def _all_of(wanted: bool) -> Callable[..., Value]:  # noqa: FBT001 - `all` or `any`
     def apply(values: list[Value]) -> Value:
-        held = {truth(one) for one in (countable(values[0]) if values else None) or [_COMPUTED]}
-        if Truth(not wanted) in held:
+        truths = {truth(one) for one in (countable(values[0]) if values else None) or [_COMPUTED]}
+        if Truth(not wanted) in truths:
             return Truth(not wanted)
-        return Truth(wanted) if held <= {Truth(wanted)} else Unknown("not all are known")
+        return Truth(wanted) if truths <= {Truth(wanted)} else Unknown("not all are known")
 
     return apply
 
@@ -244,13 +244,13 @@ FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
 
 def _sorted(values: list[Value], named: Names[str, Value]) -> Value:
     """`sorted(x, reverse=False)`; items that are not known stay where they are."""
-    found = countable(values[0]) if values else None
-    if found is None:
+    items = countable(values[0]) if values else None
+    if items is None:
         return values[0] if values else _COMPUTED
-    order = _plain(found)
+    order = _plain(items)
     if order is not None:
-        found = [one for _, _, one in sorted(zip(order, itertools.count(), found, strict=False))]
-    return Sequence(tuple(found[::-1] if named.get("reverse") == Truth(True) else found))
+        items = [one for _, _, one in sorted(zip(order, itertools.count(), items, strict=False))]
+    return Sequence(tuple(items[::-1] if named.get("reverse") == Truth(True) else items))
 
 
 def _enumerate(values: list[Value], named: Names[str, Value]) -> Value:
@@ -286,7 +286,7 @@ def _environment(values: list[Value], named: Names[str, Value]) -> Value:
 
 def from_environment(name: Value) -> Value:
     """Return a variable of the environment."""
-    return Text.hole("it is read from the environment", name.known or "" if isinstance(name, Text) else "")
+    return Text.hole("it is read from the environment", name.exact or "" if isinstance(name, Text) else "")
 
 
 NAMED: Final[dict[str, Callable[[list[Value], Names[str, Value]], Value]]] = {

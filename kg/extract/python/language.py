@@ -87,16 +87,16 @@ class Python:
 
     def module(self, unit: PythonUnit, *, lazy: bool = False) -> Object:
         """Return a module as an object, after its statements ran; `lazy` if they may wait until a name is used."""
-        made = self._loaded.get(unit.key)
-        if made is None:
+        module = self._loaded.get(unit.key)
+        if module is None:
             name = "__main__" if unit is self._main else unit.name
-            made = Object(Kind((MODULE, unit.name)), path=unit.path)
-            made.fields.update({"__name__": Text.of(name), "__file__": self.path_of(unit)})
-            self._loaded[unit.key] = made
-            self._waiting[id(made)] = unit
+            module = Object(Kind((MODULE, unit.name)), path=unit.path)
+            module.fields.update({"__name__": Text.of(name), "__file__": self.path_of(unit)})
+            self._loaded[unit.key] = module
+            self._waiting[id(module)] = unit
         if not lazy or mentions_ros(unit.source):
-            self._run(made)
-        return made
+            self._run(module)
+        return module
 
     def path_of(self, unit: PythonUnit) -> Value:
         """Return the path of a module, as a text of the program."""
@@ -124,8 +124,8 @@ class Python:
         unit = cast("PythonUnit", frame.unit)
         names = [name for name in statement.module.split(".") if name]
         if statement.name is None:
-            found = self._imported(names if statement.alias else names[:1], unit)
-            self._set(frame, statement.alias or names[0], found)
+            module = self._imported(names if statement.alias else names[:1], unit)
+            self._set(frame, statement.alias or names[0], module)
             if not statement.alias and len(names) > 1:
                 self._imported(names, unit)
         elif statement.name == "*":
@@ -142,26 +142,26 @@ class Python:
         return self.module(module, lazy=True) if module is not None else TypeValue(Kind(tuple(names)))
 
     def _import_all(self, module: str, unit: PythonUnit, frame: Frame) -> None:
-        found = self.modules.find(module, unit) if not GENERATED & set(module.split(".")) else None
-        if found is None:
+        source = self.modules.find(module, unit) if not GENERATED & set(module.split(".")) else None
+        if source is None:
             self._stars.setdefault(id(frame.variables), []).append(module)
             return
-        made = self.module(found)
-        for name, value in list(made.fields.items()):
+        loaded = self.module(source)
+        for name, value in list(loaded.fields.items()):
             if not name.startswith("_"):
                 self._set(frame, name, value)
-        self._stars.setdefault(id(frame.variables), []).extend(self._stars.get(id(made.fields), ()))
+        self._stars.setdefault(id(frame.variables), []).extend(self._stars.get(id(loaded.fields), ()))
 
     def _imported_name(self, module: str, name: str, unit: PythonUnit) -> Value:
         inner = module.strip(".").split(".")
         outside = TypeValue(_kind((*inner, name) if inner != [""] else (name,)))
         if GENERATED & set(module.split(".")[1:]) or (name in GENERATED and not module.startswith(".")):
             return outside
-        found = self.modules.find(module, unit)
-        if found is not None:
-            held = self._of_module(self.module(found), name)
-            if held is not None:
-                return held
+        source = self.modules.find(module, unit)
+        if source is not None:
+            member = self._of_module(self.module(source), name)
+            if member is not None:
+                return member
         below = self.modules.find(f"{module}{'' if module.endswith('.') else '.'}{name}", unit)
         return self.module(below, lazy=True) if below is not None else self._constant(outside)
 
@@ -196,9 +196,9 @@ class Python:
         """Return what a name means that is not a variable: of all names of a module, or of Python itself."""
         name = expression.names[-1]
         for outer in frame.outward():
-            found = self._starred(name, outer.variables)
-            if found is not None:
-                return found
+            starred = self._starred(name, outer.variables)
+            if starred is not None:
+                return starred
         if name in BUILTINS:
             return TypeValue(Kind(("builtins", name)))
         return Unknown(f"{name} {OUTSIDE}")
@@ -210,8 +210,8 @@ class Python:
 
     def static_member(self, kind: Kind, name: str) -> Value | None:
         """Return a variable of a class; None if it has none of that name."""
-        held = self._of_class(kind, name)
-        return held if held is not None and not isinstance(held, Closure) else None
+        member = self._of_class(kind, name)
+        return member if member is not None and not isinstance(member, Closure) else None
 
     def reaches(self, function: Function) -> bool:  # noqa: ARG002 - every function may
         """Check whether a run of a function can have an effect, as far as its code shows."""
@@ -267,9 +267,9 @@ class Python:
         """Return a variable or a method of a class or its bases; `after` skips the classes up to one."""
         classes = [cls for cls, _ in self.chain(kind)[0]]
         for cls in classes[classes.index(after) + 1 :] if after in classes else classes:
-            held = self.classes.get(cls, {}).get(name)
-            if held is not None:
-                return cast("Value", held)
+            value = self.classes.get(cls, {}).get(name)
+            if value is not None:
+                return cast("Value", value)
             if name in cls.methods and cls in self.around:
                 return Closure(cls.methods[name][0], self.around[cls])
         return None
@@ -292,16 +292,16 @@ class Python:
             return self._of_type(of, name)
         if isinstance(of, Closure) and name == "__name__":
             return Text.of(of.function.name)
-        known = library.member(of, name)
-        if known is not None:
-            return known
+        value = library.member(of, name)
+        if value is not None:
+            return value
         return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")
 
     def member_named(self, of: Value, name: Text) -> Value:
         """Return the member that a text names; if part of the text is unknown (`"on_" + event`), what it can be."""
-        if name.known is not None:
-            return self.member(of, name.known) if name.known else Unknown("the member has no name")
-        if not isinstance(of, Object) or name.nothing_known:
+        if name.exact is not None:
+            return self.member(of, name.exact) if name.exact else Unknown("the member has no name")
+        if not isinstance(of, Object) or name.wholly_unknown:
             return Unknown("the name of the member is not known")
         names = dict.fromkeys((*of.fields, *(one for cls, _ in self.chain(of.kind)[0] for one in cls.methods)))
         fitting = [self.of_object(of, one) for one in names if fits(name.shown, one, ".*")]
@@ -310,31 +310,31 @@ class Python:
     def of_object(self, of: Object, name: str, after: Class | None = None) -> Value:
         """Return a member of an object, a module, or of what `super()` gives."""
         if of.kind.names[0] == MODULE:
-            held = self._of_module(of, name)
-            return held if held is not None else Unknown(f"{name} is not in the module")
+            value = self._of_module(of, name)
+            return value if value is not None else Unknown(f"{name} is not in the module")
         through = of.native.get("super")
         if isinstance(through, Object):
-            held = of.native.get("after")
-            return self.of_object(through, name, held.kind.cls if isinstance(held, TypeValue) else None)
+            value = of.native.get("after")
+            return self.of_object(through, name, value.kind.cls if isinstance(value, TypeValue) else None)
         if name in of.fields and after is None:
             return of.fields[name]
         if name == CLASS:
             return TypeValue(of.kind)
-        found = self._of_class(of.kind, name, after)
-        if found is not None:
-            return self._bound(found, of)
+        member = self._of_class(of.kind, name, after)
+        if member is not None:
+            return self._bound(member, of)
         if name == "value" and of.kind.name == RMW_PROFILE:
             return of
         if of.kind.cls is None or self.chain(of.kind)[1]:
             return Bound(name, of)
         return Unknown(f"the member {name} is not known")
 
-    def _bound(self, found: Value, of: Object) -> Value:
+    def _bound(self, value: Value, of: Object) -> Value:
         """Return a member of a class as the member of an object: methods with the object as first argument."""
-        if not isinstance(found, Closure) or found.bound or found.function.static:
-            return found
-        marks = found.function.marks
-        method = Closure(found.function, found.frame, (TypeValue(of.kind) if "classmethod" in marks else of,))
+        if not isinstance(value, Closure) or value.bound or value.function.static:
+            return value
+        marks = value.function.marks
+        method = Closure(value.function, value.frame, (TypeValue(of.kind) if "classmethod" in marks else of,))
         if marks & {"property", "cached_property"}:
             return self.calls.value(method)
         return method
@@ -345,25 +345,25 @@ class Python:
             return self._constant(TypeValue(_kind((*kind.names, name))))
         if name == "__name__":
             return Text.of(kind.name)
-        held = self._of_class(kind, name)
-        if isinstance(held, Closure) and "classmethod" in held.function.marks:
-            return Closure(held.function, held.frame, (of,))
-        if held is not None:
-            return held
+        member = self._of_class(kind, name)
+        if isinstance(member, Closure) and "classmethod" in member.function.marks:
+            return Closure(member.function, member.frame, (of,))
+        if member is not None:
+            return member
         outside = self.chain(kind)[1]
         return TypeValue(Kind((*outside[0].names, name))) if outside else Unknown(f"{name} is not in the class")
 
-    def _constant(self, found: TypeValue) -> Value:
+    def _constant(self, constant: TypeValue) -> Value:
         """Return a constant of a framework or message, of the quality of service or a duration, for its full name."""
-        names = found.kind.names
+        names = constant.kind.names
         if "QoSPresetProfiles" in names[:-1] or names[-1].startswith("qos_profile_"):
             profile = _PRESETS.get(names[-1].lower().removeprefix("qos_profile_"))
-            return rmw_profile(profile) if profile is not None else found
+            return rmw_profile(profile) if profile is not None else constant
         if names[0] == "rclpy" and len(names) > 2:  # noqa: PLR2004 - package, class and policy
-            known = policy((*names[:-2], names[-2].removeprefix("QoS"), names[-1]))
-            if known is not None:
-                return known
-        return self.modules.constants.find(names) or library.CONSTANTS.get(".".join(names), found)
+            value = policy((*names[:-2], names[-2].removeprefix("QoS"), names[-1]))
+            if value is not None:
+                return value
+        return self.modules.constants.find(names) or library.CONSTANTS.get(".".join(names), constant)
 
     # Types and values, as far as Python has them
 
@@ -439,8 +439,8 @@ class Python:
 
     def _spread(self, expression: form.Spread, frame: Frame) -> Value:
         """Return the elements of a collection as items of another one."""
-        held = self.machine.value(expression.of, frame)
-        rows = [one for one in alternatives(held) if isinstance(one, Sequence) and not one.open]
+        value = self.machine.value(expression.of, frame)
+        rows = [one for one in alternatives(value) if isinstance(one, Sequence) and not one.open]
         return Pack(rows[0].items) if rows else Unknown("it is passed on by *")
 
 

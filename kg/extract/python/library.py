@@ -77,11 +77,11 @@ def element(of: Value, key: Value) -> Value:
     if isinstance(of, TypeValue) and of.kind.names == ("os", "environ"):
         return from_environment(key)
     if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0 and not is_unset(of):
-        items = elements(of) if not isinstance(of, Text) or of.known is not None else []
+        items = elements(of) if not isinstance(of, Text) or of.exact is not None else []
         count = int(-key.value)
         return items[-count] if len(items) >= count and not is_open(of) else Unknown("it is one of the last elements")
-    if isinstance(of, Text) and of.known is not None and isinstance(key, Number) and key.value < len(of.known):
-        return replace(of, parts=(of.known[int(key.value)],))
+    if isinstance(of, Text) and of.exact is not None and isinstance(key, Number) and key.value < len(of.exact):
+        return replace(of, parts=(of.exact[int(key.value)],))
     return containers.element(of, key)
 
 
@@ -111,22 +111,22 @@ def _attribute(language: Python, given: Arguments) -> Value:
     """`getattr(value, name, default)`."""
     if len(given.values) < 2:  # noqa: PLR2004 - the value and the name
         return _COMPUTED
-    found = [
+    members = [
         language.member_named(of, name) if isinstance(name, Text) else _COMPUTED
         for of, name in combinations(given.values[:2])
     ]
     if isinstance(given.values[0], Unknown):
         return _COMPUTED
-    missing = all(isinstance(one, Unknown) for one in found)
-    return given.values[2] if missing and len(given.values) > 2 else join(*found)  # noqa: PLR2004 - the default
+    missing = all(isinstance(one, Unknown) for one in members)
+    return given.values[2] if missing and len(given.values) > 2 else join(*members)  # noqa: PLR2004 - the default
 
 
 def _set_attribute(language: Python, given: Arguments) -> Value:
     """`setattr(object, name, value)`."""
     of, name, value = (*given.values, *[_COMPUTED] * 3)[:3]
     for one in alternatives(of):
-        if isinstance(one, Object) and isinstance(name, Text) and name.known:
-            language.machine.write(one.fields, name.known, value)
+        if isinstance(one, Object) and isinstance(name, Text) and name.exact:
+            language.machine.write(one.fields, name.exact, value)
     return _NOTHING
 
 
@@ -150,8 +150,8 @@ def _mapped(language: Python, given: Arguments) -> Value:
 
 def _next(given: Arguments) -> Value:
     """`next(iterator, default)`."""
-    found = [*(elements(given.values[0]) if given.values else []), *given.values[1:]]
-    return found[0] if found else _COMPUTED
+    items = [*(elements(given.values[0]) if given.values else []), *given.values[1:]]
+    return items[0] if items else _COMPUTED
 
 
 def _is_instance(given: Arguments) -> Value:
@@ -162,7 +162,7 @@ def _is_instance(given: Arguments) -> Value:
         for kind in (kinds.items if isinstance(kinds, Sequence) else (kinds,))
         if isinstance(kind, TypeValue)
     }
-    own = next((own for known, own in _CLASSES.items() if isinstance(of, known)), None)
+    own = next((own for cls, own in _CLASSES.items() if isinstance(of, cls)), None)
     if own is None or not names or getattr(of, "parameter", None) is not None:
         return _COMPUTED
     return Truth(bool(own & names))
@@ -215,7 +215,7 @@ def _tests(language: Python, given: Arguments) -> Value:
 
 def _preset(language: Python, given: Arguments) -> Value:
     """`QoSPresetProfiles.get_from_short_key("sensor_data")`."""
-    name = given.values[0].known if given.values and isinstance(given.values[0], Text) else None
+    name = given.values[0].exact if given.values and isinstance(given.values[0], Text) else None
     return language.member(TypeValue(Kind(("rclpy", "qos", "QoSPresetProfiles"))), name) if name else _COMPUTED
 
 
@@ -296,8 +296,8 @@ def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Argu
         return replace(of, items=(*of.items[:at], *of.items[at + 1 :]))
     if name in ("extend", "update") and values:
         more = values[0]
-        known = isinstance(more, Sequence) and not more.open
-        return replace(of, items=(*of.items, *elements(more)), open=of.open or not known)
+        closed = isinstance(more, Sequence) and not more.open
+        return replace(of, items=(*of.items, *elements(more)), open=of.open or not closed)
     return of if name in ("sort", "remove", "discard", "popleft") else None
 
 
@@ -307,8 +307,8 @@ def _popped(of: Sequence | Mapping, name: str, values: list[Value]) -> Value:
         if name == "pop" and values:
             return _got(of, values, None) or _COMPUTED
         if name == "setdefault" and values:
-            held = next((value for key, value in of.items if key == values[0]), None)
-            return held if held is not None else next(iter(values[1:]), NULL)
+            entry = next((value for key, value in of.items if key == values[0]), None)
+            return entry if entry is not None else next(iter(values[1:]), NULL)
         return _NOTHING
     if name == "pop":
         return element(of, values[0] if values else number(-1))
@@ -340,8 +340,8 @@ def _got(of: Value, values: list[Value], given: Arguments | None) -> Value | Non
     if default is None:
         default = values[1] if len(values) > 1 else NULL
     if isinstance(of, Mapping) and (of.items or of.parameter is None):
-        found = element(of, values[0])
-        return default if isinstance(found, Unknown) and found.parameter is None else found
+        entry = element(of, values[0])
+        return default if isinstance(entry, Unknown) and entry.parameter is None else entry
     if is_unknown_parameter(of) or isinstance(of, Mapping | Sequence):
         part = element(of, values[0])
         name: str | None = getattr(part, "parameter", None)
@@ -350,11 +350,11 @@ def _got(of: Value, values: list[Value], given: Arguments | None) -> Value | Non
 
 
 def _begins(of: Text, name: str, value: Value) -> Value:
-    given = value.known if isinstance(value, Text) else None
+    given = value.exact if isinstance(value, Text) else None
     part = of.parts[0 if name == "startswith" else -1] if of.parts else ""
     if given is None or of.parameter is not None or not isinstance(part, str):
         return Unknown("it depends on a value", of.parameter)
-    if of.known is None and len(part) < len(given):
+    if of.exact is None and len(part) < len(given):
         return Unknown("it depends on a value")
     return Truth(part.startswith(given) if name == "startswith" else part.endswith(given))
 
@@ -362,14 +362,14 @@ def _begins(of: Text, name: str, value: Value) -> Value:
 def _slice(of: Value, bounds: list[Value]) -> Value | None:
     """Return `of[start:stop:step]`."""
     numbers = [int(one.value) if isinstance(one, Number) else None for one in bounds]
-    known = all(isinstance(one, Number) or one == NULL for one in bounds)
+    constant = all(isinstance(one, Number) or one == NULL for one in bounds)
     if isinstance(of, Sequence) and of.parameter == "argv":
         return of
     if isinstance(of, Text):
-        if of.known is None or not known:
+        if of.exact is None or not constant:
             return Text.hole("it is cut when the program runs", parameter=of.parameter)
-        return replace(of, parts=(of.known[slice(*numbers)],))
-    if isinstance(of, Sequence) and known and numbers[2] != 0:
+        return replace(of, parts=(of.exact[slice(*numbers)],))
+    if isinstance(of, Sequence) and constant and numbers[2] != 0:
         return replace(of, items=of.items[slice(*numbers)])
     return of if isinstance(of, Sequence) or is_unknown_parameter(of) else None
 
@@ -396,23 +396,23 @@ def object_method(language: Python, of: Object, name: str, given: Arguments) -> 
     ):
         return of
     if name in ("parse_args", "parse_known_args", "parse_intermixed_args"):
-        known = of.native.get("options")
-        pairs = known.items if isinstance(known, Mapping) else ()
-        fields = {key.known: value for key, value in pairs if isinstance(key, Text) and key.known}
-        made = Object(Kind(("argparse", "Namespace")), fields=fields)
+        declared = of.native.get("options")
+        pairs = declared.items if isinstance(declared, Mapping) else ()
+        fields = {key.exact: value for key, value in pairs if isinstance(key, Text) and key.exact}
+        namespace = Object(Kind(("argparse", "Namespace")), fields=fields)
         both = name == "parse_known_args" or of.kind.name == "OptionParser"
-        return Sequence((made, COMMAND_LINE)) if both else made
+        return Sequence((namespace, COMMAND_LINE)) if both else namespace
     return None
 
 
 def _option(given: Arguments) -> tuple[Value, Value] | None:
     """Return the name and the value of an option of the command line."""
-    flags = [value.known for value in given.values if isinstance(value, Text) and value.known]
+    flags = [value.exact for value in given.values if isinstance(value, Text) and value.exact]
     target = given.named.get("dest")
     long = [flag for flag in flags if flag.startswith("--")] or flags[:1]
     name = long[0].lstrip("-").replace("-", "_") if long else None
     if isinstance(target, Text):
-        name = target.known
+        name = target.exact
     if not name:
         return None
     single = bool(flags) and flags[0].startswith("-") and not {"nargs", "action"} & given.named.keys()

@@ -59,12 +59,12 @@ class PythonUnit(Unit):
     @cached_property
     def search_path(self) -> tuple[str, ...]:
         """The folders that the module adds to the search path, from where its own file is."""
-        found = []
+        folders = []
         for added in _SEARCHED.findall(self.source.decode("utf-8", "replace")):
             parts = [_UP if quoted is None else quoted for quoted in (one[2] or None for one in _PARTS.finditer(added))]
             up = len(_PARENT.findall(added))
-            found.append(posixpath.normpath(posixpath.join(self.path, *[_UP] * up, *(p.lstrip("/") for p in parts))))
-        return tuple(found)
+            folders.append(posixpath.normpath(posixpath.join(self.path, *[_UP] * up, *(p.lstrip("/") for p in parts))))
+        return tuple(folders)
 
     @property
     def too_deep(self) -> int | None:
@@ -172,11 +172,11 @@ class Modules:
                 return True
             for names, _ in imported(seen[file]):
                 for dotted in names:
-                    found = self.reader.workspace.module(dotted, near=file) if dotted.strip(".") else None
-                    data = self.reader.read(found) if found and found not in seen and self._follows(dotted) else None
-                    if found and data is not None:
-                        seen[found] = data
-                        pending.append(found)
+                    module = self.reader.workspace.module(dotted, near=file) if dotted.strip(".") else None
+                    data = self.reader.read(module) if module and module not in seen and self._follows(dotted) else None
+                    if module and data is not None:
+                        seen[module] = data
+                        pending.append(module)
         return False
 
     def _follows(self, dotted: str) -> bool:

@@ -112,18 +112,18 @@ class _Nodes:
         language.machine.stack.append(Site(unit, 1))
         module = language.module(unit)
         if root.function:
-            held = language.member(module, root.function)
-            if isinstance(held, Closure) and held.function.unit is unit:
-                root = replace(root, line=held.function.line)
-            language.calls.value(held)
+            function = language.member(module, root.function)
+            if isinstance(function, Closure) and function.function.unit is unit:
+                root = replace(root, line=function.function.line)
+            language.calls.value(function)
         language.machine.drain()
         if framework.nodes or framework.node_names or _uses_a_node(framework):
             yield self._extracted(framework, root)
             return
         for row in framework.loaded:
-            asked = row[1].known if isinstance(row[1], Text) else None
+            requested = row[1].exact if isinstance(row[1], Text) else None
             for plugin in self._build.plugins:
-                cls = self._plugin_class(plugin) if asked in (plugin.name, plugin.type) else None
+                cls = self._plugin_class(plugin) if requested in (plugin.name, plugin.type) else None
                 if cls is not None:
                     yield from self._plugin(cls, plugin, replace(root, plugin=plugin.name))
                     return
@@ -139,15 +139,15 @@ class _Nodes:
         if unit is None:
             return None
         language, _ = self._language()
-        held = language.member(language.module(unit), name)
-        return held.kind.cls if isinstance(held, TypeValue) else None
+        member = language.member(language.module(unit), name)
+        return member.kind.cls if isinstance(member, TypeValue) else None
 
     def _plugin(self, cls: Class, plugin: PluginClass, root: _Root) -> Iterator[Extracted]:
         """Yield the node that runs a plugin, which gets it with its context."""
-        found = self._created(cls, root, hosted=True)
+        extracted = self._created(cls, root, hosted=True)
         base = plugin.base_type if root.kind is NodeKind.PLUGIN else None
-        if found is not None:
-            yield replace(found, node=replace(found.node, base_class=base, exported=plugin.location))
+        if extracted is not None:
+            yield replace(extracted, node=replace(extracted.node, base_class=base, exported=plugin.location))
 
     def _classes(self, path: str) -> Iterator[Extracted]:
         """Yield the node classes of ROS 2 in a file that no program of the package creates."""
@@ -162,9 +162,9 @@ class _Nodes:
             if not isinstance(value, TypeValue) or cls is None or cls.unit is not unit or cls in self._started:
                 continue
             if any(one.is_a == "node" for one in framework.described(value.kind)):
-                found = self._created(cls, _Root(cls.name, None, NodeKind.CLASS, path, cls.line))
-                if found is not None:
-                    yield found
+                extracted = self._created(cls, _Root(cls.name, None, NodeKind.CLASS, path, cls.line))
+                if extracted is not None:
+                    yield extracted
 
     def _created(self, cls: Class, root: _Root, *, hosted: bool = False) -> Extracted | None:
         """Return the node of an object of a class."""
@@ -173,9 +173,9 @@ class _Nodes:
         if unit is None:
             return None
         language.machine.stack.append(Site(unit, cls.line))
-        held = language.member(language.module(unit), cls.name)
+        constructor = language.member(language.module(unit), cls.name)
         context = Object(Kind(("qt_gui", "PluginContext")), fields={"node": framework.host_node()}) if hosted else None
-        language.calls.value(held, Arguments([context] if context is not None else []))
+        language.calls.value(constructor, Arguments([context] if context is not None else []))
         language.machine.drain()
         if not framework.nodes and not hosted:
             return None

@@ -72,8 +72,8 @@ def _factorial(number: Any) -> int:
 
 
 def _range(*bounds: Any) -> list[int]:
-    found = range(*bounds)
-    return list(found[: MOST_ITEMS + 1])
+    numbers = range(*bounds)
+    return list(numbers[: MOST_ITEMS + 1])
 
 
 def _distinct(items: Any = ()) -> list[object]:

@@ -44,12 +44,12 @@ def split(text: str) -> tuple[str, str]:
 
 def _parent(of: Text) -> Value:
     """Return `os.path.dirname`."""
-    if of.known is None:
+    if of.exact is None:
         last = of.parts[-1]
         if isinstance(last, Hole) or "/" not in last:
             return Text.hole("the folder of a path that is not known")
         return Text((*of.parts[:-1], last.rpartition("/")[0]), of.resolution, of.parameter, of.reason)
-    head, inner = split(of.known)
+    head, inner = split(of.exact)
     if head and not inner.strip("/"):
         return Text.hole(f"the path above the folder {head}")
     return Text.of(head + posixpath.dirname(inner).rstrip("/") if head else posixpath.dirname(inner))
@@ -57,8 +57,8 @@ def _parent(of: Text) -> Value:
 
 def _base(of: Text) -> Value:
     """Return `os.path.basename`."""
-    last = of.known if of.known is not None else of.parts[-1]
-    if isinstance(last, Hole) or (of.known is None and "/" not in last):
+    last = of.exact if of.exact is not None else of.parts[-1]
+    if isinstance(last, Hole) or (of.exact is None and "/" not in last):
         return Text.hole("the name of a path that is not known")
     head, inner = split(last)
     return Text.of(posixpath.basename(inner) or head.rpartition("/")[2])
@@ -66,9 +66,9 @@ def _base(of: Text) -> Value:
 
 def _normal(of: Text) -> Value:
     """Return `os.path.normpath`, which leaves a path alone if a part is not known."""
-    if of.known is None:
+    if of.exact is None:
         return of
-    head, inner = split(of.known)
+    head, inner = split(of.exact)
     if not head:
         return Text.of(posixpath.normpath(inner) if inner else inner)
     path = posixpath.normpath(inner.lstrip("/")) if inner.strip("/") else ""
@@ -79,9 +79,9 @@ def _normal(of: Text) -> Value:
 
 def _ends(of: Text) -> Value:
     """Return `os.path.splitext`."""
-    if of.known is None:
+    if of.exact is None:
         return Unknown(of.reason or "the path is not known")
-    return Sequence(tuple(map(Text.of, posixpath.splitext(of.known))))
+    return Sequence(tuple(map(Text.of, posixpath.splitext(of.exact))))
 
 
 def _part(index: int) -> Callable[[Text], Value]:
@@ -89,27 +89,27 @@ def _part(index: int) -> Callable[[Text], Value]:
 
     def apply(of: Text) -> Value:
         name = _base(of)
-        known = name.known if isinstance(name, Text) else None
-        return Text.of(posixpath.splitext(known)[index]) if known is not None else name
+        exact = name.exact if isinstance(name, Text) else None
+        return Text.of(posixpath.splitext(exact)[index]) if exact is not None else name
 
     return apply
 
 
 def _parents(of: Text) -> Value:
-    found: list[Value] = []
-    held: Value = of
-    while isinstance(held, Text) and len(found) < _PARENTS:
-        held = _parent(held)
-        found.append(held)
-    return Sequence(tuple(found))
+    parents: list[Value] = []
+    current: Value = of
+    while isinstance(current, Text) and len(parents) < _PARENTS:
+        current = _parent(current)
+        parents.append(current)
+    return Sequence(tuple(parents))
 
 
 def _renamed(name: str) -> Callable[[Text, list[Value]], Value]:
     def apply(of: Text, given: list[Value]) -> Value:
-        new = given[0].known if given and isinstance(given[0], Text) else None
-        if of.known is None or new is None:
+        new = given[0].exact if given and isinstance(given[0], Text) else None
+        if of.exact is None or new is None:
             return Unknown(of.reason or "the path is not known")
-        folder, slash, last = of.known.rpartition("/")
+        folder, slash, last = of.exact.rpartition("/")
         stem = last.rpartition(".")[0] or last
         return Text.of(folder + slash + (stem + new if name == "with_suffix" else new))
 

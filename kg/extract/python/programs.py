@@ -80,16 +80,16 @@ def calls_of(reader: Reader, file: FilePath) -> list[Called]:
 
 def lines(value: Value | None) -> list[str]:
     """Return the lines of a known text, or of all texts in a list."""
-    found: list[str] = []
+    result: list[str] = []
     for one in alternatives(value) if value is not None else ():
         if isinstance(one, Sequence):
-            found += [line for item in one.items for line in lines(item)]
-        elif isinstance(one, Text) and one.known is not None:
-            found += one.known.splitlines()
-    return found
+            result += [line for item in one.items for line in lines(item)]
+        elif isinstance(one, Text) and one.exact is not None:
+            result += one.exact.splitlines()
+    return result
 
 
 def entries(value: Value | None) -> dict[str, Value]:
     """Return the entries of a dictionary whose keys are known texts; none of other values."""
     pairs = [pair for one in alternatives(value) if isinstance(one, Mapping) for pair in one.items] if value else []
-    return {key.known: held for key, held in pairs if isinstance(key, Text) and key.known is not None}
+    return {key.exact: item for key, item in pairs if isinstance(key, Text) and key.exact is not None}

@@ -119,29 +119,29 @@ class Statements:
     # Simple statements
 
     def _step(self, node: Node) -> list[Statement]:
-        found: list[Statement] = []
+        steps: list[Statement] = []
         for child in node.named_children:
             if child.type == "assignment":
-                found += self._assignment(child)
+                steps += self._assignment(child)
             elif child.type == "augmented_assignment":
-                found.append(self._augmented(child))
+                steps.append(self._augmented(child))
             elif child.type == "ERROR":
-                found += self._broken(child)
+                steps += self._broken(child)
             elif child.type not in ("comment", "string", "concatenated_string", "ellipsis"):
-                found.append(Step(line_of(child), self._expressions.expression(child)))
-        return found
+                steps.append(Step(line_of(child), self._expressions.expression(child)))
+        return steps
 
     def _assignment(self, node: Node) -> list[Statement]:
         """Return the assignments of `a = b = value`, whose value runs once."""
         line = line_of(node)
         targets: list[Expression] = []
-        held: Node | None = node
-        while held is not None and held.type == "assignment":
-            targets.append(self._expressions.expression(held.child_by_field_name("left")))
-            held = held.child_by_field_name("right")
-        if held is None:
+        current: Node | None = node
+        while current is not None and current.type == "assignment":
+            targets.append(self._expressions.expression(current.child_by_field_name("left")))
+            current = current.child_by_field_name("right")
+        if current is None:
             return []
-        value = self._expressions.expression(held)
+        value = self._expressions.expression(current)
         if len(targets) > 1:
             shared = Name(line, ("<value>",))
             targets, first, value = [shared, *targets], value, shared
@@ -165,13 +165,13 @@ class Statements:
 
     def _broken(self, node: Node) -> list[Statement]:
         """Return the statements and calls in code that does not parse."""
-        found: list[Statement] = []
+        statements: list[Statement] = []
         for child in node.named_children:
             if child.type == "call":
-                found.append(Step(line_of(child), self._expressions.expression(child)))
+                statements.append(Step(line_of(child), self._expressions.expression(child)))
             else:
-                found += self._broken(child) if child.type in _BROKEN else self._statement(child)
-        return found
+                statements += self._broken(child) if child.type in _BROKEN else self._statement(child)
+        return statements
 
     def _return(self, node: Node) -> list[Statement]:
         inner = next((child for child in node.named_children if child.type != "comment"), None)
@@ -186,28 +186,28 @@ class Statements:
         targets: list[Node] = []
         for child in node.named_children:
             targets += child.named_children if child.type == "expression_list" else [child]
-        held = [self._expressions.expression(target) for target in targets]
-        found = [one for one in held if isinstance(one, Index)]
-        return [Step(line, Call(line, Member(line, one.of, "pop"), (one.key,))) for one in found]
+        expressions = [self._expressions.expression(target) for target in targets]
+        indexes = [one for one in expressions if isinstance(one, Index)]
+        return [Step(line, Call(line, Member(line, one.of, "pop"), (one.key,))) for one in indexes]
 
     # Imports
 
     def _import(self, node: Node) -> list[Statement]:
-        found: list[Statement] = []
+        imports: list[Statement] = []
         for child in node.children_by_field_name("name"):
             name, alias = _import_names(child)
-            found.append(Step(line_of(node), Import(line_of(node), name, None, alias or "")))
-        return found
+            imports.append(Step(line_of(node), Import(line_of(node), name, None, alias or "")))
+        return imports
 
     def _import_from(self, node: Node) -> list[Statement]:
         line, module = line_of(node), code(node.child_by_field_name("module_name")).replace(" ", "")
-        found: list[Statement] = []
+        imports: list[Statement] = []
         if any(child.type == "wildcard_import" for child in node.named_children):
-            found.append(Step(line, Import(line, module, "*", "")))
+            imports.append(Step(line, Import(line, module, "*", "")))
         for child in node.children_by_field_name("name"):
             name, alias = _import_names(child)
-            found.append(Step(line, Import(line, module, name, alias or name)))
-        return found
+            imports.append(Step(line, Import(line, module, name, alias or name)))
+        return imports
 
     # Compound statements
 
@@ -249,17 +249,17 @@ class Statements:
         return [Try(line_of(node), body, tuple(handlers), parts.get("else_clause"), parts.get("finally_clause"))]
 
     def _with(self, node: Node) -> list[Statement]:
-        found: list[Statement] = []
+        statements: list[Statement] = []
         clause = next((child for child in node.named_children if child.type == "with_clause"), None)
         for item in clause.named_children if clause is not None else ():
             inner = item.named_children[0] if item.named_child_count else None
             if inner is not None and inner.type == "as_pattern" and inner.named_child_count > 1:
                 value = self._expressions.expression(inner.named_children[0])
                 target = self._expressions.expression(inner.named_children[-1])
-                found.append(Step(line_of(item), Assign(line_of(item), target, value)))
+                statements.append(Step(line_of(item), Assign(line_of(item), target, value)))
             else:
-                found.append(Step(line_of(item), self._expressions.expression(inner)))
-        return [*found, self._block(node.child_by_field_name("body"))]
+                statements.append(Step(line_of(item), self._expressions.expression(inner)))
+        return [*statements, self._block(node.child_by_field_name("body"))]
 
     def _match(self, node: Node) -> list[Statement]:
         subject = self._expressions.expression(node.child_by_field_name("subject"))
@@ -269,13 +269,13 @@ class Statements:
             if case.type != "case_clause":
                 continue
             pattern = next((child for child in case.named_children if child.type == "case_pattern"), None)
-            held = self._block(case.child_by_field_name("consequence"))
+            block = self._block(case.child_by_field_name("consequence"))
             test = self._matches(pattern, subject)
             guard = next((child for child in case.named_children if child.type == "if_clause"), None)
             if guard is not None and guard.named_child_count:
                 guarded = self._expressions.expression(guard.named_children[0])
                 test = guarded if test is None else Binary(line_of(case), "and", (test, guarded))
-            arms.append((test, held))
+            arms.append((test, block))
         return [Branch(line_of(node), tuple(arms))]
 
     def _matches(self, pattern: Node | None, subject: Expression) -> Expression | None:
@@ -401,15 +401,15 @@ def _import_names(node: Node) -> tuple[str, str | None]:
 
 def _globals(body: Node | None) -> set[str]:
     """Return the names that a function takes from around it by `global` or `nonlocal`."""
-    found: set[str] = set()
+    names: set[str] = set()
     pending = list(body.named_children) if body is not None else []
     while pending:
         node = pending.pop()
         if node.type in ("global_statement", "nonlocal_statement"):
-            found.update(code(child) for child in node.named_children)
+            names.update(code(child) for child in node.named_children)
         elif node.type in _HOLDERS:
             pending += node.named_children
-    return found
+    return names
 
 
 _HOLDERS: Final = frozenset(

@@ -35,10 +35,10 @@ def parse(source: bytes) -> Tree:
 
 def captures(root: Node) -> dict[str, list[Node]]:
     """Return the calls and imports of a file by kind, outer ones first."""
-    found = QueryCursor(_query(_PATTERNS)).captures(root)
-    for nodes in found.values():  # they come in the order of their addresses
+    captured = QueryCursor(_query(_PATTERNS)).captures(root)
+    for nodes in captured.values():  # they come in the order of their addresses
         nodes.sort(key=lambda node: (node.start_byte, -node.end_byte))
-    return found
+    return captured
 
 
 def first_error(root: Node) -> int | None:
@@ -61,14 +61,14 @@ def line_of(node: Node) -> int:
 
 def operands_of(node: Node, sign: str) -> list[Node]:
     """Return the operands of a chain of one left-associative operator, in order."""
-    found: list[Node] = []
-    held: Node | None = node
-    while held is not None and held.type == node.type and code(held.child_by_field_name("operator")) == sign:
-        right = held.child_by_field_name("right")
+    operands: list[Node] = []
+    current: Node | None = node
+    while current is not None and current.type == node.type and code(current.child_by_field_name("operator")) == sign:
+        right = current.child_by_field_name("right")
         if right is not None:
-            found.append(right)
-        held = held.child_by_field_name("left")
-    return [*([held] if held is not None else []), *reversed(found)]
+            operands.append(right)
+        current = current.child_by_field_name("left")
+    return [*([current] if current is not None else []), *reversed(operands)]
 
 
 def strip_parentheses(node: Node) -> Node:

@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping as Names
 
 _HOLE: Final = Unknown("part of it is not known")
-_KEPT: Final = frozenset({"strip", "lstrip", "rstrip"})
+_STRIPS: Final = frozenset({"strip", "lstrip", "rstrip"})
 """Methods that leave a text that is not known as it is."""
-_METHODS: Final = _KEPT | {
+_METHODS: Final = _STRIPS | {
     "capitalize", "casefold", "count", "find", "index", "isalnum", "isalpha", "isdecimal", "isdigit", "islower",
     "isspace", "isupper", "lower", "partition", "removeprefix", "removesuffix", "replace", "rfind", "rpartition",
     "rsplit", "split", "splitlines", "swapcase", "title", "upper",
@@ -60,31 +60,31 @@ def percent(template: Value, value: Value) -> Value:
     if any(isinstance(one, Either) for one in (template, *items)):
         whole = isinstance(value, Sequence)
         return over((template, *items), lambda one, *row: percent(one, Sequence(row) if whole else row[0]))
-    if not isinstance(template, Text) or template.known is None:
+    if not isinstance(template, Text) or template.exact is None:
         return concatenate(template, _HOLE)
     pairs = value.items if isinstance(value, Mapping) else ()
-    of_keys = {own.known: held for own, held in pairs if isinstance(own, Text)}
+    of_keys = {own.exact: item for own, item in pairs if isinstance(own, Text)}
     pieces: list[Value] = []
     waiting, end = iter(items), 0
-    for found in _DIRECTIVE.finditer(template.known):
-        pieces.append(Text.of(template.known[end : found.start()]))
-        end = found.end()
-        if found["kind"] == "%":
+    for match in _DIRECTIVE.finditer(template.exact):
+        pieces.append(Text.of(template.exact[end : match.start()]))
+        end = match.end()
+        if match["kind"] == "%":
             pieces.append(Text.of("%"))
         else:
-            given = next(waiting, None) if found["key"] is None else of_keys.get(found["key"])
-            pieces.append(_converted(given, found["flags"], found["kind"]))
-    return _carried(template, concatenate(*pieces, Text.of(template.known[end:])))
+            given = next(waiting, None) if match["key"] is None else of_keys.get(match["key"])
+            pieces.append(_converted(given, match["flags"], match["kind"]))
+    return _carried(template, concatenate(*pieces, Text.of(template.exact[end:])))
 
 
 def _converted(value: Value | None, flags: str, kind: str) -> Value:
     if value is not None and kind == "s" and not flags:
         return stringified(value)
-    known = plain(value) if value is not None else None
-    if known is None or len(flags) > _LONGEST_FORMAT:
+    text = plain(value) if value is not None else None
+    if text is None or len(flags) > _LONGEST_FORMAT:
         return _HOLE
     try:
-        return Text.of(f"%{flags}{kind}" % known)
+        return Text.of(f"%{flags}{kind}" % text)
     except (ValueError, TypeError, OverflowError):
         return _HOLE
 
@@ -98,10 +98,10 @@ def braces(template: Value, positional: list[Value], named: Names[str, Value]) -
             everything,
             lambda one, *row: braces(one, list(row[:count]), dict(zip(named, row[count:], strict=True))),
         )
-    if not isinstance(template, Text) or template.known is None:
+    if not isinstance(template, Text) or template.exact is None:
         return concatenate(template, _HOLE)
     try:
-        fields = list(Formatter().parse(template.known))
+        fields = list(Formatter().parse(template.exact))
     except ValueError:
         return concatenate(_HOLE)
     pieces: list[Value] = []
@@ -121,20 +121,20 @@ def _specified(value: Value, specification: str, conversion: str) -> Value:
     """Return what a replacement field makes of a value; with a specification, it is known only for known values."""
     if not specification and conversion in ("", "s"):
         return stringified(value)
-    known = plain(value)
-    if known is None or not _SPECIFICATION.fullmatch(specification):
+    text = plain(value)
+    if text is None or not _SPECIFICATION.fullmatch(specification):
         return _HOLE
     if conversion:
-        known = repr(known) if conversion in ("r", "a") else str(known)
+        text = repr(text) if conversion in ("r", "a") else str(text)
     try:
-        return Text.of(format(known, specification))
+        return Text.of(format(text, specification))
     except (ValueError, OverflowError):
         return _HOLE
 
 
-def _carried(template: Text, made: Value) -> Value:
-    """Return `made` with the origin of the template."""
-    return concatenate(replace(template, parts=("",)), made)
+def _carried(template: Text, text: Value) -> Value:
+    """Return `text` with the origin of the template."""
+    return concatenate(replace(template, parts=("",)), text)
 
 
 def method(of: Text, name: str, arguments: list[Value]) -> Value | None:
@@ -145,32 +145,32 @@ def method(of: Text, name: str, arguments: list[Value]) -> Value | None:
         return of
     if name not in _METHODS:
         return None
-    if of.known is None:
-        kept = replace(of, parts=of.parts)
-        return kept if name in _KEPT else concatenate(Unknown("it is computed when the program runs", of.parameter))
+    if of.exact is None:
+        copy = replace(of, parts=of.parts)
+        return copy if name in _STRIPS else concatenate(Unknown("it is computed when the program runs", of.parameter))
     given = [plain(one) for one in arguments]
-    if None in given or (name == "replace" and len(of.known) > _LONGEST_TO_REPLACE):
+    if None in given or (name == "replace" and len(of.exact) > _LONGEST_TO_REPLACE):
         return concatenate(_HOLE) if name not in ("split", "rsplit") else None
     try:
-        return _result(of, getattr(of.known, name)(*given))
+        return _result(of, getattr(of.exact, name)(*given))
     except (ValueError, TypeError):
         return Unknown(f"`str.{name}` fails")
 
 
-def _result(of: Text, made: object) -> Value:
-    if isinstance(made, str):
-        return replace(of, parts=(made,))
-    if isinstance(made, bool):
-        return Truth(made, of.parameter)
-    if isinstance(made, list | tuple):
-        return Sequence(tuple(_result(of, part) for part in made))
-    return number(int(made), of.parameter) if isinstance(made, int) else _HOLE
+def _result(of: Text, computed: object) -> Value:
+    if isinstance(computed, str):
+        return replace(of, parts=(computed,))
+    if isinstance(computed, bool):
+        return Truth(computed, of.parameter)
+    if isinstance(computed, list | tuple):
+        return Sequence(tuple(_result(of, part) for part in computed))
+    return number(int(computed), of.parameter) if isinstance(computed, int) else _HOLE
 
 
 def _joined(separator: Text, items: Value) -> Value | None:
     if isinstance(items, Either):
-        found = [one for one in (_joined(separator, item) for item in items.items) if one is not None]
-        return join(*found) if found else None
+        texts = [one for one in (_joined(separator, item) for item in items.items) if one is not None]
+        return join(*texts) if texts else None
     if not isinstance(items, Sequence) or items.open:
         return None
     pieces: list[Value] = []

@@ -42,15 +42,15 @@ _FEWEST_SPACES: Final = 3
 
 def of_launch_files(reader: Reader, package: PackageFolder, nodes: tuple[NodeType, ...]) -> Iterator[Description]:
     """Yield the comments above those starts in the package's launch files that start one of its nodes."""
-    known = _starts(nodes)
-    for entry in package.files if known else ():
+    starts = _starts(nodes)
+    for entry in package.files if starts else ():
         data = reader.read(entry.path) if entry.kind is FileKind.LAUNCH else None
         if data is None or package.name.encode() not in data:
             continue
         text = data.decode()
         commented = _in_code if entry.path.endswith((".py", ".yaml", ".yml")) else _in_xml
         for comment, start, given in commented(text):
-            node = _node(given, package.name, known)
+            node = _node(given, package.name, starts)
             if node is not None:
                 line = text.count("\n", 0, start) + 1
                 yield from _descriptions(comment, line, entry.path, node)
@@ -79,24 +79,24 @@ def _in_code(text: str) -> Iterator[tuple[str, int, str]]:
 
 def _starts(nodes: tuple[NodeType, ...]) -> dict[str, str]:
     """Return the nodes by their starting names: executables with and without `.py`, and plugins."""
-    found: dict[str, str] = {}
+    starts: dict[str, str] = {}
     for node in nodes:
         for name in (node.executable, (node.executable or "").removesuffix(".py"), node.plugin):
             if name:
-                found.setdefault(name, node.name)
-    return found
+                starts.setdefault(name, node.name)
+    return starts
 
 
-def _node(given: str, package: str, known: dict[str, str]) -> str | None:
+def _node(given: str, package: str, starts: dict[str, str]) -> str | None:
     arguments: dict[str, str] = {}
     for match in _ARGUMENT.finditer(given):
         arguments.setdefault(match[1], match[2].strip())
     home = arguments.get("pkg") or arguments.get("package")
     if home == "nodelet":
-        loaded = (known.get(word) for word in arguments.get("args", "").split())
+        loaded = (starts.get(word) for word in arguments.get("args", "").split())
         return next((node for node in loaded if node is not None), None)
     words = (arguments.get(key, "") for key in ("type", "exec", "executable", "plugin"))
-    return next((known[word] for word in words if word in known), None) if home == package else None
+    return next((starts[word] for word in words if word in starts), None) if home == package else None
 
 
 def _descriptions(comment: str, first: int, path: str, node: str) -> Iterator[Description]:
@@ -125,9 +125,9 @@ def _manifest(reader: Reader, package: PackageFolder) -> Iterator[Description]:
     # Comments become as many line breaks as they have, so that lines keep their numbers.
     text = _COMMENT.sub(lambda match: "\n" * match[0].count("\n"), data.decode()) if data else ""
     found = _DESCRIPTION.search(text)
-    for line, said in _paragraphs(text, *found.span(1)) if found else ():
-        if _is_description(said):
-            yield Description(shortened(said), DescriptionKind.MANIFEST, Location(package.manifest or "", line))
+    for line, paragraph in _paragraphs(text, *found.span(1)) if found else ():
+        if _is_description(paragraph):
+            yield Description(shortened(paragraph), DescriptionKind.MANIFEST, Location(package.manifest or "", line))
 
 
 def _is_description(text: str) -> bool:
@@ -140,10 +140,10 @@ def _paragraphs(text: str, start: int, end: int) -> Iterator[tuple[int, str]]:
     end = min(end, start + _LONGEST)
     for gap in _BREAK.finditer(text, start, end):
         piece = text[start : gap.start()]
-        said = html.unescape(plain(_CDATA.sub(" ", piece)))
-        if said:
+        paragraph = html.unescape(plain(_CDATA.sub(" ", piece)))
+        if paragraph:
             begin = start + len(piece) - len(piece.lstrip())
-            yield text.count("\n", 0, begin) + 1, said
+            yield text.count("\n", 0, begin) + 1, paragraph
         start = gap.end()
 
 
@@ -152,19 +152,19 @@ def of_plugins(build: BuildModel, nodes: tuple[NodeType, ...]) -> Iterator[Descr
     described = {plugin.name: plugin for plugin in build.plugins if plugin.description}
     for node in nodes:
         plugin = described.get(node.plugin or "")
-        said = plain((plugin.description if plugin else None) or "")
-        if plugin and _is_description(said):
-            yield Description(shortened(said), DescriptionKind.PLUGIN, plugin.location, node.name)
+        description = plain((plugin.description if plugin else None) or "")
+        if plugin and _is_description(description):
+            yield Description(shortened(description), DescriptionKind.PLUGIN, plugin.location, node.name)
 
 
 def _setup(reader: Reader, package: PackageFolder) -> Iterator[Description]:
     path = package.join("setup.py")
     data = reader.read(path) if reader.workspace.entry(reader.file(path)) else None
     text = data.decode() if data else ""
-    found = _SETUP.search(text)
-    if found and _is_description(found[2]):
-        line = text.count("\n", 0, found.start(2)) + 1
-        yield Description(shortened(plain(found[2])), DescriptionKind.MANIFEST, Location(path, line))
+    match = _SETUP.search(text)
+    if match and _is_description(match[2]):
+        line = text.count("\n", 0, match.start(2)) + 1
+        yield Description(shortened(plain(match[2])), DescriptionKind.MANIFEST, Location(path, line))
 
 
 MOST_OF_ONE: Final = 24
@@ -178,7 +178,7 @@ def read_descriptions(
 
     Texts are read as `reader` reads them, so that each is an input of the result. Nothing in them makes it raise.
     """
-    found = [
+    descriptions = [
         *of_manifest(reader, package),
         *of_plugins(build, nodes),
         *of_sources(reader, package, build, nodes),
@@ -186,17 +186,17 @@ def read_descriptions(
         *of_launch_files(reader, package, nodes),
     ]
     return tuple(
-        sorted(_bounded(found), key=lambda one: (one.location.path, one.location.line, one.node or "", one.text))
+        sorted(_bounded(descriptions), key=lambda one: (one.location.path, one.location.line, one.node or "", one.text))
     )
 
 
-def _bounded(found: Iterable[Description]) -> Iterator[Description]:
+def _bounded(descriptions: Iterable[Description]) -> Iterator[Description]:
     seen: set[tuple[str | None, str]] = set()
     counts: Counter[tuple[str | None, bool]] = Counter()
-    for one in found:
-        said = (one.node, one.text.casefold())
+    for one in descriptions:
+        key = (one.node, one.text.casefold())
         kind = (one.node, one.kind is DescriptionKind.USAGE)
-        if said not in seen and counts[kind] < MOST_OF_ONE:
-            seen.add(said)
+        if key not in seen and counts[kind] < MOST_OF_ONE:
+            seen.add(key)
             counts[kind] += 1
             yield one

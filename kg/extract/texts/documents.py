@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import FilePath, PackageFolder
     from kg.corpus.reading import Reader
-    from kg.extract.texts.readme import Found
+    from kg.extract.texts.readme import Passage
 
 _SIGNS: Final = re.compile(r"^\s*(?:/\*\*?!?|///?|\*/|\*+(?=\s|$))?")
 _COMMAND: Final = re.compile(r"^\s*[@\\](\w+)\s*(.*)$")
 _LEVELS: Final = {"mainpage": 1, "page": 1, "section": 2, "subsection": 3, "subsubsection": 4, "par": 5}
 _LABELLED: Final = frozenset({"page", "section", "subsection", "subsubsection"})
 _FENCES: Final = frozenset({"verbatim", "endverbatim", "code", "endcode", "dot", "enddot"})
-_SAID: Final = frozenset({"brief", "details", "b", "c", "e", "p", "a", "em", "ref", "note", "li", "i"})
+_TEXT_COMMANDS: Final = frozenset({"brief", "details", "b", "c", "e", "p", "a", "em", "ref", "note", "li", "i"})
 
 
 def markdown(text: str) -> str:
@@ -37,11 +37,11 @@ def markdown(text: str) -> str:
 def _lines(text: str) -> Iterator[str]:
     for written in text.split("\n"):
         line = _SIGNS.sub("", written.rstrip().removesuffix("*/"), count=1)
-        found = _COMMAND.match(line)
-        if found is None:
+        match = _COMMAND.match(line)
+        if match is None:
             yield line.strip() if not line.lstrip().startswith(("-", "*")) else line
             continue
-        word, rest = found[1].lower(), found[2].strip()
+        word, rest = match[1].lower(), match[2].strip()
         if word in _LEVELS:
             title = rest.partition(" ")[2] or rest if word in _LABELLED else rest
             yield f"{'#' * _LEVELS[word]} {title}" if title and not title.startswith(("\\", "@")) else ""
@@ -49,7 +49,7 @@ def _lines(text: str) -> Iterator[str]:
             closed = any(f"{sign}end{word}" in rest for sign in "\\@")
             yield "" if closed else "```"
         else:
-            yield line.strip() if word in _SAID else ""
+            yield line.strip() if word in _TEXT_COMMANDS else ""
 
 
 _MOST_PAGES: Final = 300
@@ -90,25 +90,25 @@ def _of_page(file: FilePath, text: str, about: About) -> Iterator[Description]:
     elif file.path.endswith(".dox"):
         text = markdown(text)
     blocks = list(read_page(text, rst=rst))
-    found = list(find(blocks, about))
-    yield from (_description(file, one, DescriptionKind.README) for one in found)
+    passages = list(find(blocks, about))
+    yield from (_description(file, one, DescriptionKind.README) for one in passages)
     if about.own:
-        remaining = usage(blocks, {one.line for one in found})
+        remaining = usage(blocks, {one.line for one in passages})
         yield from (_description(file, one, DescriptionKind.USAGE) for one in remaining)
 
 
-def _description(file: FilePath, found: Found, kind: DescriptionKind) -> Description:
-    return Description(found.text, kind, Location(file.path, found.line), found.node, found.heading)
+def _description(file: FilePath, passage: Passage, kind: DescriptionKind) -> Description:
+    return Description(passage.text, kind, Location(file.path, passage.line), passage.node, passage.heading)
 
 
 def _of_wiki(file: FilePath, text: str, about: About) -> Iterator[Description]:
     """Yield the wiki's descriptions of the nodes of the package."""
     for documented in wiki_nodes(text):
-        said = plain(documented.description or "")
-        if is_prose(said):
+        description = plain(documented.description or "")
+        if is_prose(description):
             for node in about.names.of_lead(documented.name or ""):
                 place = Location(file.path, documented.line)
-                yield Description(shortened(said), DescriptionKind.WIKI, place, node)
+                yield Description(shortened(description), DescriptionKind.WIKI, place, node)
 
 
 def _is_main(file: FilePath, package: PackageFolder) -> bool:

@@ -44,33 +44,33 @@ class Names:
 
     def __init__(self, nodes: Iterable[NodeType], is_common: Callable[[str], bool]) -> None:
         self._is_common = is_common
-        self._found: dict[str, list[_Name]] = {}
+        self._names: dict[str, list[_Name]] = {}
         for node in nodes:
             for name in _names_of(node):
-                entries = self._found.setdefault(key(name), [])
+                entries = self._names.setdefault(key(name), [])
                 if all(one.node != node.name for one in entries):
                     entries.append(_Name(node.name, _is_distinct(name)))
         for node in nodes:
             for name in _names_of(node):
                 stem = _SUFFIX.sub("", key(name))
-                if len(stem) >= _SHORTEST_STEM and stem != key(name) and stem not in self._found:
-                    self._found[stem] = [_Name(node.name, distinct=False)]
+                if len(stem) >= _SHORTEST_STEM and stem != key(name) and stem not in self._names:
+                    self._names[stem] = [_Name(node.name, distinct=False)]
 
     def __bool__(self) -> bool:
-        return bool(self._found)
+        return bool(self._names)
 
     def mentioned(self, text: bytes) -> bool:
         """Return whether a page may name a node: a filter with false positives."""
         flat = text.lower().replace(b"_", b"").replace(b"-", b"").replace(b" ", b"")
-        return any(name.encode() in flat for name in self._found)
+        return any(name.encode() in flat for name in self._names)
 
     def of_heading(self, heading: str) -> tuple[str, ...]:
         """Return the nodes that a heading is about: it is the name of one, or names one with few other words."""
         text = re.sub(r"^[\d.]+\s+", "", heading).strip(" :`")
         whole = key(text.replace(" ", ""))
         for candidate in (whole, _SUFFIX.sub("", whole.removesuffix("s"))):
-            if candidate in self._found and not self._is_common(candidate):
-                return tuple(name.node for name in self._found[candidate])
+            if candidate in self._names and not self._is_common(candidate):
+                return tuple(name.node for name in self._names[candidate])
         tokens = _tokens(text)
         if len([token for token in tokens if key(token) not in _KINDS]) > _LONGEST_HEADING:
             return ()
@@ -87,21 +87,21 @@ class Names:
     def of_text(self, text: str, spans: Iterable[str] = ()) -> tuple[str, ...]:
         """Return the nodes that a paragraph names; `spans` are its words in `code` or bold."""
         marked = {key(last) for span in spans for last in (span, last_part(span))}
-        found: dict[str, None] = {}
+        nodes: dict[str, None] = {}
         for token in dict.fromkeys(_tokens(text)):
             for candidate in _forms(token):
-                for name in self._found.get(candidate, ()):
+                for name in self._names.get(candidate, ()):
                     common = self._is_common(candidate)
                     if (
                         not common and (candidate in marked or (name.distinct and _is_distinct(token)))
-                    ) or _beside_kind(token, text):
-                        found[name.node] = None
-        return tuple(found)
+                    ) or _is_called_node(token, text):
+                        nodes[name.node] = None
+        return tuple(nodes)
 
     def _first(self, tokens: Iterable[str], fits: Callable[[_Name, bool], bool]) -> tuple[str, ...]:
         for token in tokens:
             for candidate in _forms(token):
-                names = [n.node for n in self._found.get(candidate, ()) if fits(n, self._is_common(candidate))]
+                names = [n.node for n in self._names.get(candidate, ()) if fits(n, self._is_common(candidate))]
                 if names:
                     return tuple(names)
         return ()
@@ -138,7 +138,7 @@ def _forms(token: str) -> tuple[str, ...]:
     return tuple(dict.fromkeys((key(bare), key(last_part(bare)))))
 
 
-def _beside_kind(token: str, text: str) -> bool:
+def _is_called_node(token: str, text: str) -> bool:
     """Return whether a paragraph calls a word a node."""
     name = re.escape(token)
     called = rf"(?<![\w/]){name}['\"*]* {_KIND_WORDS}|{_KIND_WORDS}[ '\"*(:]+{name}(?![\w/])"

@@ -80,16 +80,16 @@ def is_wiki(text: str) -> bool:
 def wiki_nodes(text: str) -> tuple[WikiNode, ...]:
     """Return the nodes that the blocks of a page document, in their order; malformed lines are passed over."""
     lines = text.split("\n", _MOST_LINES)[:_MOST_LINES]
-    found: list[WikiNode] = []
+    nodes: list[WikiNode] = []
     for number, line in enumerate(lines):
         if _BEGIN.search(line):
-            found.extend(_nodes(_values(lines, number + 1), number + 1))
-    return tuple(found)
+            nodes.extend(_nodes(_values(lines, number + 1), number + 1))
+    return tuple(nodes)
 
 
 def _values(lines: list[str], start: int) -> dict[str, _Value]:
     """Return the values of a block by their whole keys."""
-    found: dict[str, _Value] = {}
+    values: dict[str, _Value] = {}
     scope: list[str] = []
     at = start
     while at < len(lines) and not _END.match(lines[at]) and not _BEGIN.search(lines[at]):
@@ -98,14 +98,14 @@ def _values(lines: list[str], start: int) -> dict[str, _Value]:
         long = _LONG.match(line)
         if long:
             end = next((n for n in range(at, len(lines)) if lines[n].strip() == long[2]), len(lines))
-            found.setdefault(_key(scope, long[1]), _Value(" ".join(lines[at:end]).strip(), number))
+            values.setdefault(_key(scope, long[1]), _Value(" ".join(lines[at:end]).strip(), number))
             at = end + 1
         else:
-            _take_wiki(line, number, scope, found)
-    return found
+            _take_wiki(line, number, scope, values)
+    return values
 
 
-def _take_wiki(line: str, number: int, scope: list[str], found: dict[str, _Value]) -> None:
+def _take_wiki(line: str, number: int, scope: list[str], values: dict[str, _Value]) -> None:
     """Take a line: several blocks may open or close on it, and a value runs to its end."""
     while line and not line.startswith("#"):
         opened, assigned = _OPEN.match(line), _ASSIGN.match(line)
@@ -121,7 +121,7 @@ def _take_wiki(line: str, number: int, scope: list[str], found: dict[str, _Value
             if assigned and assigned[2]:
                 closes = assigned[2].endswith("}") and "{" not in assigned[2] and bool(scope)
                 value = assigned[2].removesuffix("}") if closes else assigned[2]
-                found.setdefault(_key(scope, assigned[1]), _Value(value.strip(), number))
+                values.setdefault(_key(scope, assigned[1]), _Value(value.strip(), number))
                 if closes:
                     scope.pop()
             return
@@ -138,26 +138,26 @@ def _nodes(values: dict[str, _Value], line: int) -> Iterator[WikiNode]:
         inside = _NODE.match(key)
         grouped.setdefault(inside[1] if inside else "", {})[inside[2] if inside else key] = value
     for own in grouped.values():
-        name, said = own.get("name"), own.get("desc")
+        name, description = own.get("name"), own.get("desc")
         entries = tuple(_entries(own))
-        if name or said or entries:
-            first = name or said or _Value("", line)
-            yield WikiNode(name.text if name else None, said.text if said else None, first.line, entries)
+        if name or description or entries:
+            first = name or description or _Value("", line)
+            yield WikiNode(name.text if name else None, description.text if description else None, first.line, entries)
 
 
 def _entries(values: dict[str, _Value]) -> Iterator[WikiEntry]:
     grouped: dict[tuple[str, str], dict[str, _Value]] = {}
     for key, value in values.items():
-        found = _ENTRY.match(key)
-        if found and found[1] in _KINDS:
-            grouped.setdefault((found[1], found[2]), {})[found[3]] = value
+        match = _ENTRY.match(key)
+        if match and match[1] in _KINDS:
+            grouped.setdefault((match[1], match[2]), {})[match[3]] = value
     for (kind, _), fields in grouped.items():
         name, source, target = (fields.get(key) for key in ("name", "from", "to"))
         if name is None and source and target:
             name = _Value(f"{source.text} -> {target.text}", source.line)
         if name:
-            kept = {key: fields[key].text for key in ("type", "desc", "default") if key in fields}
-            yield WikiEntry(_KINDS[kind], name.text, kept.get("type"), kept.get("desc"), name.line, kept.get("default"))
+            text = {key: fields[key].text for key in ("type", "desc", "default") if key in fields}
+            yield WikiEntry(_KINDS[kind], name.text, text.get("type"), text.get("desc"), name.line, text.get("default"))
 
 
 _HEADING: Final = re.compile(r"^\s*(={1,5})\s+(.{1,300}?)\s+\1\s*$")

@@ -89,8 +89,8 @@ def joined(lines: Iterable[tuple[int, str]]) -> Iterator[Paragraph]:
         if number >= _MOST_LINES:
             break
         text = written[:_LONGEST_LINE]
-        found = _COMMAND.match(text)
-        word = found[1].lower() if found else ""
+        match = _COMMAND.match(text)
+        word = match[1].lower() if match else ""
         if until:
             until = "" if until in text else until
             continue
@@ -102,8 +102,8 @@ def joined(lines: Iterable[tuple[int, str]]) -> Iterator[Paragraph]:
                 yield Paragraph(first, plain(" ".join(gathered)), command)
             gathered, command = [], word
             silent = bool(word and word not in _STARTING | _NAMING | _INLINE) or _FIELD.match(text.strip()) is not None
-            if found and word and word not in _INLINE:
-                text = found[2] if word not in _NAMING else found[2].partition(" ")[2]
+            if match and word and word not in _INLINE:
+                text = match[2] if word not in _NAMING else match[2].partition(" ")[2]
             text = _ITEM.sub("", text)
         content = _FRAME.sub("", text.strip(" \t|#"))
         if silent or _DECORATION.match(content):

@@ -115,7 +115,7 @@ class About:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Passage:
     """A paragraph of a page that describes something: a node, or the package where `node` is None."""
 
     text: str
@@ -139,7 +139,7 @@ class _Section:
     """Whether it or one around it is about something other than what its title names."""
 
 
-def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
+def find(blocks: Iterable[Block], about: About) -> Iterator[Passage]:
     """Yield the paragraphs of a page that describe the package or one of its nodes, in their order."""
     stack = [_Section("", 0, package=about.own)]
     first_heading = True
@@ -159,12 +159,12 @@ def find(blocks: Iterable[Block], about: About) -> Iterator[Found]:
             yield from _described(block, section, about)
 
 
-def usage(blocks: Iterable[Block], described: Container[int]) -> Iterator[Found]:
+def usage(blocks: Iterable[Block], described: Container[int]) -> Iterator[Passage]:
     """Yield each section of a page as one text, without its blocks at the lines `described`.
 
     Sections about installation, licences and the like are left out with those inside them (`is_never`).
     """
-    section = Found("", 0, None, None)
+    section = Passage("", 0, None, None)
     never = 0
     for block in blocks:
         if block.kind is not BlockKind.HEADING:
@@ -174,12 +174,12 @@ def usage(blocks: Iterable[Block], described: Container[int]) -> Iterator[Found]
         if never and block.level > never:
             continue
         yield from _filled(section)
-        section = Found("", 0, None, plain(block.text) or None)
+        section = Passage("", 0, None, plain(block.text) or None)
         never = block.level if is_never(section.heading or "") else 0
     yield from _filled(section)
 
 
-def _filled(section: Found) -> Iterator[Found]:
+def _filled(section: Passage) -> Iterator[Passage]:
     if text := section.text.strip():
         yield replace(section, text=shortened(text))
 
@@ -198,7 +198,7 @@ def _section(block: Block, outer: _Section, about: About, *, title: bool) -> _Se
     return _Section(heading, block.level, inherited, package=package, foreign=foreign or outer.foreign)
 
 
-def _described(block: Block, section: _Section, about: About) -> Iterator[Found]:
+def _described(block: Block, section: _Section, about: About) -> Iterator[Passage]:
     heading = section.heading or None
     if block.kind is BlockKind.ROW:
         yield from _row(block, heading, about)
@@ -207,42 +207,42 @@ def _described(block: Block, section: _Section, about: About) -> Iterator[Found]
     lead = _LEAD.match(block.text) if block.kind is BlockKind.ITEM else None
     if lead and (nodes := about.names.of_lead(plain(lead[1]))):
         if is_prose(plain(lead[2])):
-            yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
+            yield from (Passage(shortened(text), block.line, node, heading) for node in nodes)
         return
     if not is_prose(text) or _TOPIC_LIKE.match(text):
         return
     if lead and not about.own and key(plain(lead[1])) == key(about.package):
-        yield Found(shortened(text), block.line, None, heading)
+        yield Passage(shortened(text), block.line, None, heading)
         return
     if lead and _FIELD.match(plain(lead[1])) and not is_about(section.heading):
         return
     yield from _paragraph(block, text, section, about)
 
 
-def _paragraph(block: Block, text: str, section: _Section, about: About) -> Iterator[Found]:
+def _paragraph(block: Block, text: str, section: _Section, about: About) -> Iterator[Passage]:
     heading = section.heading or None
     if section.nodes:
         if block.kind is BlockKind.PARAGRAPH or not is_interface(section.heading):
-            yield from (Found(shortened(text), block.line, node, heading) for node in section.nodes[:_MOST_NODES])
+            yield from (Passage(shortened(text), block.line, node, heading) for node in section.nodes[:_MOST_NODES])
         return
     if block.kind is BlockKind.PARAGRAPH and not section.inside:
         spans = [plain(next(filter(None, match.groups()), "")) for match in _SPAN.finditer(block.text[:4000])]
         nodes = about.names.of_text(text, spans)
         if nodes and len(nodes) <= _MOST_NODES:
-            yield from (Found(shortened(text), block.line, node, heading) for node in nodes)
+            yield from (Passage(shortened(text), block.line, node, heading) for node in nodes)
     if section.package and (block.kind is BlockKind.PARAGRAPH or text.count(" ") >= _FEWEST_SPACES):
-        yield Found(shortened(text), block.line, None, heading)
+        yield Passage(shortened(text), block.line, None, heading)
 
 
-def _row(block: Block, heading: str | None, about: About) -> Iterator[Found]:
+def _row(block: Block, heading: str | None, about: About) -> Iterator[Passage]:
     cells = [plain(cell) for cell in block.text.split("\t")]
     if len(cells) < 2:  # noqa: PLR2004 - a name and what it does
         return
-    said = max(cells[1:], key=len)
-    if not is_prose(said):
+    description = max(cells[1:], key=len)
+    if not is_prose(description):
         return
     nodes = about.names.of_lead(cells[0])
     if nodes:
-        yield from (Found(shortened(f"{cells[0]}: {said}"), block.line, node, heading) for node in nodes)
+        yield from (Passage(shortened(f"{cells[0]}: {description}"), block.line, node, heading) for node in nodes)
     elif not about.own and key(cells[0]) == key(about.package):
-        yield Found(shortened(said), block.line, None, heading)
+        yield Passage(shortened(description), block.line, None, heading)

@@ -96,23 +96,23 @@ class Comments:
     def _blocks(self) -> list[_Block]:
         """Return the comments that are alone on their lines; neighbouring line comments are one."""
         text = self._text
-        found: list[_Block] = []
+        blocks: list[_Block] = []
         line, counted = 1, 0
         for match in _TOKENS.finditer(text):
             start, end = match.span()
             if text[start] != "/" or not _begins_line(text, start):
                 continue
-            last = found[-1] if found else None
+            last = blocks[-1] if blocks else None
             lines = text.startswith("//", start)
             if lines and last and text.startswith("//", last.start) and _adjacent(text, last.end, start):
-                found[-1] = _Block(last.start, end, last.line)
-            elif len(found) >= _MOST_COMMENTS:
+                blocks[-1] = _Block(last.start, end, last.line)
+            elif len(blocks) >= _MOST_COMMENTS:
                 break
             else:
                 line += text.count("\n", counted, start)
                 counted = start
-                found.append(_Block(start, end, line))
-        return found
+                blocks.append(_Block(start, end, line))
+        return blocks
 
     def _paragraphs(self, block: _Block) -> list[Paragraph]:
         lines = self._text[block.start : block.end].split("\n")
@@ -164,8 +164,8 @@ class Docstrings:
         body = _BODY.match(self._text, match.start(), match.start() + _LONGEST_HEAD)
         paragraphs = self._docstring(body.end()) if body else []
         above = self._above(match.start())
-        found = self.classes if match[1] == "class" else self.functions
-        found.setdefault(match[2], []).extend([*above, *paragraphs])
+        definitions = self.classes if match[1] == "class" else self.functions
+        definitions.setdefault(match[2], []).extend([*above, *paragraphs])
 
     def _above(self, start: int) -> list[Paragraph]:
         """Return the paragraphs of the comment lines directly above a place, unless they are the file's header."""
@@ -184,11 +184,11 @@ class Docstrings:
             yield number, "" if text.startswith("#!") or not text.startswith("#") else text.lstrip("#")
 
     def _docstring(self, start: int) -> list[Paragraph]:
-        found = _DOCSTRING.match(self._text, start, start + _LONGEST_DOCSTRING)
-        if not found or (len(found[1]) == 1 and "\n" in found[2]):
+        match = _DOCSTRING.match(self._text, start, start + _LONGEST_DOCSTRING)
+        if not match or (len(match[1]) == 1 and "\n" in match[2]):
             return []
-        line = self._text.count("\n", 0, found.start(2)) + 1
-        return list(prose(joined(enumerate(found[2].split("\n"), line))))
+        line = self._text.count("\n", 0, match.start(2)) + 1
+        return list(prose(joined(enumerate(match[2].split("\n"), line))))
 
 
 _MOST_NODES: Final = 3
@@ -222,8 +222,8 @@ class _Sources:
     def text(self, path: str) -> str | None:
         """Return the text of a file of the build, None where it cannot be read."""
         if path not in self._texts:
-            known = self.reader.workspace.entry(self.reader.file(path)) is not None
-            data = self.reader.read(path) if known else None
+            exists = self.reader.workspace.entry(self.reader.file(path)) is not None
+            data = self.reader.read(path) if exists else None
             self._texts[path] = data.decode() if data is not None else None
         return self._texts[path]
 
@@ -257,7 +257,7 @@ def of_sources(
     sources = _Sources(reader, package, {plugin.name: last_part(plugin.type) for plugin in build.plugins})
     for node in nodes:
         sources.uses.update({node.location.path, *node.sources})
-        sources.makers.update(set(_made(node)) - {node.location.path, *node.sources})
+        sources.makers.update(set(_interface_files(node)) - {node.location.path, *node.sources})
     functions = {entry.name: entry.function for entry in build.entry_points}
     for node in nodes:
         if node.location.repository is not None:
@@ -273,7 +273,7 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
     files = list(dict.fromkeys(path for file in files for path in (file, *sources.headers(file))))[:_MOST_FILES]
     main = sources.text(node.location.path) or ""
     # The classes that a program may be are where it begins, and where few programs make interfaces.
-    own = (path for path in _made(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES)
+    own = (path for path in _interface_files(node) if sources.uses[path] + sources.makers[path] <= _MOST_NODES)
     used = {_stem(path) for path in (node.location.path, *own)}
     for path in files:
         comments = sources.cpp(path)
@@ -291,13 +291,13 @@ def _cpp(sources: _Sources, node: NodeType) -> Iterator[Description]:
 
 def _files(node: NodeType) -> list[str]:
     """Return the files of a node: where it begins, its sources, and where it makes interfaces itself."""
-    return list(dict.fromkeys([node.location.path, *node.sources, *_made(node)]))[:_MOST_FILES]
+    return list(dict.fromkeys([node.location.path, *node.sources, *_interface_files(node)]))[:_MOST_FILES]
 
 
-def _made(node: NodeType) -> list[str]:
+def _interface_files(node: NodeType) -> list[str]:
     """Return the files of the source in which a node makes interfaces itself."""
-    found = (one.location for one in node.interfaces if not one.implicit)
-    return list(dict.fromkeys(place.path for place in found if place.repository is None))
+    locations = (one.location for one in node.interfaces if not one.implicit)
+    return list(dict.fromkeys(place.path for place in locations if place.repository is None))
 
 
 def _is_own(sources: _Sources, node: NodeType, path: str) -> bool:

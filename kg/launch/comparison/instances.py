@@ -60,11 +60,11 @@ class Instances:
         after: Iterable[tuple[str, LaunchParameter]],
     ) -> Iterator[Change]:
         """Yield settings of one side only, or with another value; `owner` are the names after and before."""
-        known = [
+        sides = [
             {self._renames.neutral(name): self._setting(number, name, each) for name, each in settings}
             for number, settings in enumerate((before, after))
         ]
-        yield from self._values(Level.SETTING, owner, *known)
+        yield from self._values(Level.SETTING, owner, *sides)
 
     def sign(self, number: int, instance: NodeInstance, end: InstanceInterface) -> Hashable | None:
         """Return the identity of an end of one side, equal for both states of an end; None for an end left out."""
@@ -148,7 +148,7 @@ class Instances:
         self, owner: tuple[str, str], one: NodeInstance, other: NodeInstance, causes: set[Remap | None]
     ) -> Iterator[Change]:
         """Yield changed remappings, except those behind reported names of ends."""
-        known = [
+        sides = [
             {
                 self._renames.neutral(each.source): self.side(number, each.source, each.target, each.remap.location)
                 for each in reversed(instance.remaps)
@@ -156,7 +156,7 @@ class Instances:
             }
             for number, instance in enumerate((one, other))
         ]
-        yield from self._values(Level.REMAP, owner, *known)
+        yield from self._values(Level.REMAP, owner, *sides)
 
 
 _ASPECTS: Final[Mapping[Kind, Callable[[NodeInstance], str]]] = {

@@ -63,12 +63,12 @@ def paired(
 
 def _numbered(things: Iterable[_Thing], key: Callable[[_Thing], Hashable]) -> Mapping[tuple[Hashable, int], _Thing]:
     seen: Counter[Hashable] = Counter()
-    found = {}
+    numbered = {}
     for thing in things:
         name = key(thing)
         seen[name] += 1
-        found[name, seen[name]] = thing
-    return found
+        numbered[name, seen[name]] = thing
+    return numbered
 
 
 def all_pairs(

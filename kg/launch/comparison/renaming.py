@@ -25,11 +25,11 @@ class Renames:
     """Changed prefixes of names, as `/rover1` to `/rover2`, with the number of nodes below each."""
 
     def __init__(self, pairs: Iterable[_Pair] = ()) -> None:
-        found: defaultdict[tuple[str, str], list[tuple[NodeInstance, NodeInstance]]] = defaultdict(list)
+        nodes: defaultdict[tuple[str, str], list[tuple[NodeInstance, NodeInstance]]] = defaultdict(list)
         for one, other in pairs:
             if one and other and one.name != other.name:
-                found[_beginnings(one.name, other.name)].append((one, other))
-        self.nodes: Mapping[tuple[str, str], Sequence[tuple[NodeInstance, NodeInstance]]] = found
+                nodes[_beginnings(one.name, other.name)].append((one, other))
+        self.nodes: Mapping[tuple[str, str], Sequence[tuple[NodeInstance, NodeInstance]]] = nodes
         self.names: Counter[tuple[str, str]] = Counter()
 
     def neutral(self, text: str) -> str:

@@ -74,10 +74,10 @@ def _side_object(side: Side | None) -> dict[str, Any] | None:
 
 def _groups(difference: Difference) -> Iterator[tuple[str, list[Change]]]:
     """Yield the changes below their heading: of a node type, or of an instance in its launch file."""
-    found: dict[str, list[Change]] = {}
+    groups: dict[str, list[Change]] = {}
     for change in difference.changes:
-        found.setdefault(_heading(change), []).append(change)
-    yield from found.items()
+        groups.setdefault(_heading(change), []).append(change)
+    yield from groups.items()
 
 
 def _heading(change: Change) -> str:
@@ -91,24 +91,24 @@ def _heading(change: Change) -> str:
 def _aligned(changes: list[Change]) -> Iterator[str]:
     words = [printable(change_words(change)) for change in changes]
     room = max(map(len, words), default=0)
-    for change, told in zip(changes, words, strict=True):
+    for change, text in zip(changes, words, strict=True):
         side = change.after or change.before
         place = str(side.location) if side and side.location else ""
-        yield f"{sign(change)} {told.ljust(room) if place else told}  {place}".rstrip()
+        yield f"{sign(change)} {text.ljust(room) if place else text}  {place}".rstrip()
 
 
 def _places(change: Change, link: Link | None) -> str:
     before, after = change.before, change.after
     if before and after and before.location == after.location:
         before = None
-    found = []
+    links = []
     for side, is_after in ((before, False), (after, True)):
         if side is None or side.location is None:
             continue
         address = link(side, is_after) if link else None
         text = code(str(side.location))
-        found.append(f"[{text}]({address})" if address else text)
-    return " → ".join(found)
+        links.append(f"[{text}]({address})" if address else text)
+    return " → ".join(links)
 
 
 def code(text: str) -> str:
@@ -124,13 +124,13 @@ def changed_systems(difference: Difference) -> tuple[str, ...]:
 
 def changed_keys(difference: Difference, system: str) -> frozenset[str]:
     """Return the nodes with another type, host, condition, name or setting, and the channels with other ends."""
-    found = set()
+    keys = set()
     for change in difference.changes:
         if change.system != system or change.level not in _OF_NODES:
             continue
         if change.level is Level.INSTANCE and change.kind in _ADDED_OR_REMOVED:
             continue
-        found.add(change.owner)
+        keys.add(change.owner)
         if change.kind in {Kind.TYPE, Kind.QOS} and change.role:
-            found.add(f"{Role(change.role).channel} {change.name}")
-    return frozenset(found)
+            keys.add(f"{Role(change.role).channel} {change.name}")
+    return frozenset(keys)

@@ -100,17 +100,17 @@ class _Systems:
         for one, other in self._pairs:
             if one and other:
                 yield from self._instances.changes(one, other)
-            elif found := one or other:
-                side = self._started(found, 0 if one else 1)
-                yield _added_or_removed(Level.INSTANCE, found.name, side, self._name, gone=one is not None)
+            elif instance := one or other:
+                side = self._started(instance, 0 if one else 1)
+                yield _added_or_removed(Level.INSTANCE, instance.name, side, self._name, gone=one is not None)
         shared = ([(each.name, each) for each in side.shared_parameters] for side in self._sides)
         yield from self._instances.settings((self._name, ""), *shared)
         yield from self._connections()
         yield from self._renamed()
 
     def _started(self, instance: NodeInstance, number: int, value: str | None = None) -> Side:
-        told = instance.started_type if value is None else value
-        return self._instances.side(number, instance.name, told, instance.started.location)
+        shown = instance.started_type if value is None else value
+        return self._instances.side(number, instance.name, shown, instance.started.location)
 
     def _arguments(self) -> Iterator[Change]:
         both = [{each.name: each for each in side.configuration.arguments} for side in self._sides]
@@ -126,8 +126,8 @@ class _Systems:
     def _argument(self, number: int, argument: LaunchArgument | None) -> Side | None:
         if argument is None:
             return None
-        told = (argument.value if argument.fixed else argument.default) or ""
-        return self._instances.side(number, argument.name, told, argument.location)
+        shown = (argument.value if argument.fixed else argument.default) or ""
+        return self._instances.side(number, argument.name, shown, argument.location)
 
     def _connections(self) -> Iterator[Change]:
         """Yield connections added and removed, except those where only names changed."""
@@ -146,21 +146,21 @@ class _Systems:
                 sides = self._started(one, 0, "".join(along)), self._started(other, 1, "".join(along))
                 yield Change(Level.INSTANCE, Kind.RENAMED, other.name, *sides, system=self._name, owner_before=one.name)
                 continue
-            told = " and ".join([count(len(pairs), "node"), *along])
-            sides = Side(before or "/", told), Side(after or "/", told)
+            summary = " and ".join([count(len(pairs), "node"), *along])
+            sides = Side(before or "/", summary), Side(after or "/", summary)
             yield Change(Level.NAMESPACE, Kind.RENAMED, self._name, *sides, system=self._name)
 
 
-def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Hashable | None]) -> _Joined:
+def joined(system: System, identify: Callable[[NodeInstance, InstanceInterface], Hashable | None]) -> _Joined:
     """Return the connections of a system, each with the pairs of ends that make it.
 
-    `known` returns the identity of an end, equal for both its states; None for an end left out.
+    `identify` returns the identity of an end, equal for both its states; None for an end left out.
     """
     givers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
     takers: defaultdict[tuple[Role, str], list[tuple[str, Hashable]]] = defaultdict(list)
     for instance in system.instances:
         for end in instance.interfaces:
-            sign = known(instance, end)
+            sign = identify(instance, end)
             if sign is None or not is_known(end.resolved):
                 continue
             role = end.declared.role
@@ -168,13 +168,13 @@ def joined(system: System, known: Callable[[NodeInstance, InstanceInterface], Ha
                 givers[role, end.resolved].append((instance.name, sign))
             else:
                 takers[role.opposite, end.resolved].append((instance.name, sign))
-    found: _Joined = {}
+    connections: _Joined = {}
     for (role, name), sources in givers.items():
         for source, one in sources:
             for target, other in takers.get((role, name), ()):
                 if target != source:
-                    found.setdefault((source, role.channel, name, target), set()).add((one, other))
-    return found
+                    connections.setdefault((source, role.channel, name, target), set()).add((one, other))
+    return connections
 
 
 def lost_connections(one: _Joined, other: _Joined) -> Iterator[Connection]:
@@ -243,10 +243,10 @@ class _Node:
     def _change(
         self, kind: Kind, one: Interface | None, other: Interface | None, value: Callable[[Interface], str]
     ) -> Change:
-        known = one or other
+        end = one or other
         before = Side(code_name(one), value(one), one.location, self._before.repository) if one else None
         after = Side(code_name(other), value(other), other.location, self._after.repository) if other else None
-        return Change(Level.INTERFACE, kind, self._name, before, after, str(known.role) if known else "")
+        return Change(Level.INTERFACE, kind, self._name, before, after, str(end.role) if end else "")
 
     def _ends(self, node: NodeType) -> list[Interface]:
         ends = [end for end in node.interfaces if self._every or not end.implicit]
@@ -264,10 +264,10 @@ class _Node:
                 yield Change(Level.PARAMETER, kind, self._name, before, after)
 
     def _settable(self, record: Record) -> dict[str, Side]:
-        found = _parameters(record.node, every=self._every)
+        parameters = _parameters(record.node, every=self._every)
         return {
             name: Side(name, _parameter_detail(accesses), accesses[0].location, record.repository)
-            for name, accesses in found.items()
+            for name, accesses in parameters.items()
         }
 
 
@@ -276,13 +276,13 @@ def _interface_key(end: Interface) -> tuple[str, str]:
 
 
 def _parameters(node: NodeType, *, every: bool) -> dict[str, list[Parameter]]:
-    found: defaultdict[str, list[Parameter]] = defaultdict(list)
+    by_name: defaultdict[str, list[Parameter]] = defaultdict(list)
     for parameter in sorted(
         node.parameters, key=lambda one: (one.default is None, one.default or "", str(one.location))
     ):
         if parameter.name is not None and (every or not parameter.implicit):
-            found[parameter.name].append(parameter)
-    return dict(found)
+            by_name[parameter.name].append(parameter)
+    return dict(by_name)
 
 
 def _parameter_detail(accesses: list[Parameter]) -> str:
@@ -297,11 +297,11 @@ def _finding_changes(
 ) -> Iterator[Change]:
     """Yield the findings added or removed; a finding about renamed things is the same finding."""
 
-    def known(finding: Finding) -> tuple[str, str, str, str]:
+    def identity(finding: Finding) -> tuple[str, str, str, str]:
         neutral = renames.get(finding.system, Renames()).neutral
         return finding.system, finding.code, neutral(finding.subject), neutral(finding.message)
 
-    for one, other in paired(sorted(before, key=_finding_key), sorted(after, key=_finding_key), known):
+    for one, other in paired(sorted(before, key=_finding_key), sorted(after, key=_finding_key), identity):
         found = one or other
         if found is None or (one and other):
             continue

@@ -73,11 +73,11 @@ def summary(difference: Difference) -> str:
     numbers = Counter((change.level, _WORDS.get(change.kind, "changed")) for change in difference.changes)
     parts = []
     for level in Level:
-        told = [f"{numbers[level, word]:,} {word}" for word in ("new", "gone", "changed") if numbers[level, word]]
-        if told:
+        counts = [f"{numbers[level, word]:,} {word}" for word in ("new", "gone", "changed") if numbers[level, word]]
+        if counts:
             whole = sum(numbers[level, word] for word in ("new", "gone", "changed"))
             noun = count(whole, _NOUNS[level], _PLURALS.get(level)).partition(" ")[2]
-            parts.append(f"{noun} {', '.join(told)}")
+            parts.append(f"{noun} {', '.join(counts)}")
     return "; ".join(parts) or "no differences"
 
 

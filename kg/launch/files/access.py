@@ -56,7 +56,7 @@ _PLACES_OF_A_REMAP: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Match:
     """The file that a text names, or the kind of problem if there is none, and the reason."""
 
     file: FilePath | None
@@ -76,8 +76,8 @@ class Files:
     def share(self, package: str) -> str | None:
         """Return the text for the folder of a package; None when it is neither in the build nor installed."""
         workspace = self.reader.workspace
-        known = workspace.package(package, self._near) or workspace.installed_package(package)
-        return f"{SCHEME}{package}" if known else None
+        exists = workspace.package(package, self._near) or workspace.installed_package(package)
+        return f"{SCHEME}{package}" if exists else None
 
     def text(self, file: FilePath) -> str:
         """Return the text that names a file of the build, by its package where one owns it."""
@@ -99,9 +99,9 @@ class Files:
             return _below(head.replace("!", "/"), "", inner)
         if f"{scheme}//" != SCHEME:
             return None
-        found = self.reader.workspace.package(head, self._near)
-        if found is not None:
-            return _below(found.repository, "" if found.path == "." else found.path, inner)
+        package = self.reader.workspace.package(head, self._near)
+        if package is not None:
+            return _below(package.repository, "" if package.path == "." else package.path, inner)
         installed = self.reader.workspace.installed_package(head)
         return _below(installed.repository, installed.path, inner) if installed else None
 
@@ -133,40 +133,40 @@ class Files:
                 return FilePath(place.repository, ending[0]) if len(ending) == 1 else None
         return None
 
-    def find(self, text: str) -> Found:
+    def find(self, text: str) -> Match:
         """Return the file that a text names."""
         if any(len(part) > _MOST_NAME for part in text.split("/")):
-            return Found(None, reason="the name of the file is too long")
+            return Match(None, reason="the name of the file is too long")
         existing = self.existing(text)
         if existing is not None:
-            return Found(existing)
+            return Match(existing)
         file = self.at(text)
         if file is not None:
             return self.absent(file, text)
         package = text.removeprefix(SCHEME).partition("/")[0]
         if text.startswith(SCHEME) and self.share(package) is None:
             reason = f"the package '{package}' is neither in the build nor installed"
-            return Found(None, LaunchProblemKind.UNKNOWN_PACKAGE, reason, package)
-        return Found(None, reason=f"the file {text} is outside the build", subject=text)
+            return Match(None, LaunchProblemKind.UNKNOWN_PACKAGE, reason, package)
+        return Match(None, reason=f"the file {text} is outside the build", subject=text)
 
-    def absent(self, file: FilePath, text: str) -> Found:
+    def absent(self, file: FilePath, text: str) -> Match:
         """Return why a file is absent: it has no name, a build, the robot or a submodule has it, or none of these."""
         unresolved = LaunchProblemKind.UNRESOLVED
         if text.endswith("/"):
-            return Found(None, unresolved, f"{text} names a folder: the name of the file is empty", text)
+            return Match(None, unresolved, f"{text} names a folder: the name of the file is empty", text)
         for template in (f"{file.path}{ending}" for ending in _TEMPLATES):
             if self.exists(FilePath(file.repository, template)):
-                return Found(None, unresolved, f"{text} is made from {template} when the package is built", text)
+                return Match(None, unresolved, f"{text} is made from {template} when the package is built", text)
         modules = self.read(FilePath(file.repository, ".gitmodules")) or b""
         for folder in _SUBMODULE.findall(modules):
             if file.path.startswith(f"{folder.decode()}/"):
-                return Found(None, unresolved, f"{text} is in the submodule {folder.decode()}, which is empty", text)
+                return Match(None, unresolved, f"{text} is in the submodule {folder.decode()}, which is empty", text)
         if self._is_ignored(file):
-            return Found(None, unresolved, f"{text} is not in the source: git ignores it", text)
+            return Match(None, unresolved, f"{text} is not in the source: git ignores it", text)
         writer = self._writer(text)
         if writer is not None:
-            return Found(None, unresolved, f"{text} is not in the source: {writer} presumably writes it", text)
-        return Found(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
+            return Match(None, unresolved, f"{text} is not in the source: {writer} presumably writes it", text)
+        return Match(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
 
     def _writer(self, text: str) -> str | None:
         """Return the code of a package that names an absent file of it and writes files; None if there is none."""
@@ -187,9 +187,9 @@ class Files:
         for depth in range(len(parts) - 1, -1, -1):
             folder, inner = "/".join(parts[:depth]), "/".join(parts[depth:])
             text = self.read(FilePath(file.repository, posixpath.join(folder, ".gitignore")))
-            found = GitIgnoreSpec.from_lines(text.decode().splitlines()).check_file(inner) if text else None
-            if found is not None and found.include is not None:
-                return found.include
+            checked = GitIgnoreSpec.from_lines(text.decode().splitlines()).check_file(inner) if text else None
+            if checked is not None and checked.include is not None:
+                return checked.include
         return False
 
     def exists(self, file: FilePath) -> bool:

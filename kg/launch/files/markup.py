@@ -40,7 +40,7 @@ class Markup(Generic[_Element]):
     """A language written in XML: how elements are made of tag, attributes and line, and how texts are replaced.
 
     `text` is given an element, a piece of the text in it and its line; with `whole_texts` all that is between two
-    tags is one piece. The last `kept` documents that are not large are kept.
+    tags is one piece. The last `cached` documents that are not large are kept.
     """
 
     def __init__(
@@ -48,17 +48,17 @@ class Markup(Generic[_Element]):
         make: Callable[[str, dict[str, str], int], _Element],
         text: Callable[[_Element, str, int], None],
         *,
-        kept: int,
+        cached: int,
         whole_texts: bool = False,
     ) -> None:
         self.make = make
         self.text = text
         self.whole_texts = whole_texts
-        self._kept = lru_cache(maxsize=kept)(self._parsed)
+        self._cached = lru_cache(maxsize=cached)(self._parsed)
 
     def read(self, text: bytes) -> Document[_Element]:
         """Return the document of UTF-8 `text`; the part before an error in it is kept."""
-        return self._parsed(text) if len(text) > _LARGE_BYTES else self._kept(text)
+        return self._parsed(text) if len(text) > _LARGE_BYTES else self._cached(text)
 
     def _parsed(self, text: bytes) -> Document[_Element]:
         builder = _Builder(self)

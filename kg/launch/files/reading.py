@@ -43,15 +43,15 @@ def read_launches(
     launches = (entry.path for entry in package.files if entry.kind is FileKind.LAUNCH)
     paths = sorted(path for path in launches if not _TEMPLATES & set(path.split("/")))
     files = Files(reader)
-    found = [one for path in paths if (one := _configuration(files, path, ros)) is not None]
+    read = [one for path in paths if (one := _configuration(files, path, ros)) is not None]
     if also is not None:
-        found = [replace(one, problems=tuple(map(_undecided, one.problems))) for one in found]
+        read = [replace(one, problems=tuple(map(_undecided, one.problems))) for one in read]
     own = {entry.path for entry in package.files}
-    for problem in (problem for one in found for problem in one.problems):
+    for problem in (problem for one in read for problem in one.problems):
         where = problem.location
         if problem.kind is LaunchProblemKind.MALFORMED and where.repository is None and where.path in own:
             reader.problem("KG415", problem.message, where.path, where.line or None)
-    return tuple(found)
+    return tuple(read)
 
 
 def _undecided(problem: LaunchProblem) -> LaunchProblem:
@@ -93,8 +93,8 @@ def _configuration(
             reader.repository, package.name, path, 1, LaunchDialect.ROSLAUNCH, problems=(problem,), folder=package.path
         )
     evaluate = evaluate_roslaunch if dialect is LaunchDialect.ROSLAUNCH else evaluate_ros2
-    found = evaluate(files, file, dialect, given, environment)
-    return replace(found, package=reader.package.name, folder=reader.package.path)
+    configuration = evaluate(files, file, dialect, given, environment)
+    return replace(configuration, package=reader.package.name, folder=reader.package.path)
 
 
 def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:

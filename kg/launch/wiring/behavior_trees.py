@@ -62,15 +62,15 @@ def run_trees(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draft]:
     lines = {draft.place.full: draft.started for draft in drafts}
     for draft in drafts:
         yield draft
-        for node in [one[1] for one in (draft.typed, *(plugin.found for plugin in draft.plugins)) if one is not None]:
+        for node in [one[1] for one in (draft.typed, *(plugin.typed for plugin in draft.plugins)) if one is not None]:
             files = dict(_files(draft, node, types))
-            made = [(row, one) for row in rows("tree", _Runner) if row.ros == draft.ros for one in _actions(row, node)]
-            for row, action in made:
+            runs = [(row, one) for row in rows("tree", _Runner) if row.ros == draft.ros for one in _actions(row, node)]
+            for row, action in runs:
                 inner = _inner_draft(row, action, draft, lines)
-                own = [file for parameter, file in files.items() if len(made) == 1 or _beside(parameter, action, node)]
+                own = [file for parameter, file in files.items() if len(runs) == 1 or _is_near(parameter, action, node)]
                 _give(inner, own, types)
                 yield inner
-            if not made and (files or any(slot.base_class == TREE_NODE for slot in node.slots)):
+            if not runs and (files or any(slot.base_class == TREE_NODE for slot in node.slots)):
                 _give(draft, list(files.values()), types)
 
 
@@ -81,7 +81,7 @@ def _actions(row: _Runner, node: NodeType) -> Iterator[Interface]:
             yield one
 
 
-def _beside(parameter: str, action: Interface, node: NodeType) -> bool:
+def _is_near(parameter: str, action: Interface, node: NodeType) -> bool:
     """Return whether a parameter and an action server are of the same class, by the names of their files."""
     stems = {PurePosixPath(one.location.path).stem for one in node.parameters if one.name == parameter}
     return PurePosixPath(action.location.path).stem in stems
@@ -208,11 +208,11 @@ def _home(name: str, file: DataFile, types: NodeTypes, seen: tuple[str, ...]) ->
         whole = path if "://" in path else f"package://{file.package}/{posixpath.normpath(f'{folder}/{path}')}"
         other = types.data_file(whole)
         if other is not None and other.path not in seen:
-            found = _home(name, other, types, (*seen, file.path))
-            if found is not None:
-                return found
-    beside = (one for one in types.data(file.package) if posixpath.dirname(one.path) == folder and is_tree(one))
-    return next((one for one in beside if name in _read(one.text).uses), None)
+            home = _home(name, other, types, (*seen, file.path))
+            if home is not None:
+                return home
+    siblings = (one for one in types.data(file.package) if posixpath.dirname(one.path) == folder and is_tree(one))
+    return next((one for one in siblings if name in _read(one.text).uses), None)
 
 
 @lru_cache(maxsize=256)

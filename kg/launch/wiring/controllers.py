@@ -43,7 +43,7 @@ def with_controllers(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draf
     """Yield the nodes, and after them the controllers that spawners ask their managers for (ROS 2)."""
     yield from drafts
     by_name = {draft.place.full: draft for draft in drafts}
-    made: set[str] = set()
+    created: set[str] = set()
     for draft in drafts:
         row = next((row for row in rows("spawner", _Spawner) if _is_of(row, draft)), None)
         if row is None:
@@ -56,8 +56,8 @@ def with_controllers(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draf
         for name in names:
             full = f"{manager.place.namespace}/{name}"
             kind = given or _kind_of(name, manager)
-            if kind is not None and full not in made:
-                made.add(full)
+            if kind is not None and full not in created:
+                created.add(full)
                 yield _controller(name, kind, manager, draft, types)
 
 
@@ -104,9 +104,9 @@ def _controller(name: str, kind: str, manager: Draft, spawner: Draft, types: Nod
         arguments=(),
         settings=(("made-by", manager.place.full),),
     )
-    made = draft_of(started, types, manager.repository, manager.ros, Inner((), manager.ros, name, "", ""))
-    made.process = manager.place.full
-    return made
+    draft = draft_of(started, types, manager.repository, manager.ros, Inner((), manager.ros, name, "", ""))
+    draft.process = manager.place.full
+    return draft
 
 
 def attach(drafts: Sequence[Draft], server: Server, types: NodeTypes) -> None:
@@ -118,9 +118,9 @@ def attach(drafts: Sequence[Draft], server: Server, types: NodeTypes) -> None:
         for scope, identifier in dict.fromkeys(_wanted(drafts, framework)):
             given = server.all.get(normalise(f"{scope}/{identifier}{_TYPE}"))
             kind = shown(given.value) if given is not None else None
-            found = types.plugin(kind, loader.repository) if kind is not None else None
-            if kind is not None and (found is None or found[1].base_class == framework.base):
-                loader.plugins.append(Loaded(identifier, kind, scope, found, framework, f"{identifier}{_TYPE}"))
+            typed = types.plugin(kind, loader.repository) if kind is not None else None
+            if kind is not None and (typed is None or typed[1].base_class == framework.base):
+                loader.plugins.append(Loaded(identifier, kind, scope, typed, framework, f"{identifier}{_TYPE}"))
 
 
 def _wanted(drafts: Sequence[Draft], framework: Framework) -> Iterator[tuple[str, str]]:

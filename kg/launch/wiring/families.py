@@ -60,11 +60,11 @@ def members(
     if "[" in anonymous(parameter) and not parameter.startswith(COMMAND_LINE):
         return ((None, None),) if open_name else list(_elements(parameter, declared, settings, place))
     if not open_name:
-        found = settings.get(parameter, place)
-        return ((found, found),)
-    asked = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
+        setting = settings.get(parameter, place)
+        return ((setting, setting),)
+    parameters = {one.name for one in node.parameters if one.name is not None and one.name != parameter}
     own_text = settings.absolute(parameter, place)
-    texts = (settings.absolute(name, place) for name in asked)
+    texts = (settings.absolute(name, place) for name in parameters)
     closer = [pattern(text) for text in texts if known_letters(text) > known_letters(own_text)]
     own = pattern(own_text)
     fitting = [
@@ -75,21 +75,21 @@ def members(
     if not fitting and declared.name is not None:
         return ((None, None),)
     switches = [Switch.parse(one) for one in declared.switches if is_partial(one)]
-    made = []
+    names = []
     for name, given in sorted(fitting, key=lambda pair: _natural(pair[0])):
         member = _hole_value(own_text, name)
         listed = all(_is_listed(value, label, node, settings, place) for label, value in member.items())
         named = ((one, substitute(one.parameter, member.get)) for one in switches)
-        if listed and all(_may_be(one, node, settings, asked, place) for one, asked in named):
-            made.append((given, given))
-    return made
+        if listed and all(_may_be(one, node, settings, parameters, place) for one, parameters in named):
+            names.append((given, given))
+    return names
 
 
 def _hole_value(family: str, name: str) -> Mapping[str, str]:
     """Return the text that a member has for the hole of its family, if the family has one labelled hole."""
     labels = list(dict.fromkeys(part.label for part in parse(family) if isinstance(part, Hole)))
-    found = pattern(family).fullmatch(name)
-    return {labels[0]: found[1]} if len(labels) == 1 and labels[0] and found and found.groups() else {}
+    match = pattern(family).fullmatch(name)
+    return {labels[0]: match[1]} if len(labels) == 1 and labels[0] and match and match.groups() else {}
 
 
 def _is_listed(member: str, label: str, node: NodeType, settings: Settings, place: Place) -> bool:
@@ -137,7 +137,7 @@ def _walk(
         for element in value:
             yield from _walk(element, rest, holder)
     elif step == _EACH and isinstance(value, dict):
-        named = [found for element in value.values() for found in _walk(element, rest, holder)]
+        named = [leaf for element in value.values() for leaf in _walk(element, rest, holder)]
         yield from named if named or rest else _walk(value, [_KEY], holder)
     elif step == _KEY and isinstance(value, dict):
         for key, element in value.items():
@@ -159,7 +159,7 @@ def _first(value: object) -> LaunchParameter | None:
     return value if isinstance(value, LaunchParameter) else None
 
 
-def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
+def effective(interfaces: Iterable[Interface], settings: Settings) -> list[Interface]:
     """Return the interfaces that an instance makes, without those whose place at the same line another has.
 
     A name that falls back to an earlier argument of the command line does so where a later one is not given, and one
@@ -175,7 +175,7 @@ def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface
             last[_line(one)] = max(index, last.get(_line(one), 0))
         if one.name is not None and not one.implicit:
             relative.add((*_line(one), one.type, one.name))
-    kept = []
+    chosen = []
     for one in listed:
         index, newest = _argument(one), last.get(_line(one))
         if index is not None and newest is not None and index != newest:
@@ -183,8 +183,8 @@ def meant(interfaces: Iterable[Interface], settings: Settings) -> list[Interface
         name = one.name or ""
         if name.startswith("/") and (*_line(one), one.type, name[1:]) in relative:
             continue
-        kept.append(one)
-    return kept
+        chosen.append(one)
+    return chosen
 
 
 def _by_options(interfaces: list[Interface], settings: Settings) -> list[Interface]:
@@ -222,8 +222,8 @@ def _end(one: Interface) -> tuple[object, ...]:
 
 
 def _argument(one: Interface) -> int | None:
-    found = ARGUMENT.fullmatch(one.parameter or "")
-    return int(found[1]) if found is not None else None
+    match = ARGUMENT.fullmatch(one.parameter or "")
+    return int(match[1]) if match is not None else None
 
 
 def _natural(name: str) -> list[tuple[int, str]]:
@@ -239,14 +239,14 @@ def switched_on(node: NodeType, settings: Settings, place: Place, plugin: Loaded
     if not any(one.switches for one in node.interfaces):
         return node
 
-    def is_made(one: Interface) -> bool:
+    def is_created(one: Interface) -> bool:
         switches = map(Switch.parse, one.switches)
         return all(_may_be(switch, node, settings, *read_as(switch.parameter)) for switch in switches)
 
     def read_as(parameter: str) -> tuple[str, Place]:
         return (parameter, place) if plugin is None else plugin.read_as(parameter, place)
 
-    return replace(node, interfaces=tuple(filter(is_made, node.interfaces)))
+    return replace(node, interfaces=tuple(filter(is_created, node.interfaces)))
 
 
 def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place: Place) -> bool:
@@ -257,29 +257,29 @@ def _may_be(switch: Switch, node: NodeType, settings: Settings, name: str, place
     if switch.sign == "is":  # set
         return setting is not None
     if setting is not None:
-        held = _holds(switch, setting.value)
+        fulfilled = _holds(switch, setting.value)
     else:
         named = (one for one in node.parameters if one.name == switch.parameter and one.default is not None)
         defaults = {_holds(switch, one.default) for one in named}
-        held = defaults.pop() if len(defaults) == 1 else None
-    return held is switch.wanted or held is None
+        fulfilled = defaults.pop() if len(defaults) == 1 else None
+    return fulfilled is switch.wanted or fulfilled is None
 
 
 def _holds(switch: Switch, value: str | None) -> bool | None:
     """Return whether a value is the one of a switch, or true; None for one that is not known."""
     if switch.value is None:  # a boolean, or a text that turns something on unless it is empty
-        found = "" if value is not None and not value.strip() else parsed(value)
-        if isinstance(found, str):
-            return None if "{" in found else found != ""
-        return found if isinstance(found, bool) else None
-    found = parsed(value)
-    if isinstance(found, bool) or not isinstance(found, (str, int, float)) or "{" in str(found):
+        actual = "" if value is not None and not value.strip() else parsed(value)
+        if isinstance(actual, str):
+            return None if "{" in actual else actual != ""
+        return actual if isinstance(actual, bool) else None
+    actual = parsed(value)
+    if isinstance(actual, bool) or not isinstance(actual, (str, int, float)) or "{" in str(actual):
         return None
     wanted = parsed(switch.value)
-    if not isinstance(found, str) and isinstance(wanted, (int, float)):
-        return bool(_COMPARE[switch.sign](found, wanted))
+    if not isinstance(actual, str) and isinstance(wanted, (int, float)):
+        return bool(_COMPARE[switch.sign](actual, wanted))
     if switch.sign != "==":
         return None
-    same = str(found) == switch.value
+    same = str(actual) == switch.value
     # Code often folds the case before it compares.
-    return same if same or str(found).casefold() != switch.value.casefold() else None
+    return same if same or str(actual).casefold() != switch.value.casefold() else None

@@ -76,9 +76,9 @@ def inner_nodes(typed: Typed | None) -> tuple[Inner, ...]:
     return tuple(row for row in _makers().get(f"{reference.package}/{reference.node}", ()) if row.ros == node.ros)
 
 
-def without_inner(node: NodeType, made: Iterable[Inner]) -> NodeType:
+def without_inner(node: NodeType, inner: Iterable[Inner]) -> NodeType:
     """Return a node type without the code of the nodes that it makes."""
-    rows_of = list(made)
+    rows_of = list(inner)
     code = tuple(path for row in rows_of for path in row.code)
     outside = {name for row in rows_of for name in row.outside}
     if not code:
@@ -137,8 +137,8 @@ def filled_defaults(row: Inner, place: Place) -> dict[str, str | None]:
 
 @cache
 def _makers() -> dict[str, list[Inner]]:
-    found: dict[str, list[Inner]] = {}
+    by_maker: dict[str, list[Inner]] = {}
     for row in rows("inner", Inner):
         for maker in row.of:
-            found.setdefault(maker, []).append(row)
-    return found
+            by_maker.setdefault(maker, []).append(row)
+    return by_maker

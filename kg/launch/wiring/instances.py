@@ -32,7 +32,7 @@ from kg.holes import ANONYMOUS, is_known, is_partial
 from kg.launch.wiring.families import switched_on
 from kg.launch.wiring.inner_nodes import Inner, Spelling, addressed, filled_defaults, inner_nodes, without_inner
 from kg.launch.wiring.interfaces import Ends
-from kg.launch.wiring.parameters import Asked
+from kg.launch.wiring.parameters import Reads
 from kg.launch.wiring.place import Place, place_of
 from kg.launch.wiring.plugin_table import load_rows
 from kg.launch.wiring.plugins import Loaded, loaded_plugins
@@ -79,10 +79,10 @@ class Tool:
 def tool_ends(started: StartedNode, ends: Ends, repository: str) -> Iterator[InstanceInterface]:
     """Yield the ends that the command line of a tool names; `repository` is the source of the configuration."""
     rows = (row for row in _rows() if row.ros == ends.ros)
-    found = next((one for row in rows if (one := _read(row, started, ends.settings)) is not None), None)
-    if found is None:
+    tool = next((one for row in rows if (one := _read(row, started, ends.settings)) is not None), None)
+    if tool is None:
         return
-    row, values, rest = found
+    row, values, rest = tool
     owner = NodeReference(started.location.repository or repository, row.package, started.plugin or row.executable[0])
     for text in row.ends:
         for each in rest if _EACH in text else ("",):
@@ -120,20 +120,20 @@ def _read(row: Tool, started: StartedNode, settings: Settings) -> tuple[Tool, di
 
 def _operands(words: list[str], options: tuple[str, ...]) -> list[str]:
     """Return words without options and their arguments."""
-    found: list[str] = []
+    operands: list[str] = []
     skip = False
     for word in words:
         if not skip and not word.startswith("-"):
-            found.append(word)
+            operands.append(word)
         skip = not skip and word in options
-    return found
+    return operands
 
 
 def _type(kind: str) -> str | None:
     """Return a type as `package/Name`; None for an unknown one."""
     parts = kind.split("/")
-    known = len(parts) > 1 and not is_partial(kind)
-    return f"{parts[0]}/{parts[-1]}" if known else None
+    complete = len(parts) > 1 and not is_partial(kind)
+    return f"{parts[0]}/{parts[-1]}" if complete else None
 
 
 @cache
@@ -160,7 +160,7 @@ class Draft:
     """Its remappings that changed a name, here, in a nodelet that it manages, or in a node that it makes."""
     makes: tuple[Inner, ...] = ()
     """The nodes that it makes itself."""
-    made_by: Inner | None = None
+    creator: Inner | None = None
     """What says that another node makes it."""
     process: str | None = None
     """What has the command line that such a node gets, by absolute name."""
@@ -180,22 +180,22 @@ class Draft:
     """Packages that the unknown one it is started from may mean."""
 
 
-def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, made_by: Inner | None = None) -> Draft:
+def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, creator: Inner | None = None) -> Draft:
     """Return the draft of a node by itself: its type, its place and its rules."""
     typed, missing, reason = types.of(started, repository)
     place = place_of(started, typed[1] if typed is not None else None)
-    makes = inner_nodes(typed) if made_by is None else ()
+    makes = inner_nodes(typed) if creator is None else ()
     if typed is not None and makes:
         typed = typed[0], without_inner(typed[1], makes)
     written = started
     if ros != 1:
-        given = addressed(written.parameters, place.full, alone=made_by is None)
+        given = addressed(written.parameters, place.full, alone=creator is None)
         started = replace(started, parameters=tuple({parameter.name: parameter for parameter in given}.values()))
     draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
-    draft.makes, draft.made_by, draft.repository = makes, made_by, repository
+    draft.makes, draft.creator, draft.repository = makes, creator, repository
     if missing is MissingType.UNKNOWN_PACKAGE and started.package:
         draft.similar = types.like(started.package)
-    if made_by is None:
+    if creator is None:
         draft.written = written
     else:
         for_many = (one for one in written.parameters if "*" in (one.node or ""))
@@ -207,8 +207,8 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
                 continue
             if ros != 1 or name.startswith("~/"):  # ROS 1: code that asks without `~` asks for what is not the node's
                 draft.defaults[name.removeprefix("~/")] = parameter.default
-    if made_by is not None:
-        draft.defaults.update(filled_defaults(made_by, place))
+    if creator is not None:
+        draft.defaults.update(filled_defaults(creator, place))
     if ros != 1:
         draft.set_here = [(f"{place.full}/{given.name.lstrip('~/')}", given) for given in started.parameters]
     return draft
@@ -222,16 +222,16 @@ def loads(draft: Draft, types: NodeTypes) -> None:
     slots = draft.typed[1].slots if draft.typed is not None else ()
     if values or slots:
         package = draft.started.package
-        found = loaded_plugins(values, types, draft.repository, draft.ros, package, slots)
-        draft.plugins += (_outside(plugin, draft.makes) for plugin in found)
+        plugins = loaded_plugins(values, types, draft.repository, draft.ros, package, slots)
+        draft.plugins += (_outside(plugin, draft.makes) for plugin in plugins)
 
 
 def _outside(plugin: Loaded, makes: tuple[Inner, ...]) -> Loaded:
     """Return a plugin without the code of the inner nodes that it is handed."""
-    if plugin.found is None or not makes:
+    if plugin.typed is None or not makes:
         return plugin
-    owner, node = plugin.found
-    return replace(plugin, found=(owner, without_inner(node, makes)))
+    owner, node = plugin.typed
+    return replace(plugin, typed=(owner, without_inner(node, makes)))
 
 
 def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeInstance:
@@ -242,20 +242,20 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
     overrides = Overrides(settings.own)
     ends = Ends(draft.place, settings, remapping, overrides, draft.ros, _spelling(draft), draft.defaults)
     interfaces = _interfaces(draft, ends)
-    asked = Asked(draft.place, draft.ros, remapping)
+    reads = Reads(draft.place, draft.ros, remapping)
     if draft.typed is not None:
         owner, node = draft.typed
-        asked.add_node(owner, node)
-        asked.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
-        asked.add_of_framework(overrides.names, node, owner, "qos_overrides")
+        reads.add_node(owner, node)
+        reads.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
+        reads.add_of_framework(overrides.names, node, owner, "qos_overrides")
     for plugin in draft.plugins:
-        asked.add_plugin(plugin)
-    parameters = tuple(one for one in asked.settled(draft.set_here) if one.declared or one.set not in draft.for_many)
+        reads.add_plugin(plugin)
+    parameters = tuple(one for one in reads.resolved(draft.set_here) if one.declared or one.set not in draft.for_many)
     draft.used |= remapping.used
     if host is not None:
         host.used |= remapping.used
     tool = any(end.declared.origin == TOOL for end in interfaces)
-    loaded = [plugin.found[0] for plugin in draft.plugins if plugin.found is not None]
+    loaded = [plugin.typed[0] for plugin in draft.plugins if plugin.typed is not None]
     loaded += [node.typed[0] for node in draft.tree_nodes]
     return NodeInstance(
         name=draft.place.full,
@@ -267,7 +267,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         host=draft.started.host,
         interfaces=interfaces,
         parameters=parameters,
-        remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.made_by is None),
+        remaps=tuple(one for one in _remaps(draft, interfaces) if one.used or draft.creator is None),
         complete=_complete(draft, interfaces, tool=tool),
         missing=None if tool else draft.missing,
         similar=draft.similar,
@@ -276,41 +276,41 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
 
 def _spelling(draft: Draft) -> Spelling | None:
     """Return how names change in a node that another makes."""
-    if draft.made_by is None or draft.typed is None:
+    if draft.creator is None or draft.typed is None:
         return None
-    row = draft.made_by
+    row = draft.creator
     ids = (one.id for one in draft.plugins if one.parameter.startswith(one.id) and one.class_name not in row.unless)
     return Spelling(row, own_name(draft.typed[1]), draft.place.name, tuple(ids))
 
 
 def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
-    found: list[InstanceInterface] = []
+    interfaces: list[InstanceInterface] = []
     if draft.typed is not None:
         owner, node = draft.typed
-        found += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
+        interfaces += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
     for plugin in draft.plugins:
-        if plugin.found is not None:
-            owner, node = plugin.found
+        if plugin.typed is not None:
+            owner, node = plugin.typed
             node = switched_on(node, ends.settings, draft.place, plugin)
-            found += ends.of_plugin(replace(plugin, found=(owner, node)))
+            interfaces += ends.of_plugin(replace(plugin, typed=(owner, node)))
     of_trees: dict[object, InstanceInterface] = {}
     for tree_node in draft.tree_nodes:
         for end in ends.of_tree_node(tree_node):
             of_trees.setdefault((end.declared, end.resolved), end)
-    found += of_trees.values()
+    interfaces += of_trees.values()
     if draft.typed is None:
-        found += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
-        found += tool_ends(draft.started, ends, draft.repository)
+        interfaces += own_ends(draft.started, draft.place, ends.remapping, draft.ros, draft.repository)
+        interfaces += tool_ends(draft.started, ends, draft.repository)
     for simulated in draft.simulated:
-        found += simulated.ends(draft.place, ends.remapping)
-    return tuple(dict.fromkeys(found))
+        interfaces += simulated.ends(draft.place, ends.remapping)
+    return tuple(dict.fromkeys(interfaces))
 
 
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
     """Return the remappings; those that changed nothing with the names, not remapped either, that they may mean."""
     own: Alike | None = None
     names: list[str] = []
-    found = []
+    remaps = []
     for rule in draft.rules:
         used = rule.remap in draft.used
         similar: tuple[str, ...] = ()
@@ -321,8 +321,8 @@ def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[Inst
                 own = Alike(names)
             short = (name for name in names if alike_when_short(rule.source, name))
             similar = tuple(own.find(rule.source) or short)
-        found.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
-    return tuple(found)
+        remaps.append(InstanceRemap(rule.source, rule.target, rule.remap, used, similar))
+    return tuple(remaps)
 
 
 def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bool) -> bool:
@@ -330,7 +330,7 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
         return True
     if draft.typed is None and not tool and not draft.tree_nodes:
         return False
-    if any(plugin.found is None for plugin in draft.plugins):
+    if any(plugin.typed is None for plugin in draft.plugins):
         return False
     if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found

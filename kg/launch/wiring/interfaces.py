@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import InstanceInterface, Interface, LaunchParameter, Location, NodeReference, NodeType, Resolution
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
-from kg.launch.wiring.families import meant, members, switched_on
+from kg.launch.wiring.families import effective, members, switched_on
 from kg.launch.wiring.values import Settings, parsed, shown
 from kg.names import join, normalise
 
@@ -52,8 +52,8 @@ class Named:
 
 def _defaults(node: NodeType, parameter: str | None) -> list[str]:
     """Return the texts that a parameter of a node type has by default."""
-    found = (shown(one.default) for one in node.parameters if one.name == parameter and one.default is not None)
-    return [text for text in found if text is not None]
+    texts = (shown(one.default) for one in node.parameters if one.name == parameter and one.default is not None)
+    return [text for text in texts if text is not None]
 
 
 def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) -> Named:
@@ -152,9 +152,9 @@ class Ends:
 
     def of_node(self, owner: NodeReference, node: NodeType) -> Iterator[InstanceInterface]:
         """Yield the ends that the node type declares."""
-        made: dict[Location, list[InstanceInterface]] = {}
+        ends: dict[Location, list[InstanceInterface]] = {}
         later: list[Interface] = []
-        for declared in meant(node.interfaces, self.settings):
+        for declared in effective(node.interfaces, self.settings):
             spelled = self.spelling.names(declared) if self.spelling is not None else None
             if spelled is not None:
                 for one in spelled:
@@ -165,10 +165,10 @@ class Ends:
                 continue
             for name in self._names(declared, node):
                 end = self._placed(declared, owner, name, self.place, _handle(declared, node))
-                made.setdefault(declared.location, []).append(end)
+                ends.setdefault(declared.location, []).append(end)
                 yield end
         for declared in later:
-            base = next((end for end in made.get(declared.location, ()) if _is_derived(declared, end)), None)
+            base = next((end for end in ends.get(declared.location, ()) if _is_derived(declared, end)), None)
             if base is not None:
                 yield self._derived(declared, base)
             else:
@@ -184,8 +184,8 @@ class Ends:
             name = named(declared, node, value)
             name = replace(name, parameter=whole) if name.parameter is not None else name
             left = name.name if name.parameter is not None and name.name is not None else ""
-            asked = [one.name for one in node.parameters if one.name is not None] if "{" in left else ()
-            sources = {hole_of(source): source for one in asked for source in (one, f"{one}[key]")}
+            parameters = [one.name for one in node.parameters if one.name is not None] if "{" in left else ()
+            sources = {hole_of(source): source for one in parameters for source in (one, f"{one}[key]")}
             other = next((source for hole, source in sources.items() if hole in left and hole not in done), None)
             if other is None:
                 yield name
@@ -205,9 +205,9 @@ class Ends:
 
     def of_plugin(self, plugin: Loaded) -> Iterator[InstanceInterface]:
         """Yield the ends that a loaded plugin declares."""
-        if plugin.found is None:
+        if plugin.typed is None:
             return
-        owner, node = plugin.found
+        owner, node = plugin.typed
         framework, place = plugin.framework, plugin.place(self.place)
         for declared in node.interfaces:
             if declared.implicit and (declared.origin or "").startswith(_OF_NODES):
@@ -255,9 +255,9 @@ class Ends:
         return Named(before + value + after, Resolution.PARAMETER_DEFAULT)
 
     def _for_each(self, declared: Interface, element: str, plugin: Loaded, place: Place) -> Iterator[InstanceInterface]:
-        if plugin.found is None:
+        if plugin.typed is None:
             return
-        (owner, node), framework = plugin.found, plugin.framework
+        (owner, node), framework = plugin.typed, plugin.framework
         for identifier in _ids_of(framework, self.settings, place):
             below = join("~", framework.below.replace("{id}", identifier))
             if framework.chosen is not None and declared.type is not None:

@@ -46,15 +46,15 @@ class _Channels:
             if not lonely:
                 continue
             names = [name for name in self.named if lacking in self.ends[name]]
-            known, wider = Alike(names), Related(names)
+            similar, wider = Alike(names), Related(names)
             for name in lonely:
-                near = known.find(name)
-                found = [other for other in near if self._fit(name, other) and not self._both_meant(name, other)]
-                found += [other for other in wider.find(name) if other not in near and self._lost(name, other)]
-                for other in found:
+                near = similar.find(name)
+                matches = [other for other in near if self._fit(name, other) and not self._both_intended(name, other)]
+                matches += [other for other in wider.find(name) if other not in near and self._lost(name, other)]
+                for other in matches:
                     yield min(name, other), max(name, other)
 
-    def _both_meant(self, lonely: str, other: str) -> bool:
+    def _both_intended(self, lonely: str, other: str) -> bool:
         """Return whether names differ in namespaces alone, and nobody waits for `other`: then both may be meant."""
         given = self.ends[lonely] == {0}
         return given and len(self.ends[other]) > 1 and (lonely.endswith(other) or other.endswith(lonely))
@@ -91,13 +91,13 @@ class _Channels:
 
         `met` are the first namespaces of names at which somebody meets.
         """
-        found: defaultdict[tuple[str, int], list[str]] = defaultdict(list)
+        groups: defaultdict[tuple[str, int], list[str]] = defaultdict(list)
         for name in self.named:
             rest = name[1:].partition("/")[2]
             if rest and len(self.ends[name]) == 1:
-                found[rest, min(self.ends[name])].append(name)
-        for (rest, side), given in found.items():
-            taken = found.get((rest, 1), [])
+                groups[rest, min(self.ends[name])].append(name)
+        for (rest, side), given in groups.items():
+            taken = groups.get((rest, 1), [])
             if side != 0 or not len(given) == len(taken) == 1 or self.types[given[0]].isdisjoint(self.types[taken[0]]):
                 continue
             one, other = sorted((given[0], taken[0]))
@@ -119,9 +119,9 @@ def near_misses(instances: Iterable[NodeInstance], ros: int) -> tuple[tuple[str,
             if is_known(end.resolved) and end.resolved not in FRAMEWORK:
                 _enter(kinds, end, end.resolved, ros)
     met = {_first_namespace(name) for channels in kinds.values() for name in channels.met()}
-    found = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}
+    pairs = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.pairs()}
     moved = {(kind, *pair) for kind, channels in kinds.items() for pair in channels.moved(met)}
-    return tuple(sorted(found | moved))
+    return tuple(sorted(pairs | moved))
 
 
 def _enter(kinds: defaultdict[str, _Channels], end: InstanceInterface, name: str, ros: int) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _Owned: TypeAlias = "tuple[Parameter, NodeReference]"
 
 
-class Asked:
+class Reads:
     """The parameters that the code of one instance asks for, by absolute name (`/node/x`, also in ROS 2)."""
 
     def __init__(self, place: Place, ros: int, remapping: Remapping) -> None:
@@ -40,22 +40,22 @@ class Asked:
 
     def add_plugin(self, plugin: Loaded) -> None:
         """Add the parameters of a loaded plugin."""
-        if plugin.found is None:
+        if plugin.typed is None:
             return
-        owner, node = plugin.found
+        owner, node = plugin.typed
         place = plugin.place(self._place)
         for parameter in _read_first(node):
             name = parameter.name
             if name is not None and self._ros != 1:
-                for known in self._of_loaded(name, plugin):
-                    self._add(known, parameter, owner)
+                for absolute in self._of_loaded(name, plugin):
+                    self._add(absolute, parameter, owner)
             elif name is not None:
                 spelled = plugin.spelled(name)
-                known = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
-                self._add(known, parameter, owner)
-                beside, slash, _ = plugin.parameter.rpartition("/")
+                absolute = self._absolute(name, place) if spelled is None else self._absolute(spelled, self._place)
+                self._add(absolute, parameter, owner)
+                outer, slash, _ = plugin.parameter.rpartition("/")
                 if slash and not name.startswith("/"):  # a handle for what stands beside the class
-                    self._add(self._place.resolve(f"~/{beside}/{name.removeprefix('~/')}"), parameter, owner)
+                    self._add(self._place.resolve(f"~/{outer}/{name.removeprefix('~/')}"), parameter, owner)
 
     def _of_loaded(self, name: str, plugin: Loaded) -> Iterator[str]:
         """Yield the absolute names that a parameter of a plugin may have in ROS 2: of its own, or of the node."""
@@ -76,34 +76,34 @@ class Asked:
     def add_of_framework(self, names: Iterable[str], node: NodeType, owner: NodeReference, origin: str) -> None:
         """Add parameters, named relative to the node, that a framework asks for in the name of the node."""
         for name in names:
-            made = Parameter(name, None, None, Access.READ, node.location, implicit=True, origin=origin)
-            self._add(f"{self._place.full}/{name}", made, owner)
+            parameter = Parameter(name, None, None, Access.READ, node.location, implicit=True, origin=origin)
+            self._add(f"{self._place.full}/{name}", parameter, owner)
 
-    def settled(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
+    def resolved(self, set_for: Iterable[tuple[str, LaunchParameter]]) -> Iterator[InstanceParameter]:
         """Yield the parameters set for the instance, given by absolute name, with what they set."""
         pairs = list(set_for)
         names = {name for name, _ in pairs}
         unset: Alike | None = None
         for name, parameter in pairs:
-            found = self._find(name)
-            if found is not None:
-                yield InstanceParameter(name, parameter, *found)
+            owned = self._find(name)
+            if owned is not None:
+                yield InstanceParameter(name, parameter, *owned)
                 continue
             if unset is None:
-                unset = Alike(known for known in self._exact if known not in names)
+                unset = Alike(exact for exact in self._exact if exact not in names)
             yield InstanceParameter(name, parameter, similar=tuple(unset.find(name)))
 
     def _find(self, name: str) -> _Owned | None:
-        found = self._exact.get(name) or self._by_handle.get(name)
-        if found is not None:
-            return found
+        exact = self._exact.get(name) or self._by_handle.get(name)
+        if exact is not None:
+            return exact
         above = name
         separator = "/" if self._ros == 1 else "."
         while separator in above[1:]:
             above = above.rpartition(separator)[0]
             if above in self._exact and len(above) > len(self._place.full):
                 return self._exact[above]
-        return next((owned for known, owned in self._patterns.items() if fits(known, name, ".+")), None)
+        return next((owned for pattern, owned in self._patterns.items() if fits(pattern, name, ".+")), None)
 
 
 def _read_first(node: NodeType) -> list[Parameter]:

@@ -58,7 +58,7 @@ class Loaded:
     id: str
     class_name: str
     scope: str
-    found: Typed | None
+    typed: Typed | None
     framework: Framework
     parameter: str
     """The parameter that says so, relative to the node (`global_costmap/plugins`)."""
@@ -85,7 +85,7 @@ class Loaded:
         spelled = self.spelled(parameter)
         if spelled is not None:
             return spelled, node
-        own = below_id(parameter) if self.found is not None and self.found[1].ros != 1 else None
+        own = below_id(parameter) if self.typed is not None and self.typed[1].ros != 1 else None
         return parameter if own is None else f"~/{own}", self.place(node)
 
     def of_element(self, parameter: str | None) -> str | None:
@@ -98,8 +98,8 @@ class Loaded:
     def spelled(self, name: str) -> str | None:
         """Return a name with values for the arguments that the node hands to the plugin; None if it has none."""
         given = self.framework.handed
-        found = substitute(name, lambda label: self._filled(given[label]) if label in given else None)
-        return found if found != name else None
+        filled = substitute(name, lambda label: self._filled(given[label]) if label in given else None)
+        return filled if filled != name else None
 
     def _filled(self, pattern: str) -> str:
         return normalise(pattern.replace("{scope}", self.scope).replace("{id}", self.id))
@@ -130,16 +130,16 @@ def loaded_plugins(  # noqa: PLR0913, PLR0917 - what the plugins of a node depen
     loads where no parameter says otherwise.
     """
     slots = [one for one in slots if one.base_class != TREE_NODE]
-    known: set[tuple[str, str]] = set()
+    loaded: set[tuple[str, str]] = set()
     of_slots = {_bare(one.parameter) for one in slots if one.parameter is not None}
     for plugin in _by_parameters(values, types, repository, ros, package, of_slots):
-        if (plugin.scope, plugin.id) not in known and not plugin.framework.node:
-            known.add((plugin.scope, plugin.id))
+        if (plugin.scope, plugin.id) not in loaded and not plugin.framework.node:
+            loaded.add((plugin.scope, plugin.id))
             yield plugin
     for slot in slots:
         for name, kind, parameter in _defaults(slot, values):
-            if ("", name) not in known:
-                known.add(("", name))
+            if ("", name) not in loaded:
+                loaded.add(("", name))
                 yield _loaded(name, kind, "", types.plugin(kind, repository, package), ros, parameter)
 
 
@@ -173,29 +173,29 @@ def _by_parameters(  # noqa: PLR0913, PLR0917 - as above
         if value is None or not ("/" in value or "::" in value or value.lstrip().startswith("[")):
             continue
         scope, _, last = name.rpartition(separator)
-        for told, kind in _classes(parsed(value)):
-            found = types.plugin(kind, repository, package)
-            if found is not None and found[1].kind is not NodeKind.PLUGIN:
+        for given, kind in _classes(parsed(value)):
+            typed = types.plugin(kind, repository, package)
+            if typed is not None and typed[1].kind is not NodeKind.PLUGIN:
                 continue
-            if told is None and last in _CLASS_KEYS:
+            if given is None and last in _CLASS_KEYS:
                 outer, _, identifier = scope.rpartition(separator)
                 if not identifier or (listed is not None and identifier not in listed):
                     continue
-                if found is None and last != "plugin":  # many things have a type
+                if typed is None and last != "plugin":  # many things have a type
                     continue
-                plugin = _loaded(identifier, kind, outer, found, ros, name)
-            elif found is None and told is None and name not in of_slots:
+                plugin = _loaded(identifier, kind, outer, typed, ros, name)
+            elif typed is None and given is None and name not in of_slots:
                 continue
             else:
-                plugin = _loaded(told or _last(kind), kind, scope, found, ros, name)
+                plugin = _loaded(given or _last(kind), kind, scope, typed, ros, name)
             yield plugin
 
 
 def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
-    identifier: str, kind: str, scope: str, found: Typed | None, ros: int, parameter: str
+    identifier: str, kind: str, scope: str, typed: Typed | None, ros: int, parameter: str
 ) -> Loaded:
-    framework = framework_of(found[1].base_class if found is not None else None, ros)
-    return Loaded(identifier, kind, scope, found, framework, parameter)
+    framework = framework_of(typed[1].base_class if typed is not None else None, ros)
+    return Loaded(identifier, kind, scope, typed, framework, parameter)
 
 
 def _classes(value: Any) -> Iterator[tuple[str | None, str]]:
@@ -212,8 +212,8 @@ def _classes(value: Any) -> Iterator[tuple[str | None, str]]:
 def _listed(values: Mapping[str, str | None]) -> set[str] | None:
     """Return the ids in lists of plugins; None without such a list."""
     lists = [parsed(value) for name, value in values.items() if name.endswith(_LISTS) and value is not None]
-    known = [entry for entry in lists if isinstance(entry, list)]
-    return {str(item) for entry in known for item in entry} if known else None
+    readable = [entry for entry in lists if isinstance(entry, list)]
+    return {str(item) for entry in readable for item in entry} if readable else None
 
 
 def _last(kind: str) -> str:

@@ -39,14 +39,14 @@ class Overrides:
         topic, _, policy = rest.rpartition(".")
         topic, _, entity = topic.rpartition(".")
         role = _ENTITIES.get(entity.partition("_")[0])
-        found = parsed(value)
+        setting = parsed(value)
         if role is None or not topic:
             return
-        number = isinstance(found, int) and not isinstance(found, bool)
-        if (policy in _WORDS and isinstance(found, str)) or (policy == "depth" and number):
-            change: dict[str, object] = {policy: found}
+        number = isinstance(setting, int) and not isinstance(setting, bool)
+        if (policy in _WORDS and isinstance(setting, str)) or (policy == "depth" and number):
+            change: dict[str, object] = {policy: setting}
         elif policy in _DURATIONS and number:
-            change = {_DURATIONS[policy]: found / _NANOSECONDS}
+            change = {_DURATIONS[policy]: setting / _NANOSECONDS}
         else:
             return
         self._of.setdefault((topic, role), {}).update(change)

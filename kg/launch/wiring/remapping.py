@@ -58,7 +58,7 @@ def _rule(remap: Remap, place: Place, ros: int) -> Rule | None:
     if ros == 1:
         return Rule(place.resolve(remap.source), place.resolve(remap.target), remap)
     written, node, only = remap.source, "", None
-    scheme = next((known for known in _SCHEMES if known in written), None)
+    scheme = next((prefix for prefix in _SCHEMES if prefix in written), None)
     if scheme is not None:
         node, _, written = written.partition(scheme)
         node, only = node.removesuffix(":"), _SCHEMES[scheme]
@@ -67,8 +67,8 @@ def _rule(remap: Remap, place: Place, ros: int) -> Rule | None:
     if node not in {"", place.name}:
         return None
     target = remap.target
-    for known in _SCHEMES:
-        target = target.removeprefix(known)
+    for prefix in _SCHEMES:
+        target = target.removeprefix(prefix)
     return Rule(place.expand(written, ros), place.expand(target, ros), remap, only)
 
 

@@ -84,9 +84,9 @@ class Alike:
             [other for other in ends if f"/{_whole(other)}".endswith(f"/{whole}")],
             [other for other in ends if f"/{whole}".endswith(f"/{_whole(other)}")],
         )
-        found = {other for others in kinds if len(others) <= _COMMON for other in others}
-        found.update(index.get(("initials", _initials(name)), ()))
-        return sorted(candidate for candidate in found if alike(name, candidate))
+        candidates = {other for others in kinds if len(others) <= _COMMON for other in others}
+        candidates.update(index.get(("initials", _initials(name)), ()))
+        return sorted(candidate for candidate in candidates if alike(name, candidate))
 
     def _indexed(self) -> defaultdict[object, list[str]]:
         if self._index is None:
@@ -195,11 +195,11 @@ class Related:
         if is_partial(name):
             return []
         words = words_of(name)
-        found = {*self._ordered.get(_ordered(words), ())} - {*self._whole.get(words, ())}
-        found.update(self._parts.get(words, ()))
+        candidates = {*self._ordered.get(_ordered(words), ())} - {*self._whole.get(words, ())}
+        candidates.update(self._parts.get(words, ()))
         for part in _parts(words):
-            found.update(self._whole.get(part, ()))
-        return sorted(found - {name})
+            candidates.update(self._whole.get(part, ()))
+        return sorted(candidates - {name})
 
 
 def related(one: str, other: str) -> bool:

@@ -60,14 +60,14 @@ class Simulated:
     def ends(self, node: Place, remapping: Remapping) -> Iterator[InstanceInterface]:
         """Return the ends that the plugin makes in the instance at `node`."""
         if self.row.ros == 1:
-            return self._ends_at(self._beside(node), remapping)
+            return self._ends_at(self._handle_place(node), remapping)
         return self._ends_at(*self._own_node())
 
     def _values(self) -> dict[str, str]:
         values = {one.element: one.text for one in reversed(self.plugin.values)}
         return {**values, "plugin": self.plugin.name or "", "model": self.model}
 
-    def _beside(self, node: Place) -> Place:
+    def _handle_place(self, node: Place) -> Place:
         """Return the place of the plugin's node handle (ROS 1)."""
         given = self._values().get("robotNamespace")
         namespace = self.namespace if given is None else given
@@ -175,8 +175,8 @@ def _described_plugins(
     if topic is None:
         return []
     above = draft.place.resolve(topic).rpartition("/")[0] or "/"
-    held = {plugin.parameter for plugin in plugins if plugin.parameter.endswith(f"/{_DESCRIPTION}")}
-    near = {name for name in held if (name.rsplit("/", 2)[0] or "/") == above} or (held if len(held) == 1 else set())
+    names = {plugin.parameter for plugin in plugins if plugin.parameter.endswith(f"/{_DESCRIPTION}")}
+    near = {name for name in names if (name.rsplit("/", 2)[0] or "/") == above} or (names if len(names) == 1 else set())
     return [plugin for plugin in plugins if plugin.parameter in near]
 
 

@@ -47,7 +47,7 @@ class End:
 
     def elements(self) -> list[str]:
         """Return the elements that its name is made of, in their order."""
-        return [found[1] for found in _HOLE.finditer(self.name)]
+        return [match[1] for match in _HOLE.finditer(self.name)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,25 +94,25 @@ class Spawner:
 @cache
 def read_end(text: str) -> End:
     """Return the end that a text of the table describes; `ValueError` if malformed."""
-    found = _END.fullmatch(text)
-    if found is None:
+    match = _END.fullmatch(text)
+    if match is None:
         raise ValueError(f"`{text}` names no endpoint of a plugin")
-    negated = found["ask"] == "unless"
-    return End(Role(found["role"]), found["type"], found["name"], found["element"], found["value"], negated)
+    negated = match["ask"] == "unless"
+    return End(Role(match["role"]), match["type"], match["name"], match["element"], match["value"], negated)
 
 
 def filled(pattern: str, values: Mapping[str, str], depth: int = 0) -> str | None:
     """Return a name of the table with the texts of elements in it; None where one is missing."""
     parts: list[str] = []
     end = 0
-    for found in _HOLE.finditer(pattern):
-        text = values.get(found[1])
-        if text is None and found[2] is not None and depth < _MOST_DEPTH:
-            text = filled(found[2], values, depth + 1)
+    for match in _HOLE.finditer(pattern):
+        text = values.get(match[1])
+        if text is None and match[2] is not None and depth < _MOST_DEPTH:
+            text = filled(match[2], values, depth + 1)
         if text is None:
             return None
-        parts += pattern[end : found.start()], text
-        end = found.end()
+        parts += pattern[end : match.start()], text
+        end = match.end()
     return "".join(parts) + pattern[end:]
 
 

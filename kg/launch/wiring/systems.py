@@ -43,13 +43,13 @@ def wire(configuration: LaunchConfiguration, types: NodeTypes) -> System:
     drafts = list(run_trees(drafts, types))
     simulate(drafts, configuration)
     by_name = {draft.place.full: draft for draft in reversed(drafts)}
-    made: dict[int, NodeInstance] = {}
+    instances_by_index: dict[int, NodeInstance] = {}
     # Guests first: what they use of the rules of their manager or maker counts as used by it.
     for index in sorted(range(len(drafts)), key=lambda at: _line_of(drafts[at]) is None):
         draft = drafts[index]
-        made[index] = finished(draft, server, by_name.get(_line_of(draft) or ""))
+        instances_by_index[index] = finished(draft, server, by_name.get(_line_of(draft) or ""))
     used = {rule.location for draft in drafts for rule in draft.used}
-    instances = tuple(_without_shared(made[index], used) for index in range(len(drafts)))
+    instances = tuple(_without_shared(instances_by_index[index], used) for index in range(len(drafts)))
     return System(
         configuration=configuration,
         instances=instances,
@@ -66,21 +66,21 @@ def _line_of(draft: Draft) -> str | None:
 def _with_inner(drafts: Sequence[Draft], nodes: Sequence[StartedNode], types: NodeTypes) -> list[Draft]:
     """Return the nodes, each followed by those that it makes; these get the command line of the whole process."""
     lines = {draft.place.full: started for draft, started in zip(drafts, nodes, strict=True)}
-    found = []
+    result = []
     for draft, started in zip(drafts, nodes, strict=True):
-        found.append(draft)
+        result.append(draft)
         process = started.host or draft.place.full
         for row in draft.makes:
             node = started_inner(row, started, draft.place, lines.get(process))
             inner = draft_of(node, types, draft.repository, draft.ros, row)
             inner.process = process
-            found.append(inner)
-    return found
+            result.append(inner)
+    return result
 
 
 def _without_shared(instance: NodeInstance, used: set[Location]) -> NodeInstance:
     """Return the instance without guesses for remappings shared by several nodes that match another one."""
     if not any(rule.similar and rule.remap.location in used for rule in instance.remaps):
         return instance
-    kept = (replace(rule, similar=()) if rule.remap.location in used else rule for rule in instance.remaps)
-    return replace(instance, remaps=tuple(kept))
+    remaps = (replace(rule, similar=()) if rule.remap.location in used else rule for rule in instance.remaps)
+    return replace(instance, remaps=tuple(remaps))

@@ -68,7 +68,7 @@ class NodeTypes:
             if node.executable or node.kind in _STARTED:
                 names = [node.executable or "", node.name, *node.aliases]
                 self._names[package].add(node.executable or node.name)
-                for name in dict.fromkeys(part for known in names if known for part in (known, _without_end(known))):
+                for name in dict.fromkeys(part for full in names if full for part in (full, _without_end(full))):
                     self._started[package, name].append(at)
 
     def has(self, package: str) -> bool:
@@ -118,9 +118,9 @@ class NodeTypes:
             return None, MissingType.UNKNOWN_PACKAGE, f"package {package} is not in the build"
         program = executable.rpartition("/")[2]
         for name in dict.fromkeys((program, _without_end(program))):
-            found = _nearest(self.started(package, name), repository)
-            if found is not None:
-                return found, None, None
+            nearest = _nearest(self.started(package, name), repository)
+            if nearest is not None:
+                return nearest, None, None
         if not {program, _without_end(program)}.isdisjoint(self.installed(package)):
             return None, MissingType.NO_NODE, f"no node was found in {program} of package {package}"
         names = self.executables(package)
@@ -132,9 +132,9 @@ class NodeTypes:
         plugin = started.plugin or ""
         if not plugin or is_partial(plugin):
             return None, MissingType.NOT_SAID, "which class is loaded is not known before run time"
-        found = self.plugin(plugin, repository, started.package)
-        if found is not None:
-            return found, None, None
+        nearest = self.plugin(plugin, repository, started.package)
+        if nearest is not None:
+            return nearest, None, None
         at_front = plugin.replace("::", "/").partition("/")[0] if "/" in plugin or "::" in plugin else None
         package = next((name for name in (at_front, started.package) if name and self.has(name)), None)
         if package is None:
@@ -146,15 +146,15 @@ class NodeTypes:
 
     def plugin(self, name: str, repository: str, package: str | None = None) -> Typed | None:
         """Return the node type loaded by the class (`pkg/Class`, `ns::Class`); if several, that of `package`."""
-        known = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class != TREE_NODE]
-        exact = [pair for pair in known if name in (pair[1].plugin, pair[1].name)] or known
+        loaded = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class != TREE_NODE]
+        exact = [pair for pair in loaded if name in (pair[1].plugin, pair[1].name)] or loaded
         own = [pair for pair in exact if pair[0].package == package] or exact
         return _nearest(own, repository)
 
     def tree_node(self, name: str, repository: str) -> Typed | None:
         """Return the node of behavior trees that is registered under a name."""
-        known = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class == TREE_NODE]
-        return _nearest(known, repository)
+        loaded = [pair for pair in self.loaded(class_name(name)) if pair[1].base_class == TREE_NODE]
+        return _nearest(loaded, repository)
 
     def data(self, package: str) -> list[DataFile]:
         """Return the files of a package that nodes read when they run."""
@@ -168,8 +168,8 @@ class NodeTypes:
         files = self.data(package)
         whole = [one for one in files if f"/{one.path}".endswith(f"/{inner}")]
         named = [one for one in files if one.path.rpartition("/")[2] == inner.rpartition("/")[2]]
-        found = whole or (named if len(named) == 1 else [])
-        return min(found, key=lambda one: len(one.path), default=None)
+        matches = whole or (named if len(named) == 1 else [])
+        return min(matches, key=lambda one: len(one.path), default=None)
 
 
 def class_name(name: str) -> str:
@@ -184,8 +184,8 @@ def own_name(node: NodeType) -> str:
     return node.name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
 
 
-def _nearest(known: Sequence[Typed], repository: str) -> Typed | None:
-    return next((pair for pair in known if pair[0].repository == repository), known[0] if known else None)
+def _nearest(listed: Sequence[Typed], repository: str) -> Typed | None:
+    return next((pair for pair in listed if pair[0].repository == repository), listed[0] if listed else None)
 
 
 def _without_end(name: str) -> str:

@@ -54,10 +54,10 @@ def parsed(value: str | None) -> Any:
 
 def shown(value: str | None) -> str | None:
     """Return the text that a node gets for a value; None where it is not known or no single text."""
-    found = parsed(value)
-    if isinstance(found, str):
-        return found
-    return None if value is None or found is None or isinstance(found, list | dict) else value.strip()
+    result = parsed(value)
+    if isinstance(result, str):
+        return result
+    return None if value is None or result is None or isinstance(result, list | dict) else value.strip()
 
 
 def is_text(value: str) -> bool:
@@ -117,8 +117,8 @@ class Settings:
         if name.startswith(COMMAND_LINE):
             word = self.word(name)
             written = json.dumps(word)
-            found = LaunchParameter(name, written, self._started.location, self._started.chain, "string")
-            return found if word is not None else None
+            parameter = LaunchParameter(name, written, self._started.location, self._started.chain, "string")
+            return parameter if word is not None else None
         if self._server is not None:
             return self._server.all.get(self._remapping.parameter(place.resolve(name.replace(".", "/"))))
         plain = name.removeprefix("~/").lstrip("/")
@@ -157,8 +157,8 @@ class Settings:
             *parts, last = full[len(above) :].split("/")
             inside = tree
             for part in parts:
-                held = inside.setdefault(part, {})
-                inside = held if isinstance(held, dict) else {}
+                inner = inside.setdefault(part, {})
+                inside = inner if isinstance(inner, dict) else {}
             inside[last] = one
         return tree or None
 

@@ -47,7 +47,7 @@ def values_of(text: str, name: str = "x") -> list[Value]:
 def plain(value: Value) -> str | float | bool | None:
     """Return the plain value of a known text, number or Boolean; None for others."""
     if isinstance(value, Text):
-        return value.known
+        return value.exact
     return value.value if isinstance(value, Number | Truth) else None
 
 

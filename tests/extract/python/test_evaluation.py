@@ -16,7 +16,7 @@ from kg.extract.python.evaluation import (
     MISSING,
     Dialect,
     ExpressionError,
-    NotKnownError,
+    UnknownValueError,
     UnsupportedError,
     evaluate_text,
 )
@@ -24,7 +24,7 @@ from kg.extract.python.evaluation import (
 NAMES: dict[str, object] = {"x": 3, "y": "text", "z": 2.5, "empty": "", "unknown": HOLE, "partly": f"a{HOLE}"}
 DIALECT = Dialect(arguments=lambda name: NAMES.get(name, MISSING), functions={"arg": NAMES.__getitem__})
 
-ERRORS = (ExpressionError, UnsupportedError, NotKnownError)
+ERRORS = (ExpressionError, UnsupportedError, UnknownValueError)
 
 
 def value_of(source: str) -> Any:
@@ -213,7 +213,7 @@ def test_texts_known_in_part(source: str, value: object) -> None:
 )
 def test_unknown_stays_unknown(source: str) -> None:
     """A value that depends on an unknown one is unknown."""
-    with pytest.raises(NotKnownError):
+    with pytest.raises(UnknownValueError):
         value_of(source)
 
 

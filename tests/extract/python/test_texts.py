@@ -53,4 +53,4 @@ def test_an_unknown_part_stays_a_hole() -> None:
 def test_each_alternative_is_formatted() -> None:
     """A value with alternatives gives one text for each."""
     found = braces(Text.of("{}/x"), [Either((Text.of("a"), Text.of("b")))], {})
-    assert [one.known for one in alternatives(found) if isinstance(one, Text)] == ["a/x", "b/x"]
+    assert [one.exact for one in alternatives(found) if isinstance(one, Text)] == ["a/x", "b/x"]

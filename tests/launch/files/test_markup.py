@@ -17,7 +17,7 @@ class Node:
 
 def markup(*, whole_texts: bool) -> Markup[Node]:
     """Return a language whose elements store their content."""
-    return Markup(Node, lambda parent, text, _: parent.children.append(text), whole_texts=whole_texts, kept=2)
+    return Markup(Node, lambda parent, text, _: parent.children.append(text), whole_texts=whole_texts, cached=2)
 
 
 def test_elements_know_the_line_of_their_start_tag() -> None:

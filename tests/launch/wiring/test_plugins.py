@@ -33,7 +33,7 @@ TYPES = NodeTypes([(NodeReference("local/here", "costmap_2d", "StaticLayer"), LA
 def found(name: str, value: str, ros: int = 1, slots: tuple[PluginSlot, ...] = ()) -> list[tuple[str, str, bool]]:
     """Return id, private namespace in the node `/n`, and whether the build has the class."""
     plugins = loaded_plugins({name: value}, TYPES, "local/here", ros, None, slots)
-    return [(one.id, one.place(Place("/", "n")).private or "", one.found is not None) for one in plugins]
+    return [(one.id, one.place(Place("/", "n")).private or "", one.typed is not None) for one in plugins]
 
 
 def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
@@ -75,7 +75,7 @@ def test_slots_give_what_code_loads_by_default() -> None:
     """A class given by the code, and those of the names in a list whose parameters are not set."""
     place = Where("x.cpp", 1)
     fixed = PluginSlot("costmap_2d::Layer", place, defaults=(PluginDefault("costmap_2d::StaticLayer"),), fixed=True)
-    assert [(one.id, one.found is not None) for one in of_slot(fixed, {})] == [("StaticLayer", True)]
+    assert [(one.id, one.typed is not None) for one in of_slot(fixed, {})] == [("StaticLayer", True)]
     named = PluginSlot(
         "costmap_2d::Layer",
         place,

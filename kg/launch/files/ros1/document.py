@@ -52,13 +52,13 @@ def _text(parent: Element, text: str, line: int) -> None:
         parent.pieces.append((line, text))
 
 
-_MARKUP: Final = Markup(Element, _text, kept=1024)
+_MARKUP: Final = Markup(Element, _text, cached=1024)
 
 
 def read_document(text: bytes) -> Document[Element]:
     """Return the `<launch>` element of UTF-8 `text`; the part before an error in it is kept."""
     whole = _MARKUP.read(text)
-    found = [element for element in whole.root.below() if element.tag == "launch"] if whole.root else []
-    if len(found) == 1:
-        return Document(found[0], whole.problem)
-    return Document(None, whole.problem or (f"the file has {'more than one' if found else 'no'} <launch> element", 1))
+    roots = [element for element in whole.root.below() if element.tag == "launch"] if whole.root else []
+    if len(roots) == 1:
+        return Document(roots[0], whole.problem)
+    return Document(None, whole.problem or (f"the file has {'more than one' if roots else 'no'} <launch> element", 1))

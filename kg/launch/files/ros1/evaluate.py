@@ -186,17 +186,17 @@ class _Evaluation:
         counts, words = state.condition(scope, element)
         if not counts:
             return
-        found: dict[str, str | None] = {
+        attributes: dict[str, str | None] = {
             name: state.text(scope, element, name) for name in _MACHINE if name in element.attributes
         }
-        name, address = found.get("name"), found.get("address")
+        name, address = attributes.get("name"), attributes.get("address")
         if not name or address is None:
             state.refused(scope, element, "it needs 'name' and 'address'")
             return
-        default = (found.pop("default", None) or "false").lower()
-        found["assignable"] = str(default != "never")
+        default = (attributes.pop("default", None) or "false").lower()
+        attributes["assignable"] = str(default != "never")
         certain = not words and not scope.conditions and HOLE not in name
-        if state.machines.setdefault(name, found) != found and certain:
+        if state.machines.setdefault(name, attributes) != attributes and certain:
             state.refused(scope, element, f"another machine is named '{name}'")
         if default == "true":
             state.machine = shown(name)

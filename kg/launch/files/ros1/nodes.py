@@ -230,17 +230,17 @@ def _nodelet(
 
 
 def _settings(state: State, scope: Scope, element: Element, inner: Scope) -> tuple[tuple[str, str], ...]:
-    found = [
+    settings = [
         (name, shown(value))
         for name in (*_SETTINGS, *_TEST_SETTINGS)
         if (value := state.text(scope, element, name)) is not None
     ]
-    if state.machine and not any(name == "machine" for name, _ in found):
-        found.append(("machine", state.machine))
-    for name, value in found:
+    if state.machine and not any(name == "machine" for name, _ in settings):
+        settings.append(("machine", state.machine))
+    for name, value in settings:
         if not is_partial(value) and not _is_valid(name, value):
             state.refused(scope, element, f"'{name}' cannot be '{value}'")
     respawn, required = (state.boolean(scope, element, name) for name in ("respawn", "required"))
     if respawn and required:
         state.refused(scope, element, "it has both 'respawn' and 'required'")
-    return (*found, *((f"env {name}", value) for name, value in inner.environment))
+    return (*settings, *((f"env {name}", value) for name, value in inner.environment))

@@ -187,7 +187,7 @@ def read_tree(text: str) -> ParameterTree:
     """Return the parameters of a YAML document; what is before an error of its meaning is kept."""
     if len(text) > MOST_TEXT:
         return ParameterTree(problems=((f"the file is longer than {MOST_TEXT} characters", 1),), too_large=True)
-    return _cached(text) if len(text) <= _CACHED else _kept(text)
+    return _cached(text) if len(text) <= _CACHED else _cached_large(text)
 
 
 def read_scalar(text: str) -> object:
@@ -237,7 +237,7 @@ def _read(text: str) -> ParameterTree:
 
 
 _cached: Final = lru_cache(maxsize=512)(_read)
-_kept: Final = lru_cache(maxsize=1)(_read)
+_cached_large: Final = lru_cache(maxsize=1)(_read)
 """Of large files only the last one is kept: it is often loaded for several nodes in a row."""
 
 

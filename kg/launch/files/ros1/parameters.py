@@ -121,10 +121,10 @@ def _described(state: State, scope: Scope, element: Element) -> tuple[LaunchPlug
         return ()
     given = {name: shown(text) for name, text in described[1].items()}
     chain = (*scope.place.chain, state.location(scope, element.line))
-    found = state.descriptions.read(file, given, chain)
-    state.problems.update(dict.fromkeys(found.problems))
-    state.read.update(dict.fromkeys(found.files))
-    return found.plugins
+    description = state.descriptions.read(file, given, chain)
+    state.problems.update(dict.fromkeys(description.problems))
+    state.read.update(dict.fromkeys(description.files))
+    return description.plugins
 
 
 def _values(state: State, scope: Scope, element: Element, name: str) -> tuple[Leaf, ...]:

@@ -21,7 +21,7 @@ from kg.facts import (
     Remap,
     StartedNode,
 )
-from kg.launch.files.access import MOST, Budget, Files, Found
+from kg.launch.files.access import MOST, Budget, Files, Match
 from kg.launch.files.ros1.parameterfile import Leaf, canonical, global_namespace, join, shown, truth
 from kg.launch.files.ros1.substitute import Note, Substituter
 from kg.launch.files.xacro.plugins import Descriptions
@@ -119,11 +119,11 @@ class Scope:
         while scope is not None:
             levels.append(scope.remaps)
             scope = scope.parent
-        found: dict[str, Remap] = {}
+        remaps: dict[str, Remap] = {}
         for remap in (remap for level in reversed(levels) for remap in level):
-            found.pop(remap.source, None)
-            found[remap.source] = remap
-        return list(found.values())
+            remaps.pop(remap.source, None)
+            remaps[remap.source] = remap
+        return list(remaps.values())
 
     def missing(self, name: str, note: Note) -> None:
         """Record that the argument `name` is read and has no value."""
@@ -296,13 +296,13 @@ class State:
         self, scope: Scope, line: int, text: str, unknown: LaunchProblemKind = LaunchProblemKind.UNRESOLVED
     ) -> tuple[FilePath | None, str | None]:
         """Return the file that a text names, or None and the reason: a problem, of the kind `unknown` for holes."""
-        found = self.files.find(text)
+        match = self.files.find(text)
         if HOLE in text:
-            found = Found(None, unknown, f"the file {text} depends on an unknown value", text)
-        if found.reason is None:
-            return found.file, None
-        self.problem(scope, line, found.kind, found.reason, found.subject)
-        return None, shown(found.reason)
+            match = Match(None, unknown, f"the file {text} depends on an unknown value", text)
+        if match.reason is None:
+            return match.file, None
+        self.problem(scope, line, match.kind, match.reason, match.subject)
+        return None, shown(match.reason)
 
     def open(self, scope: Scope, line: int, file: FilePath) -> bytes | None:
         """Return the text of a file, which is recorded as read; None, and a problem, when it cannot be read."""

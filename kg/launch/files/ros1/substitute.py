@@ -15,7 +15,7 @@ from kg.extract.python.evaluation import (
     MISSING,
     Dialect,
     ExpressionError,
-    NotKnownError,
+    UnknownValueError,
     UnsupportedError,
     evaluate_text,
     is_builtin,
@@ -185,7 +185,7 @@ class _Commands:
         try:
             dialect = Dialect(lambda name: _TRUTH.get(name, MISSING), self._variable, functions)
             return str(evaluate_text(expression, dialect))
-        except NotKnownError:
+        except UnknownValueError:
             return HOLE
         except UnsupportedError as error:
             self._note(LaunchProblemKind.UNRESOLVED, f"the expression is not evaluated: {error}", expression)
@@ -197,15 +197,15 @@ class _Commands:
 @lru_cache(maxsize=4096)
 def _commands(text: str) -> tuple[str, ...]:
     """Return the content of each `$(...)` of a text, in order."""
-    found: list[str] = []
+    commands: list[str] = []
     for command, end in _COMMAND.findall(text):
         if not end:
             break
         if end != ")":
             raise _SubstitutionError(f"'{end}' inside a substitution")
         if command:
-            found.append(command)
-    return tuple(found)
+            commands.append(command)
+    return tuple(commands)
 
 
 def _only(words: list[str], command: str) -> str:

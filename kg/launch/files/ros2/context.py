@@ -70,7 +70,7 @@ class Scope:
 
 
 @dataclass(slots=True)
-class Found:
+class Results:
     """Results of executing a configuration; problems, arguments and files each once, in the order found."""
 
     nodes: list[StartedNode] = field(default_factory=list)
@@ -117,7 +117,7 @@ class Context:
         self.file = file
         self.initial = dict(environment)
         self.scope = Scope(dict(given), dict(environment))
-        self.found = Found()
+        self.results = Results()
         self.chain: tuple[Location, ...] = ()
         self.stack: tuple[FilePath, ...] = (file,)
         self.location = place(files, file, 1)
@@ -127,18 +127,18 @@ class Context:
         """Return a text with its substitutions performed now; what cannot be known is `{}`, with a problem."""
         return perform(self, text)
 
-    def settled(self, text: Text) -> str | None:
+    def resolved(self, text: Text) -> str | None:
         """Return a text performed now; None where a part of it is not known."""
         performed = self.perform(text)
         return None if HOLE in performed else performed
 
     def quietly(self, text: Text) -> str:
         """Return a text performed, without recording problems: for display only."""
-        before = dict(self.found.problems), set(self.found.undeclared)
+        before = dict(self.results.problems), set(self.results.undeclared)
         try:
             return self.perform(text)
         finally:
-            self.found.problems, self.found.undeclared = before
+            self.results.problems, self.results.undeclared = before
 
     def configuration(self, name: str) -> str | None:
         """Return the value of a launch configuration, with `{}` for parts not known; None where nothing sets it."""
@@ -157,7 +157,7 @@ class Context:
         self, kind: LaunchProblemKind, message: str, subject: str | None = None, location: Location | None = None
     ) -> None:
         """Record an error or an unknown part, at the action being executed unless a `location` is given."""
-        self.found.problems.setdefault(LaunchProblem(kind, message, location or self.location, self.chain, subject))
+        self.results.problems.setdefault(LaunchProblem(kind, message, location or self.location, self.chain, subject))
 
     def limit(self, message: str) -> None:
         """Record that something exceeds a limit."""
@@ -165,7 +165,7 @@ class Context:
 
     def allows(self, what: str, amount: int = 1) -> bool:
         """Count something; return whether that is within the limit."""
-        return self.found.budget.allows(self.limit, what, amount)
+        return self.results.budget.allows(self.limit, what, amount)
 
     def unresolved(self, message: str, subject: str | None = None) -> str:
         """Record an unknown part, and return its placeholder."""
@@ -201,9 +201,9 @@ def place(files: Files, file: FilePath, line: int) -> Location:
 
 def read(context: Context, text: str) -> tuple[FilePath, bytes] | None:
     """Return the file that a text names, and its content; None, and a problem, where it cannot be read."""
-    made = context.found.generated.get(text)
-    if made is not None:
-        return made.file, made.content
+    generated = context.results.generated.get(text)
+    if generated is not None:
+        return generated.file, generated.content
     file = find(context, text)
     if file is None:
         return None
@@ -211,7 +211,7 @@ def read(context: Context, text: str) -> tuple[FilePath, bytes] | None:
     if content is None:
         unreadable(context, file)
         return None
-    context.found.files.setdefault(file)
+    context.results.files.setdefault(file)
     return file, content
 
 

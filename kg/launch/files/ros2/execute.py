@@ -73,8 +73,8 @@ def dialect_of(file: FilePath, text: bytes) -> LaunchDialect:
 
     Like `AnyLaunchDescriptionSource`, which tries each language on a file such as `robot.launch`.
     """
-    if known := _BY_ENDING.get(file.path.rpartition(".")[2]):
-        return known
+    if dialect := _BY_ENDING.get(file.path.rpartition(".")[2]):
+        return dialect
     if text.lstrip().startswith(b"<"):
         return LaunchDialect.ROS2_XML
     if _PYTHON_FUNCTION.search(text):
@@ -91,7 +91,7 @@ def read_actions(context: Context, file: FilePath, dialect: LaunchDialect | None
     if content is None:
         unreadable(context, file)
         return ()
-    context.found.files.setdefault(file)
+    context.results.files.setdefault(file)
     if not context.allows("bytes of files", len(content)):
         return ()
     dialect = dialect or dialect_of(file, content)
@@ -143,7 +143,7 @@ def include(context: Context, action: Include, run: Callable[[Sequence[Action]],
         message = f"the included file is unknown: {reason or f'`{written}`'}"
         context.problem(LaunchProblemKind.UNKNOWN_PART, message, written)
     file = find(context, written)
-    context.found.includes.append(
+    context.results.includes.append(
         LaunchInclude(
             written,
             context.location,
@@ -225,11 +225,11 @@ def run(context: Context, actions: Sequence[Action], depth: int = 0) -> None:
         if not context.allows("actions"):
             return
         with context.at(action.location):
-            held = True if action.condition is None else holds(context, action.condition)
-            if held is None and action.condition is not None:
+            applies = True if action.condition is None else holds(context, action.condition)
+            if applies is None and action.condition is not None:
                 with _unsure(context, action.condition.words):
                     _execute(context, action, depth)
-            elif held:
+            elif applies:
                 _execute(context, action, depth)
 
 
@@ -270,8 +270,8 @@ def _merged(before: Scope, after: Scope, reason: str) -> Scope:
     namespace = after.namespace
     if namespace != before.namespace:
         # A namespace that may have been pushed is unknown below the one that is there in both cases.
-        kept = before.namespace if before.namespace and (namespace or "").startswith(f"{before.namespace}/") else ""
-        namespace = normalise(f"/{kept}/{HOLE}")
+        common = before.namespace if before.namespace and (namespace or "").startswith(f"{before.namespace}/") else ""
+        namespace = normalise(f"/{common}/{HOLE}")
     remaps = after.remaps[len(before.remaps) :]
     parameters = after.parameters[len(before.parameters) :]
     return Scope(
@@ -304,31 +304,31 @@ def _group(context: Context, group: kinds.Group, depth: int) -> None:
 
 
 def _declare(context: Context, action: kinds.DeclareArgument) -> None:
-    known = context.scope.configurations
+    configurations = context.scope.configurations
     default = None if action.default is None else context.quietly(action.default)
-    if action.name not in known:
+    if action.name not in configurations:
         if action.default is not None:
-            known[action.name] = perform(context, action.default)
+            configurations[action.name] = perform(context, action.default)
         else:
-            known[action.name] = HOLE
+            configurations[action.name] = HOLE
             if len(context.stack) == 1:
                 context.unresolved(f"the argument `{action.name}` has no default", action.name)
             else:
                 message = f"the argument `{action.name}` has no default and is not given"
                 context.problem(LaunchProblemKind.MISSING_ARGUMENT, message, action.name)
-    value = known[action.name]
+    value = configurations[action.name]
     if action.choices and value not in action.choices and HOLE not in value:
         message = f"the argument `{action.name}` is `{value}`, none of {', '.join(action.choices)}"
         context.problem(LaunchProblemKind.MALFORMED, message, action.name)
-    if len(context.stack) == 1 and action.name not in context.found.arguments:
-        context.found.arguments[action.name] = LaunchArgument(
+    if len(context.stack) == 1 and action.name not in context.results.arguments:
+        context.results.arguments[action.name] = LaunchArgument(
             action.name, default, value, action.location, action.description, choices=action.choices
         )
 
 
 def _reset(context: Context, action: kinds.ResetConfigurations) -> None:
-    kept = {perform(context, name): perform(context, value) for name, value in action.configurations}
-    context.scope = Scope(kept, context.scope.environment)
+    configurations = {perform(context, name): perform(context, value) for name, value in action.configurations}
+    context.scope = Scope(configurations, context.scope.environment)
 
 
 def _set(context: Context, action: kinds.Setting) -> None:
@@ -377,14 +377,14 @@ def evaluate(
         run(context, read_actions(context, file, dialect))
     except RecursionError:
         context.limit("something is nested too deep to be read")
-    for name, defaults in context.found.defaults.items():
+    for name, defaults in context.results.defaults.items():
         value = next((one for one in defaults if one.strip("'\"")), None)
         if value is not None and "" in defaults:
             message = f"the environment variable {name} is `{value}` by default here, but empty by default elsewhere"
             context.problem(LaunchProblemKind.UNSET_VARIABLE, message, name, defaults[value])
     owner = files.reader.workspace.owner(file)
-    found = context.found
-    nodes = without_others(found.nodes)
+    results = context.results
+    nodes = without_others(results.nodes)
     return LaunchConfiguration(
         repository=file.repository,
         package=owner.name if owner else "",
@@ -392,10 +392,10 @@ def evaluate(
         ros=2,
         dialect=dialect,
         given=tuple(sorted(given.items())),
-        arguments=tuple(found.arguments.values()),
+        arguments=tuple(results.arguments.values()),
         nodes=nodes,
-        includes=tuple(found.includes),
-        problems=tuple(found.problems),
-        files=tuple((one.repository, one.path) for one in found.files),
-        plugins=tuple(described(found, nodes)),
+        includes=tuple(results.includes),
+        problems=tuple(results.problems),
+        files=tuple((one.repository, one.path) for one in results.files),
+        plugins=tuple(described(results, nodes)),
     )

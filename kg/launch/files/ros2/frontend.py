@@ -81,7 +81,7 @@ def _element(tag: str, written: dict[str, str], line: int) -> Element:
     return Element(tag, line, {**texts, **lists})
 
 
-_MARKUP: Final = Markup(_element, lambda *_: None, kept=1)
+_MARKUP: Final = Markup(_element, lambda *_: None, cached=1)
 _MOST_DEPTH: Final = 100
 
 
@@ -245,15 +245,15 @@ class _Builder:
             actions=self.actions([child for child in element.children if child.tag != "keep"]),
             scoped=self.flag(element, "scoped"),
             forwarding=self.flag(element, "forwarding"),
-            configurations=self._kept(element),
+            configurations=self._keep_pairs(element),
             **self.common(element),
         )
 
     def reset(self, element: Element) -> Action:
         """`<reset>`: forgets all configurations but those of `<keep>`."""
-        return kinds.ResetConfigurations(configurations=self._kept(element), **self.common(element))
+        return kinds.ResetConfigurations(configurations=self._keep_pairs(element), **self.common(element))
 
-    def _kept(self, element: Element) -> tuple[tuple[Text, Text], ...]:
+    def _keep_pairs(self, element: Element) -> tuple[tuple[Text, Text], ...]:
         return tuple((self.needed(keep, "name"), self.needed(keep, "value")) for keep in element.of("keep"))
 
     def timer(self, element: Element) -> Action:

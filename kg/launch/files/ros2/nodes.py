@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, StartKind
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile
-from kg.launch.files.ros2.parameters import Asked, node_parameters
+from kg.launch.files.ros2.parameters import Owner, node_parameters
 from kg.launch.files.ros2.substitute import holds
 from kg.launch.files.ros2.values import of_text
 from kg.names import join, normalise
@@ -111,14 +111,14 @@ def start_node(context: Context, action: NodeAction) -> None:
     if action.kind == "node" and contains and _optional(context, action.package) == "rclcpp_components":
         kind = StartKind.CONTAINER
     full = _record(context, action, kind, name, namespace, line, executable)
-    context.found.containers[id(action)] = full
+    context.results.containers[id(action)] = full
     for component in action.components:
         _load(context, component, full)
 
 
 def load_components(context: Context, action: LoadComponents) -> None:
     """Load components into a running container; its name is seen from the root, for launch's own node is there."""
-    host = context.found.containers.get(id(action.container)) if action.container else None
+    host = context.results.containers.get(id(action.container)) if action.container else None
     if host is None and action.target is not None:
         host = normalise(f"/{context.perform(action.target)}")
     if host is None:
@@ -156,7 +156,7 @@ def execute_process(context: Context, action: Executable) -> None:
             package,
             executable,
             remaps=tuple(_remaps(context, line.remaps, line.name)),
-            parameters=node_parameters(context, Asked(normalise(f"/{namespace}"), line.name), _rules(context, line)),
+            parameters=node_parameters(context, Owner(normalise(f"/{namespace}"), line.name), _rules(context, line)),
             arguments=tuple(line.rest),
             condition=" and ".join(context.conditions) or None,
         ),
@@ -217,7 +217,7 @@ def _record(  # noqa: PLR0913, PLR0917 - how a node is started
             *context.scope.remaps,
             *(Remap(source, target, place, context.chain) for source, target, place in own),
         ),
-        parameters=node_parameters(context, Asked(within, name, loaded, whole), sources),
+        parameters=node_parameters(context, Owner(within, name, loaded, whole), sources),
         arguments=tuple(line.rest),
         condition=" and ".join(context.conditions) or None,
         settings=tuple((key, context.perform(value)) for key, value in action.settings),
@@ -227,18 +227,18 @@ def _record(  # noqa: PLR0913, PLR0917 - how a node is started
 
 
 def _append(context: Context, node: StartedNode) -> None:
-    if context.found.budget.allows_node(context.limit, node):
-        context.found.nodes.append(node)
+    if context.results.budget.allows_node(context.limit, node):
+        context.results.nodes.append(node)
 
 
 def _remaps(context: Context, rules: Sequence[tuple[str, str]], name: str | None) -> list[Remap]:
     """Return rules of a command line as remappings of one node: those for another node are left out."""
-    found = []
+    remaps = []
     for source, target in rules:
         node, colon, rest = source.rpartition(":")
         if not colon or name is None or node == name:
-            found.append(Remap(rest if name else source, target, context.location, context.chain))
-    return found
+            remaps.append(Remap(rest if name else source, target, context.location, context.chain))
+    return remaps
 
 
 def _rules(context: Context, line: CommandLine) -> list[LaunchParameter | GlobalFile]:

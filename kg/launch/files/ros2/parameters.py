@@ -60,9 +60,9 @@ def read_parameters(
     if found is None:
         return None
     file, content = found
-    made = context.found.generated.get(path)
-    if made is not None and made.entries is not None:
-        return file, [_performed(context, entry) for entry in made.entries] if substitutions else made.entries
+    generated = context.results.generated.get(path)
+    if generated is not None and generated.entries is not None:
+        return file, [_performed(context, entry) for entry in generated.entries] if substitutions else generated.entries
     try:
         return file, _entries(_substituted(context, content, _HOLE_OF_YAML) if substitutions else content)
     except YamlFault as fault:
@@ -157,8 +157,8 @@ class Rewriting:
 
     def applied(self, listed: Sequence[Entry]) -> tuple[Entry, ...]:
         """Return the parameters of the copy."""
-        known = {_path(entry) for entry in listed}
-        fresh = [self._added(path) for path in self.values if path not in known and f".{_PARAMETERS}." in path]
+        present = {_path(entry) for entry in listed}
+        fresh = [self._added(path) for path in self.values if path not in present and f".{_PARAMETERS}." in path]
         return tuple(self._rewritten(entry) for entry in (*listed, *fresh))
 
     def _added(self, path: str) -> Entry:
@@ -195,7 +195,7 @@ _Given: TypeAlias = tuple[str, LaunchParameter, LaunchParameter]
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class Owner:
     """The node whose parameters are wanted: its absolute name, without the last part if the name is unknown.
 
     A node that is loaded into a container is given only what is written for its exact name, or for all.
@@ -216,17 +216,17 @@ class Asked:
 def given_parameter(context: Context, parameter: ParameterValue) -> LaunchParameter:
     """Return a parameter given by value, as it is now."""
     value, kind = _value(context, parameter)
-    printed = context.found.printed
+    printed = context.results.printed
     reason = _AT_RUN_TIME if value is None or HOLE in value else None
     name = context.perform(parameter.name)
     if printed:
-        context.found.described[name, parameter.location, context.chain] = printed
+        context.results.described[name, parameter.location, context.chain] = printed
     return LaunchParameter(name, value, parameter.location, context.chain, parameter.type or kind, reason)
 
 
 def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str | None]:
-    """Return the value and type as they are now; the robot description that it is, is then in `found.printed`."""
-    context.found.printed = ()
+    """Return the value and type as they are now; the robot description that it is, is then in `results.printed`."""
+    context.results.printed = ()
     value = parameter.value
     if isinstance(value, tuple):
         return of_text(context.perform(value), "string" if parameter.as_text else parameter.type)
@@ -236,23 +236,23 @@ def _value(context: Context, parameter: ParameterValue) -> tuple[str | None, str
 
 
 def node_parameters(
-    context: Context, asked: Asked, sources: Sequence[ParameterSource | LaunchParameter | GlobalFile]
+    context: Context, owner: Owner, sources: Sequence[ParameterSource | LaunchParameter | GlobalFile]
 ) -> tuple[LaunchParameter, ...]:
     """Return the parameters given to a node in the order in which they are applied, with the keys they are below."""
     merged: dict[str, dict[str, LaunchParameter]] = {}
     owned: dict[str, bool | None] = {}  # files have many parameters for few nodes
-    for key, parameter, below in _written(context, asked, sources):
+    for key, parameter, below in _written(context, owner, sources):
         if key not in owned:
-            owned[key] = _is_own(key, asked)
+            owned[key] = _is_own(key, owner)
         own = owned[key]
-        if asked.loaded and own is False:
+        if owner.loaded and own is False:
             continue
         if not context.allows("parameters"):
             break
-        known = merged.setdefault("" if asked.loaded else key, {})
-        known.pop(parameter.name, None)
-        known[parameter.name] = parameter if own else below
-    return tuple(parameter for known in merged.values() for parameter in known.values())
+        parameters = merged.setdefault("" if owner.loaded else key, {})
+        parameters.pop(parameter.name, None)
+        parameters[parameter.name] = parameter if own else below
+    return tuple(parameter for parameters in merged.values() for parameter in parameters.values())
 
 
 def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
@@ -266,24 +266,24 @@ def without_others(nodes: Sequence[StartedNode]) -> tuple[StartedNode, ...]:
     )
 
 
-def _is_own(key: str, asked: Asked) -> bool | None:
+def _is_own(key: str, owner: Owner) -> bool | None:
     """Return whether a key is of the node alone; None if it may be for the node, or for others of its process."""
     written = _key(key)
-    if written == asked.full:
+    if written == owner.full:
         return True
-    if not asked.loaded:
+    if not owner.loaded:
         return None
     if "*" in key:
         return written == _ALL
-    possible = asked.full is not None and is_for_node(key, asked.full) is None
+    possible = owner.full is not None and is_for_node(key, owner.full) is None
     return None if possible else False
 
 
 def _written(
-    context: Context, asked: Asked, sources: Iterable[ParameterSource | LaunchParameter | GlobalFile]
+    context: Context, owner: Owner, sources: Iterable[ParameterSource | LaunchParameter | GlobalFile]
 ) -> Iterator[_Given]:
     """Yield the parameters of all sources with the name of node that they are written for."""
-    own = asked.full if asked.full is not None and asked.whole else _ALL
+    own = owner.full if owner.full is not None and owner.whole else _ALL
     for source in sources:
         if isinstance(source, LaunchParameter):
             # A rule `node:name` is for the nodes of that name, as `rcl` reads it; any other is for all.
@@ -294,7 +294,7 @@ def _written(
                 yield _given(own, given_parameter(context, source))
         else:
             with context.at(source.location):
-                yield from _of_file(context, source, asked, own if asked.loaded else None)
+                yield from _of_file(context, source, owner, own if owner.loaded else None)
 
 
 def _given(key: str, parameter: LaunchParameter) -> _Given:
@@ -305,7 +305,7 @@ def _key(node: str) -> str:
     return f"/{node.strip('/')}"
 
 
-def _of_file(context: Context, source: ParameterFile | GlobalFile, asked: Asked, flat: str | None) -> Iterator[_Given]:
+def _of_file(context: Context, source: ParameterFile | GlobalFile, owner: Owner, flat: str | None) -> Iterator[_Given]:
     """Yield the parameters of a file, of one for many loaded nodes only those that are not certainly for others.
 
     `flat` is the node that a file is for which names no nodes at all.
@@ -318,15 +318,15 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, asked: Asked,
         return
     file, listed = found
     doubt = source.reason if isinstance(source, GlobalFile) else None
-    known = context.found.given.setdefault((file, context.chain, doubt), {})
+    cached = context.results.given.setdefault((file, context.chain, doubt), {})
     repository = place(context.files, file, 1).repository
-    named = {entry.node for entry in listed} if asked.loaded else ()
-    others = {node for node in named if node is not None and _is_own(node, asked) is False}
+    named = {entry.node for entry in listed} if owner.loaded else ()
+    others = {node for node in named if node is not None and _is_own(node, owner) is False}
     for entry in listed:
         if entry.node in others:
             continue
-        if id(entry) in known:
-            yield known[id(entry)][1]
+        if id(entry) in cached:
+            yield cached[id(entry)][1]
             continue
         node = entry.node if entry.node is not None else flat
         if node is None:
@@ -336,7 +336,7 @@ def _of_file(context: Context, source: ParameterFile | GlobalFile, asked: Asked,
         where = entry.location or Location(file.path, entry.line, repository)
         name = ".".join(entry.names)
         parts = (name, value, where, context.chain, entry.type, reason)
-        made = (node, LaunchParameter(*parts), LaunchParameter(*parts, node=_key(node)))
+        given = (node, LaunchParameter(*parts), LaunchParameter(*parts, node=_key(node)))
         if entry.node is not None:
-            known[id(entry)] = (entry, made)
-        yield made
+            cached[id(entry)] = (entry, given)
+        yield given

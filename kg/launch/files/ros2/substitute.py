@@ -16,7 +16,7 @@ from kg.facts import LaunchParameter, LaunchPlugin, LaunchProblemKind, StartedNo
 from kg.holes import ANONYMOUS
 from kg.launch.files.access import SCHEME
 from kg.launch.files.ros2.actions import Condition, ParameterFile, Substitution, Text
-from kg.launch.files.ros2.context import HOLE, Context, Found, find, read
+from kg.launch.files.ros2.context import HOLE, Context, Results, find, read
 from kg.launch.files.ros2.parameters import Entry, Rewriting, read_parameters
 from kg.launch.files.ros2.values import truth
 from kg.launch.files.xacro.plugins import Descriptions, named_description, started
@@ -35,22 +35,22 @@ def describe(context: Context, words: Sequence[str]) -> None:
     if named is None or file is None:
         return
     descriptions = Descriptions(context.files, context.stack[0], context.initial)
-    made = descriptions.read(file, named[1], (*context.chain, context.location))
-    context.found.problems.update(dict.fromkeys(made.problems))
-    context.found.files.update(dict.fromkeys(made.files))
-    context.found.printed = made.plugins
+    description = descriptions.read(file, named[1], (*context.chain, context.location))
+    context.results.problems.update(dict.fromkeys(description.problems))
+    context.results.files.update(dict.fromkeys(description.files))
+    context.results.printed = description.plugins
 
 
-def described(found: Found, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlugin]:
+def described(results: Results, nodes: Iterable[StartedNode]) -> Iterator[LaunchPlugin]:
     """Yield the plugins in the parameters of nodes, each with the absolute name of its parameter."""
-    names = {name for name, _, _ in found.described}
+    names = {name for name, _, _ in results.described}
     for node in nodes:
         for given in node.parameters:
             if given.name in names:
                 name = node.name or (node.executable or ANONYMOUS).removesuffix(".py")
                 absolute = normalise(f"{node.namespace}/{name}/{given.name}")
-                held = found.described.get((given.name, given.location, given.chain), ())
-                yield from (replace(plugin, parameter=absolute) for plugin in held)
+                plugins = results.described.get((given.name, given.location, given.chain), ())
+                yield from (replace(plugin, parameter=absolute) for plugin in plugins)
 
 
 _MOST_CHARACTERS: Final = 5_000_000
@@ -71,27 +71,27 @@ def replaced_file(context: Context, source: Text, condition: Text, *pairs: Text)
 
     Each line is taken through all replacements in their order.
     """
-    path, held = context.perform(source), truth(context.perform(condition))
-    if held is False or HOLE in path:
+    path, applies = context.perform(source), truth(context.perform(condition))
+    if applies is False or HOLE in path:
         return path
-    if held is None:
+    if applies is None:
         return context.unresolved(f"whether texts of `{path}` are replaced is known only when it runs", path)
-    found = read(context, path)
-    if found is None:
+    source_file = read(context, path)
+    if source_file is None:
         return HOLE
     texts = [context.perform(text) for text in pairs]
-    known = _made_before(context, (path, *texts))
-    if known is not None:
-        return known
+    existing = _generated_before(context, (path, *texts))
+    if existing is not None:
+        return existing
     replacements = list(zip(texts[::2], texts[1::2], strict=False))
-    before = context.found.generated.get(path)
+    before = context.results.generated.get(path)
     entries = before.entries if before is not None else None
-    content = _replaced(found[1].decode(), replacements)
+    content = _replaced(source_file[1].decode(), replacements)
     if content is None:
         context.problem(LaunchProblemKind.LIMIT, f"texts grow over {_MOST_CHARACTERS} characters", path)
         return HOLE
-    made = tuple(_replaced_in(entry, replacements) for entry in entries) if entries is not None else None
-    return _named(context, path, Generated(found[0], content.encode("utf-8", "replace"), made, (path, *texts)))
+    changed = tuple(_replaced_in(entry, replacements) for entry in entries) if entries is not None else None
+    return _named(context, path, Generated(source_file[0], content.encode("utf-8", "replace"), changed, (path, *texts)))
 
 
 def _replaced(text: str, replacements: Sequence[tuple[str, str]]) -> str | None:
@@ -116,8 +116,8 @@ def _replaced_in(entry: Entry, replacements: Sequence[tuple[str, str]]) -> Entry
 def rewritten_file(context: Context, source: ParameterFile) -> str:
     """Return the name of a rewritten file of parameters."""
     path = context.perform(source.path)
-    found = read(context, path)
-    if found is None:
+    file = read(context, path)
+    if file is None:
         return HOLE
     rewriting = Rewriting(
         {context.perform(old): context.perform(new) for old, new in source.keys},
@@ -126,27 +126,27 @@ def rewritten_file(context: Context, source: ParameterFile) -> str:
         context.perform(source.root) if source.root is not None else "",
         source.location,
     )
-    known = _made_before(context, (path, rewriting))
-    if known is not None:
-        return known
+    existing = _generated_before(context, (path, rewriting))
+    if existing is not None:
+        return existing
     listed = read_parameters(context, path)
     if listed is None:
         return HOLE
-    return _named(context, path, Generated(*found, rewriting.applied(listed[1]), (path, rewriting)))
+    return _named(context, path, Generated(*file, rewriting.applied(listed[1]), (path, rewriting)))
 
 
-def _made_before(context: Context, recipe: tuple[object, ...]) -> str | None:
+def _generated_before(context: Context, recipe: tuple[object, ...]) -> str | None:
     """Return the name of the file made in the same way before."""
-    return next((name for name, other in context.found.generated.items() if other.recipe == recipe), None)
+    return next((name for name, other in context.results.generated.items() if other.recipe == recipe), None)
 
 
-def _named(context: Context, path: str, made: Generated) -> str:
+def _named(context: Context, path: str, file: Generated) -> str:
     """Store the generated file, and return its name."""
-    known = context.found.generated
+    generated = context.results.generated
     if not context.allows("generated files"):
         return HOLE
-    name = f"{path.partition('#')[0]}#{len(known) + 1}"
-    known[name] = made
+    name = f"{path.partition('#')[0]}#{len(generated) + 1}"
+    generated[name] = file
     return name
 
 
@@ -182,10 +182,10 @@ def _perform(context: Context, part: Substitution) -> str:
         return rewritten_file(context, part.file)
     if not context.allows("substitutions"):  # Python can put the same one into many others, and those into many
         return HOLE
-    known = _KINDS.get(part.kind)
-    if known is None:
+    kind = _KINDS.get(part.kind)
+    if kind is None:
         return context.unresolved(part.reason or f"`$({part.kind})` is known only when it runs", part.kind)
-    performer, least, most = known
+    performer, least, most = kind
     if not least <= len(part.arguments) <= most:
         context.problem(LaunchProblemKind.MALFORMED, f"`$({part.kind})` has too few or too many operands", part.kind)
         return HOLE
@@ -203,7 +203,7 @@ def _var(context: Context, name: Text, default: Text | None = None) -> str:
         return perform(context, default)
     if context.scope.unread:
         return context.unresolved(f"`{wanted}` may be set by an included file that is not in the build", wanted)
-    if context.found.reads_first(wanted, context.location.path, context.chain):
+    if context.results.reads_first(wanted, context.location.path, context.chain):
         message = f"the argument `{wanted}` is read, but nothing declares or sets it before"
         context.problem(LaunchProblemKind.UNDECLARED_ARGUMENT, message, wanted)
     return HOLE
@@ -216,7 +216,7 @@ def _env(context: Context, name: Text, default: Text | None = None) -> str:
         return value
     if default is not None:
         text = perform(context, default)
-        context.found.defaults.setdefault(wanted, {}).setdefault(text, context.location)
+        context.results.defaults.setdefault(wanted, {}).setdefault(text, context.location)
         return text
     return context.unresolved(f"the variable `{wanted}` of the environment is known only when it runs", wanted)
 
@@ -260,8 +260,8 @@ def _command(context: Context, command: Text, _on_error: Text = ()) -> str:
 
 
 def _content(context: Context, path: Text) -> str:
-    found = read(context, perform(context, path))
-    return HOLE if found is None else found[1].decode()
+    file = read(context, perform(context, path))
+    return HOLE if file is None else file[1].decode()
 
 
 def _anon(context: Context, name: Text) -> str:
@@ -282,30 +282,30 @@ def _path(context: Context, *parts: Text) -> str:
 
 
 def _not(context: Context, value: Text) -> str:
-    known = _truth(context, value)
-    return HOLE if known is None else str(not known).lower()
+    operand = _truth(context, value)
+    return HOLE if operand is None else str(not operand).lower()
 
 
 def _all(context: Context, *values: Text) -> str:
-    known = [_truth(context, value) for value in values]
-    if False in known:
+    truths = [_truth(context, value) for value in values]
+    if False in truths:
         return "false"
-    return HOLE if None in known else "true"
+    return HOLE if None in truths else "true"
 
 
 def _any(context: Context, *values: Text) -> str:
-    known = [_truth(context, value) for value in values]
-    if True in known:
+    truths = [_truth(context, value) for value in values]
+    if True in truths:
         return "true"
-    return HOLE if None in known else "false"
+    return HOLE if None in truths else "false"
 
 
 def _truth(context: Context, value: Text) -> bool | None:
     text = perform(context, value)
-    known = truth(text)
-    if known is None and HOLE not in text:
+    result = truth(text)
+    if result is None and HOLE not in text:
         context.problem(LaunchProblemKind.MALFORMED, f"`{text}` is neither true nor false")
-    return known
+    return result
 
 
 def _equals(context: Context, left: Text, right: Text) -> str:
@@ -326,11 +326,11 @@ def _differs(context: Context, left: Text, right: Text) -> str:
 
 
 def _if(context: Context, condition: Text, then: Text, otherwise: Text = ()) -> str:
-    known = _truth(context, condition)
-    if known is None:
+    test = _truth(context, condition)
+    if test is None:
         one, other = perform(context, then), perform(context, otherwise)
         return one if one == other else HOLE
-    return perform(context, then if known else otherwise)
+    return perform(context, then if test else otherwise)
 
 
 def _parameter(context: Context, name: Text) -> str:

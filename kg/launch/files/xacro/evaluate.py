@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.evaluation import HOLE, NotKnownError
+from kg.extract.python.evaluation import HOLE, UnknownValueError
 from kg.facts import LaunchProblemKind
 from kg.holes import ANONYMOUS
 from kg.launch.files.ros1.parameterfile import shown
@@ -40,10 +40,10 @@ def collect(file: FilePath, files: Files, loading: Loading, texts: Texts) -> Tab
             count += 1
             if count > _MOST_ELEMENTS:
                 return table
-            found = _define(table, element, current)
-            if found is None:
+            defined = _define(table, element, current)
+            if defined is None:
                 continue
-            included = loading.find(texts.text(found, table), files.folder(current)).file
+            included = loading.find(texts.text(defined, table), files.folder(current)).file
             if included is not None and included not in seen and len(seen) < _MOST_FILES:
                 seen.add(included)
                 waiting.append(included)
@@ -84,7 +84,7 @@ _COMMANDS: Final = frozenset({"property", "macro", "include", "insert_block", "i
 
 
 @dataclass(slots=True)
-class Made:
+class Output:
     """An element of the description that has or is a plugin; `file`, `line` and `steps` are its place.
 
     `steps` are the places of the includes and calls of macros that led to it.
@@ -97,7 +97,7 @@ class Made:
     steps: tuple[tuple[FilePath, int], ...]
     conditions: tuple[str, ...]
     text: str = ""
-    children: list[Made] = field(default_factory=list)
+    children: list[Output] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +116,7 @@ class Trouble:
 class Description:
     """The result of a description: elements with plugins in them, problems, and the files that were read."""
 
-    made: tuple[Made, ...] = ()
+    elements: tuple[Output, ...] = ()
     troubles: tuple[Trouble, ...] = ()
     files: tuple[FilePath, ...] = ()
 
@@ -162,7 +162,7 @@ class _Evaluation:
         self._files = files
         self._texts = Texts(Substituter(files, environment), around, self._yaml)
         self._texts.early = self._early
-        self._made: list[Made] = []
+        self._outputs: list[Output] = []
         self._troubles: dict[tuple[LaunchProblemKind, str, FilePath, int], Trouble] = {}
         self._elements = 0
         self._root = file
@@ -178,11 +178,11 @@ class _Evaluation:
 
     def run(self, file: FilePath) -> None:
         """Evaluate the file that is named."""
-        self._made = list(self._file(_At(Table(self._texts.value), file), file, 1))
+        self._outputs = list(self._file(_At(Table(self._texts.value), file), file, 1))
 
     def description(self) -> Description:
         """Return the result."""
-        return Description(tuple(self._made), tuple(self._troubles.values()), tuple(self._loading.read))
+        return Description(tuple(self._outputs), tuple(self._troubles.values()), tuple(self._loading.read))
 
     def trouble(  # noqa: PLR0913, PLR0917 - the fields of a problem
         self,
@@ -194,10 +194,10 @@ class _Evaluation:
         subject: str | None = None,
     ) -> None:
         """Note a problem, each once."""
-        found = Trouble(kind, shown(message), file, line, steps, subject and shown(subject))
-        self._troubles.setdefault((kind, message, file, line), found)
+        trouble = Trouble(kind, shown(message), file, line, steps, subject and shown(subject))
+        self._troubles.setdefault((kind, message, file, line), trouble)
 
-    def _file(self, at: _At, file: FilePath, line: int) -> Iterator[Made]:
+    def _file(self, at: _At, file: FilePath, line: int) -> Iterator[Output]:
         data = self._loading.data(file)
         if data is None:
             self.trouble(LaunchProblemKind.LIMIT, f"the file {file.path} is not read", at.file, line, at.steps)
@@ -212,7 +212,7 @@ class _Evaluation:
         yield from self._children(inner, document.root.children, None)
         self._texts.around.folder = before
 
-    def _children(self, at: _At, children: Iterable[Element | str], parent: Made | None) -> Iterator[Made]:
+    def _children(self, at: _At, children: Iterable[Element | str], parent: Output | None) -> Iterator[Output]:
         """Yield the results of the elements; texts, and commands about the parent, change that."""
         for child in children:
             if isinstance(child, str):
@@ -227,7 +227,7 @@ class _Evaluation:
             deeper = replace(at, depth=at.depth + 1)
             yield from self._one(deeper, child, parent)
 
-    def _one(self, at: _At, element: Element, parent: Made | None) -> Iterator[Made]:
+    def _one(self, at: _At, element: Element, parent: Output | None) -> Iterator[Output]:
         command = element.command
         if command in _COMMANDS:
             yield from getattr(self, f"_do_{command}")(at, element, parent)
@@ -240,33 +240,33 @@ class _Evaluation:
         elif command is None:
             yield from self._plain(at, element)
 
-    def _plain(self, at: _At, element: Element) -> Iterator[Made]:
+    def _plain(self, at: _At, element: Element) -> Iterator[Output]:
         is_plugin = element.tag == _PLUGIN and "filename" in element.attributes
         inside = at.inside or is_plugin
         says = inside or element.tag in _AROUND
         attributes = {key: self._texts.text(text, at.table) for key, text in element.attributes.items()} if says else {}
-        made = Made(element.tag, attributes, at.file, element.line, at.steps, at.conditions)
+        output = Output(element.tag, attributes, at.file, element.line, at.steps, at.conditions)
         within = replace(at, inside=inside)
-        made.children = list(self._children(within, element.children, made if says else None))
-        if says or made.children:
-            yield made
+        output.children = list(self._children(within, element.children, output if says else None))
+        if says or output.children:
+            yield output
 
     def _call(self, at: _At, element: Element, command: str | None) -> tuple[Macro, Table] | None:
         """Return the macro that an element calls; without prefix only if it can be nothing else."""
         name = element.tag if command is None else command
         if command == "call":
             name = self._texts.text(element.attributes.get("macro", ""), at.table)
-        found = at.table.macro(name)
-        if command is not None or found is None:
-            later = self._early().macro(name) if found is None and command is not None else None
-            return found or (later and (later[0], at.table))
-        macro, _ = found
+        match = at.table.macro(name)
+        if command is not None or match is None:
+            later = self._early().macro(name) if match is None and command is not None else None
+            return match or (later and (later[0], at.table))
+        macro, _ = match
         needed = {name for name, default in macro.parameters.items() if default is None and not name.startswith("*")}
         given = element.attributes.keys()
         fits = needed <= given <= macro.parameters.keys() and (needed or not element.children)
-        return found if fits and not at.inside and macro.name not in at.open else None
+        return match if fits and not at.inside and macro.name not in at.open else None
 
-    def _expand(self, at: _At, element: Element, call: tuple[Macro, Table], parent: Made | None) -> Iterator[Made]:
+    def _expand(self, at: _At, element: Element, call: tuple[Macro, Table], parent: Output | None) -> Iterator[Output]:
         macro, around = call
         blocks = [
             Block((one,), at.table, at.file) for one in self._flat(at, element.children) if isinstance(one, Element)
@@ -290,14 +290,14 @@ class _Evaluation:
         written, wanted = element.attributes.get("value", ""), element.command == "if"
         try:
             return truth(self._texts.value(written, at.table)) is wanted, None
-        except NotKnownError:
+        except UnknownValueError:
             return True, written if wanted else f"not {written}"
         except ValueError:
             message = f"the condition '{written}' is neither true nor false"
             self.trouble(LaunchProblemKind.MALFORMED, message, at.file, element.line, at.steps)
             return True, written
 
-    def _do_if(self, at: _At, element: Element, parent: Made | None) -> Iterator[Made]:
+    def _do_if(self, at: _At, element: Element, parent: Output | None) -> Iterator[Output]:
         holds, words = self._holds(at, element)
         if holds:
             conditions = at.conditions if words is None else (*at.conditions, words)
@@ -306,12 +306,12 @@ class _Evaluation:
 
     _do_unless = _do_if
 
-    def _do_macro(self, at: _At, element: Element, _: Made | None) -> tuple[()]:
+    def _do_macro(self, at: _At, element: Element, _: Output | None) -> tuple[()]:
         macro = grab_macro(element, at.file)
         at.table.macros[macro.name] = macro
         return ()
 
-    def _do_property(self, at: _At, element: Element, _: Made | None) -> tuple[()]:
+    def _do_property(self, at: _At, element: Element, _: Output | None) -> tuple[()]:
         name = self._texts.text(element.attributes.get("name", ""), at.table)
         given = {key: element.attributes.get(key) for key in ("value", "default", "scope", "lazy_eval", "remove")}
         if given["remove"] in {"true", "True", "1"}:
@@ -329,27 +329,27 @@ class _Evaluation:
                 target.set(name, value if lazy else self._texts.value(value, at.table), lazy=lazy)
         return ()
 
-    def _do_arg(self, at: _At, element: Element, _: Made | None) -> tuple[()]:
+    def _do_arg(self, at: _At, element: Element, _: Output | None) -> tuple[()]:
         name, default = element.attributes.get("name"), element.attributes.get("default")
         arguments = self._texts.around.arguments
         if name is not None and default is not None and name not in arguments:
             arguments[name] = self._texts.text(default, at.table)
         return ()
 
-    def _do_attribute(self, at: _At, element: Element, parent: Made | None) -> tuple[()]:
+    def _do_attribute(self, at: _At, element: Element, parent: Output | None) -> tuple[()]:
         if parent is not None:
             name, text = (self._texts.text(element.attributes.get(key, ""), at.table) for key in ("name", "value"))
             parent.attributes[name] = text
         return ()
 
-    def _do_insert_block(self, at: _At, element: Element, parent: Made | None) -> Iterator[Made]:
+    def _do_insert_block(self, at: _At, element: Element, parent: Output | None) -> Iterator[Output]:
         name = self._texts.text(element.attributes.get("name", ""), at.table)
         block = at.table.block(name) or self._early().block(name)
         if block is not None:
             inner = replace(at, table=block.scope or at.table, file=block.file)
             yield from self._children(inner, block.elements, parent)
 
-    def _do_include(self, at: _At, element: Element, _: Made | None) -> Iterator[Made]:
+    def _do_include(self, at: _At, element: Element, _: Output | None) -> Iterator[Output]:
         written = self._texts.text(element.attributes.get("filename", ""), at.table)
         space = element.attributes.get("ns")
         table = at.table
@@ -357,10 +357,10 @@ class _Evaluation:
             table = Table(self._texts.value, at.table, spaced=True)
             at.table.set(self._texts.text(space, at.table), table)
         optional = element.attributes.get("optional") in {"true", "True", "1"}
-        found = self._loading.find(written, self._texts.around.folder)
-        if found.reason is not None and not optional:
-            self.trouble(found.kind, found.reason, at.file, element.line, at.steps, found.subject)
-        file = found.file
+        match = self._loading.find(written, self._texts.around.folder)
+        if match.reason is not None and not optional:
+            self.trouble(match.kind, match.reason, at.file, element.line, at.steps, match.subject)
+        file = match.file
         if file is not None and (file == at.file or any(file == step for step, _ in at.steps)):
             message = f"{file.path} includes itself"
             self.trouble(LaunchProblemKind.CYCLE, message, at.file, element.line, at.steps, file.path)

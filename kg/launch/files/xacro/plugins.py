@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 from kg.facts import LaunchPlugin, LaunchProblem, LaunchProblemKind, Location, PluginValue
 from kg.holes import ANONYMOUS
 from kg.launch.files.ros1.parameterfile import shown
-from kg.launch.files.xacro.evaluate import Description, Made, Trouble, evaluate_description
+from kg.launch.files.xacro.evaluate import Description, Output, Trouble, evaluate_description
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -24,7 +24,7 @@ _DESCRIPTIONS: Final = (".urdf", ".sdf", ".xml", ".gazebo")
 _MOST_VALUE: Final = 1000
 _MOST_DESCRIPTIONS: Final = 1000
 """Different descriptions, or arguments of them, that the launch files of one package may name."""
-_KNOWN: Final[WeakKeyDictionary[Reader, dict[object, Description]]] = WeakKeyDictionary()
+_CACHE: Final[WeakKeyDictionary[Reader, dict[object, Description]]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,16 +47,16 @@ class Descriptions:
     def read(self, file: FilePath, arguments: Mapping[str, str], chain: tuple[Location, ...]) -> Read:
         """Return the plugins of the description in a file; `chain` are the lines that led to it."""
         key = file, tuple(sorted(arguments.items())), tuple(sorted(self._environment.items()))
-        known = _KNOWN.setdefault(self._files.reader, {})
-        if key not in known and len(known) >= _MOST_DESCRIPTIONS:
+        cached = _CACHE.setdefault(self._files.reader, {})
+        if key not in cached and len(cached) >= _MOST_DESCRIPTIONS:
             message = f"more than {_MOST_DESCRIPTIONS} robot descriptions are named"
             at = chain[-1] if chain else self._location(file, 1)
             return Read((), (LaunchProblem(LaunchProblemKind.LIMIT, message, at, chain[:-1]),))
-        if key not in known:
-            known[key] = evaluate_description(self._files, file, arguments, self._environment)
-        found = known[key]
-        plugins = tuple(plugin for one in found.made for plugin in self._plugins(one, (), chain))
-        return Read(plugins, tuple(self._problem(one, chain) for one in found.troubles), found.files)
+        if key not in cached:
+            cached[key] = evaluate_description(self._files, file, arguments, self._environment)
+        description = cached[key]
+        plugins = tuple(plugin for one in description.elements for plugin in self._plugins(one, (), chain))
+        return Read(plugins, tuple(self._problem(one, chain) for one in description.troubles), description.files)
 
     def _location(self, file: FilePath, line: int) -> Location:
         return Location(file.path, line, None if file.repository == self._root.repository else file.repository)
@@ -68,23 +68,23 @@ class Descriptions:
         place = self._location(one.file, one.line)
         return LaunchProblem(one.kind, one.message, place, self._steps(one.steps, chain), one.subject)
 
-    def _plugins(self, made: Made, above: tuple[Made, ...], chain: tuple[Location, ...]) -> Iterator[LaunchPlugin]:
-        if made.tag != "plugin" or "filename" not in made.attributes:
-            for child in made.children:
-                yield from self._plugins(child, (*above, made), chain)
+    def _plugins(self, item: Output, above: tuple[Output, ...], chain: tuple[Location, ...]) -> Iterator[LaunchPlugin]:
+        if item.tag != "plugin" or "filename" not in item.attributes:
+            for child in item.children:
+                yield from self._plugins(child, (*above, item), chain)
             return
-        values = [*self._values(made, "", made), *self._near(above, made)]
+        values = [*self._values(item, "", item), *self._near(above, item)]
         yield LaunchPlugin(
-            library=shown(made.attributes["filename"]).strip()[:_MOST_VALUE],
+            library=shown(item.attributes["filename"]).strip()[:_MOST_VALUE],
             parameter="",
-            location=self._location(made.file, made.line),
-            chain=self._steps(made.steps, chain),
-            name=shown(made.attributes.get("name", ""))[:_MOST_VALUE] or None,
+            location=self._location(item.file, item.line),
+            chain=self._steps(item.steps, chain),
+            name=shown(item.attributes.get("name", ""))[:_MOST_VALUE] or None,
             values=tuple(values),
-            condition=" and ".join(made.conditions) or None,
+            condition=" and ".join(item.conditions) or None,
         )
 
-    def _near(self, above: Sequence[Made], plugin: Made) -> Iterator[PluginValue]:
+    def _near(self, above: Sequence[Output], plugin: Output) -> Iterator[PluginValue]:
         """Yield the fields of the sensor around a plugin: its name, type and topic, and its cameras."""
         sensor = next((one for one in reversed(above) if one.tag == "sensor"), None)
         if sensor is None:
@@ -97,19 +97,19 @@ class Descriptions:
                 if "name" in child.attributes:
                     yield self._value(f"../{child.tag}@name", child.attributes["name"], child, plugin)
 
-    def _values(self, made: Made, path: str, plugin: Made) -> Iterator[PluginValue]:
-        for child in made.children:
+    def _values(self, output: Output, path: str, plugin: Output) -> Iterator[PluginValue]:
+        for child in output.children:
             inner = f"{path}/{child.tag}" if path else child.tag
             yield self._value(inner, child.text, child, plugin)
             for name, text in child.attributes.items():
                 yield self._value(f"{inner}@{name}", text, child, plugin)
             yield from self._values(child, inner, plugin)
 
-    def _value(self, path: str, text: str, made: Made, plugin: Made) -> PluginValue:
+    def _value(self, path: str, text: str, output: Output, plugin: Output) -> PluginValue:
         """Return a value; one that may be absent is unknown."""
-        sure = len(made.conditions) <= len(plugin.conditions)
-        known = shown(text).strip()[:_MOST_VALUE] if sure else ANONYMOUS
-        return PluginValue(path, known, self._location(made.file, made.line))
+        sure = len(output.conditions) <= len(plugin.conditions)
+        value = shown(text).strip()[:_MOST_VALUE] if sure else ANONYMOUS
+        return PluginValue(path, value, self._location(output.file, output.line))
 
 
 def started(words: Sequence[str]) -> Sequence[str]:

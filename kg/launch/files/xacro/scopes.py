@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
-from kg.extract.python.evaluation import HOLE, NotKnownError
+from kg.extract.python.evaluation import HOLE, UnknownValueError
 from kg.launch.files.markup import Markup
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _text(parent: Element, text: str, _line: int) -> None:
         parent.children.append(text)
 
 
-DESCRIPTION: Final = Markup(Element, _text, whole_texts=True, kept=512)
+DESCRIPTION: Final = Markup(Element, _text, whole_texts=True, cached=512)
 """The language of robot descriptions."""
 
 
@@ -111,7 +111,7 @@ class Table:
         return self._holder(name) is not None
 
     def __getitem__(self, name: str) -> object:
-        """Return the value of a property; `NotKnownError` for one that depends on itself, `KeyError` for none."""
+        """Return the value of a property; `UnknownValueError` for one that depends on itself, `KeyError` for none."""
         holder = self._holder(name)
         if holder is None:
             raise KeyError(name)
@@ -119,14 +119,14 @@ class Table:
         if not isinstance(value, _Lazy):
             return value
         if value.busy:
-            raise NotKnownError
+            raise UnknownValueError
         value.busy = True
         try:
-            known = literal(self.evaluate(value.text, holder))
+            result = literal(self.evaluate(value.text, holder))
         finally:
             value.busy = False
-        holder.values[name] = known
-        return known
+        holder.values[name] = result
+        return result
 
     def _upwards(self) -> Iterator[Table]:
         """Yield the scope and those around it, the innermost first."""
@@ -140,8 +140,8 @@ class Table:
 
     def set(self, name: str, value: object, *, lazy: bool = False) -> None:
         """Set a property; a text that is `lazy` and no number or boolean is evaluated later."""
-        known = literal(value)
-        self.values[name] = _Lazy(known) if lazy and isinstance(known, str) and "$" in known else known
+        constant = literal(value)
+        self.values[name] = _Lazy(constant) if lazy and isinstance(constant, str) and "$" in constant else constant
 
     def drop(self, name: str) -> None:
         """Remove a property from this scope and those around it."""
@@ -166,9 +166,9 @@ class Table:
 
     def macro(self, name: str) -> tuple[Macro, Table] | None:
         """Return a macro with the scope that its own is in; `name` may have namespaces in front."""
-        found = next((table.macros[name] for table in self._upwards() if name in table.macros), None)
-        if found is not None:
-            return found, self
+        macro = next((table.macros[name] for table in self._upwards() if name in table.macros), None)
+        if macro is not None:
+            return macro, self
         space, dot, rest = name.partition(".")
         inner = self[space] if dot and space in self else None
         return inner.macro(rest) if isinstance(inner, Table) else None
@@ -193,10 +193,10 @@ def literal(value: object) -> object:
 
 
 def truth(value: object) -> bool:
-    """Return the truth of a condition; `NotKnownError` for an unknown one, `ValueError` if it is neither."""
+    """Return the truth of a condition; `UnknownValueError` for an unknown one, `ValueError` if it is neither."""
     if isinstance(value, str):
         if HOLE in value:
-            raise NotKnownError
+            raise UnknownValueError
         return _WORDS[value] if value in _WORDS else bool(int(value))
     return bool(value)
 
@@ -212,11 +212,11 @@ _MOST_PARAMETERS: Final = 1000
 def grab_macro(element: Element, file: FilePath) -> Macro:
     """Return the macro that an element defines."""
     parameters: dict[str, tuple[bool, str | None] | None] = {}
-    for found in _PARAMETER.finditer(element.attributes.get("params", "")):
+    for match in _PARAMETER.finditer(element.attributes.get("params", "")):
         if len(parameters) >= _MOST_PARAMETERS:
             break
-        default = (found["forward"] is not None, found["default"] or None) if found["given"] else None
-        parameters[found["name"]] = default
+        default = (match["forward"] is not None, match["default"] or None) if match["given"] else None
+        parameters[match["name"]] = default
     return Macro(element.attributes.get("name", "").removeprefix("xacro:"), element, parameters, file)
 
 
@@ -244,7 +244,7 @@ def _default(name: str, default: tuple[bool, str | None], caller: Table, texts: 
     if forward and name in caller:
         try:
             return caller[name]
-        except NotKnownError:
+        except UnknownValueError:
             return HOLE
     return HOLE if written is None and forward else texts.value(written or "", caller)
 

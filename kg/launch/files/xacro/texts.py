@@ -15,14 +15,14 @@ from kg.extract.python.evaluation import (
     MISSING,
     Dialect,
     ExpressionError,
-    NotKnownError,
+    UnknownValueError,
     UnsupportedError,
     evaluate_text,
     failure,
     is_builtin,
 )
 from kg.facts import LaunchProblemKind
-from kg.launch.files.access import SCHEME, Files, Found
+from kg.launch.files.access import SCHEME, Files, Match
 from kg.launch.files.ros1.parameterfile import MOST_CHARACTERS, read_value, shown
 from kg.launch.files.xacro.scopes import Table
 
@@ -47,24 +47,24 @@ class Loading:
             self.read[file] = None
         return data
 
-    def find(self, written: str, folder: str) -> Found:
+    def find(self, written: str, folder: str) -> Match:
         """Return the file that a text names from a folder."""
         text = written if written.startswith(("/", SCHEME)) or "://" in written else f"{folder}/{written}"
         if HOLE in text or any(mark in text for mark in "*?["):
-            return Found(None, reason=f"which file {shown(text)} is, is not known", subject=text)
+            return Match(None, reason=f"which file {shown(text)} is, is not known", subject=text)
         return self._files.find(text)
 
     def yaml(self, written: str, folder: str) -> object:
-        """Return a file of YAML as dictionaries; `NotKnownError` if none can be read."""
+        """Return a file of YAML as dictionaries; `UnknownValueError` if none can be read."""
         file = self.find(written, folder).file
         data = self.data(file) if file is not None else None
         try:
-            found = read_value(data.decode()) if data is not None else None
+            content = read_value(data.decode()) if data is not None else None
         except ValueError:
-            found = None
-        if not isinstance(found, dict):
-            raise NotKnownError
-        return found
+            content = None
+        if not isinstance(content, dict):
+            raise UnknownValueError
+        return content
 
 
 _TOKEN: Final = re.compile(r"\$\$+(?=[{(])|\$\{[^}]*\}|\$\([^)]*\)|[^$]+|\$")
@@ -133,7 +133,7 @@ class Texts:
         if _NAME.fullmatch(expression) and expression in table:
             try:
                 return table[expression]
-            except NotKnownError:
+            except UnknownValueError:
                 return HOLE
         if HOLE in expression:
             return HOLE
@@ -146,7 +146,7 @@ class Texts:
         )
         try:
             return evaluate_text(expression, dialect)
-        except NotKnownError:
+        except UnknownValueError:
             return HOLE
         except (ExpressionError, UnsupportedError) as error:
             self.why.setdefault(failure(expression, error))
@@ -166,7 +166,7 @@ class Texts:
 
     def _argument(self, name: str) -> object:
         if name not in self.around.arguments:
-            raise NotKnownError
+            raise UnknownValueError
         return self.around.arguments[name]
 
 

@@ -30,7 +30,7 @@ from kg.launch.files.ros2.actions import (
 )
 from kg.launch.files.ros2.actions import Text as LaunchText
 from kg.launch.files.ros2.python.values import (
-    Made,
+    Instance,
     condition_of,
     condition_on,
     entries_of,
@@ -59,24 +59,24 @@ _MAX_ENTRIES: Final = 20_000
 
 def value_of(name: LaunchText, value: Value, location: Location) -> ParameterValue:
     """Return one parameter."""
-    if isinstance(value, Made) and value.name in ("ParameterValue", "Parameter"):
+    if isinstance(value, Instance) and value.name in ("ParameterValue", "Parameter"):
         kind, inner = value.fields.get("value_type"), value.fields.get("value", NULL)
         is_text = isinstance(kind, TypeValue) and kind.kind.names == ("builtins", "str")
         if is_text or isinstance(inner, Text):
             return ParameterValue(name, launch_text(inner), location, as_text=is_text)
         return value_of(name, inner, location)
     if isinstance(value, Number | Truth):
-        found = plain(value)
-        return ParameterValue(name, found if isinstance(found, bool | int | float) else 0, location)
+        constant = plain(value)
+        return ParameterValue(name, constant if isinstance(constant, bool | int | float) else 0, location)
     if isinstance(value, Text):
-        return ParameterValue(name, launch_text(value), location, as_text=value.known is not None)
+        return ParameterValue(name, launch_text(value), location, as_text=value.exact is not None)
     if isinstance(value, Sequence):
         return _list_value(name, list(value.items), location)
     return ParameterValue(name, launch_text(value), location)
 
 
 def _is_later(value: Value) -> bool:
-    return is_substitution(value) or (isinstance(value, Text) and value.known is None)
+    return is_substitution(value) or (isinstance(value, Text) and value.exact is None)
 
 
 def _list_value(name: LaunchText, values: list[Value], location: Location) -> ParameterValue:
@@ -85,23 +85,23 @@ def _list_value(name: LaunchText, values: list[Value], location: Location) -> Pa
         return ParameterValue(name, join([part for item in values for part in launch_text(item)]), location)
     if unknown is not None:
         return ParameterValue(name, unknown_text(reason_of(unknown)), location)
-    known = (plain(item) for item in values)
-    found = [launch_text(item) if one is None else one for item, one in zip(values, known, strict=True)]
-    return ParameterValue(name, list(found), location)
+    constants = (plain(item) for item in values)
+    items = [launch_text(item) if one is None else one for item, one in zip(values, constants, strict=True)]
+    return ParameterValue(name, list(items), location)
 
 
-def sources_of(reading: Reading, made: Made) -> tuple[ParameterSource, ...]:
+def sources_of(reading: Reading, entity: Instance) -> tuple[ParameterSource, ...]:
     """Return the parameters that a node gets, in their order."""
-    value, location = made.value("parameters"), made.place("parameters")
+    value, location = entity.value("parameters"), entity.place("parameters")
     if value is None:
         return ()
-    whole = isinstance(value, Mapping) or (isinstance(value, Text) and value.known is not None)
-    found = [(value, ())] if whole else reading.machine.items(value)
-    if found is None:
+    whole = isinstance(value, Mapping) or (isinstance(value, Text) and value.exact is not None)
+    items = [(value, ())] if whole else reading.machine.items(value)
+    if items is None:
         return (ParameterFile(unknown_text(f"parameters are not known: {reason_of(value)}"), location),)
-    places = reading.places_of(value, len(found), location)
+    places = reading.places_of(value, len(items), location)
     sources: list[ParameterSource] = []
-    for (item, terms), place in zip(found, places, strict=True):
+    for (item, terms), place in zip(items, places, strict=True):
         if terms:
             sources.append(ParameterFile(_dependent(terms), place))
         else:
@@ -112,7 +112,7 @@ def sources_of(reading: Reading, made: Made) -> tuple[ParameterSource, ...]:
 def _sources(reading: Reading, item: Value, location: Location) -> list[ParameterSource]:
     if isinstance(item, Mapping):
         return list(islice(_entries(reading, item, (), location), _MAX_ENTRIES))
-    if isinstance(item, Made) and item.name == "Parameter":
+    if isinstance(item, Instance) and item.name == "Parameter":
         return [value_of(item.text("name") or (), item, item.location)]
     if isinstance(item, Sequence | Text) or is_substitution(item):
         return [file_of(item, location)]
@@ -147,18 +147,18 @@ _NAMING: Final = ("package", "executable", "plugin", "name", "namespace", "node_
 _MAX_OPTIONS: Final = 16
 
 
-def _rows(made: Made) -> list[tuple[Condition | None, Made]]:
+def _rows(entity: Instance) -> list[tuple[Condition | None, Instance]]:
     """Return a node for each option of its type and name, with the condition of the option."""
-    names = [name for name in _NAMING if isinstance(made.fields.get(name), Either)]
+    names = [name for name in _NAMING if isinstance(entity.fields.get(name), Either)]
     if not names:
-        return [(None, made)]
-    found = rows(tuple(made.fields[name] for name in names), _MAX_OPTIONS)
+        return [(None, entity)]
+    options = rows(tuple(entity.fields[name] for name in names), _MAX_OPTIONS)
     return [
         (
             condition_of(terms_of_way(way)),
-            replace(made, fields={**made.fields, **dict(zip(names, row, strict=True))}),
+            replace(entity, fields={**entity.fields, **dict(zip(names, row, strict=True))}),
         )
-        for row, way in found
+        for row, way in options
     ]
 
 
@@ -166,53 +166,53 @@ def _optional(value: Value | None) -> LaunchText | None:
     return None if value is None else launch_text(value)
 
 
-def _node(kind: str) -> Callable[[Reading, Made], list[Action]]:
-    def read(reading: Reading, made: Made) -> list[Action]:
-        found: list[Action] = []
-        for condition, one in _rows(made):
-            found += reading.under(condition, [_started(reading, one, kind)])
-        return found
+def _node(kind: str) -> Callable[[Reading, Instance], list[Action]]:
+    def read(reading: Reading, entity: Instance) -> list[Action]:
+        actions: list[Action] = []
+        for condition, one in _rows(entity):
+            actions += reading.under(condition, [_started(reading, one, kind)])
+        return actions
 
     return read
 
 
-def _started(reading: Reading, made: Made, kind: str) -> NodeAction:
+def _started(reading: Reading, entity: Instance, kind: str) -> NodeAction:
     component = kind == "component"
     return NodeAction(
-        location=made.location,
-        condition=condition_on(made),
+        location=entity.location,
+        condition=condition_on(entity),
         kind=kind,
-        package=_optional(made.value("package")),
-        executable=None if component else _optional(made.first("executable", "node_executable")),
-        plugin=_optional(made.first("plugin", "node_plugin")) if component else None,
-        name=_optional(made.first("name", "node_name")),
-        namespace=_optional(made.first("namespace", "node_namespace")),
-        remaps=_remaps(reading, made),
-        parameters=sources_of(reading, made),
-        arguments=() if component else _words(reading, made, "arguments"),
-        ros_arguments=() if component else _words(reading, made, "ros_arguments"),
-        settings=_extra(made) if component else _settings(made),
-        components=() if component else tuple(_components(reading, made)),
+        package=_optional(entity.value("package")),
+        executable=None if component else _optional(entity.first("executable", "node_executable")),
+        plugin=_optional(entity.first("plugin", "node_plugin")) if component else None,
+        name=_optional(entity.first("name", "node_name")),
+        namespace=_optional(entity.first("namespace", "node_namespace")),
+        remaps=_remaps(reading, entity),
+        parameters=sources_of(reading, entity),
+        arguments=() if component else _words(reading, entity, "arguments"),
+        ros_arguments=() if component else _words(reading, entity, "ros_arguments"),
+        settings=_extra(entity) if component else _settings(entity),
+        components=() if component else tuple(_components(reading, entity)),
     )
 
 
-def _settings(made: Made) -> tuple[tuple[str, LaunchText], ...]:
-    given = {name: held for name in _SETTINGS if (held := made.value(name)) is not None}
+def _settings(entity: Instance) -> tuple[tuple[str, LaunchText], ...]:
+    given = {name: held for name in _SETTINGS if (held := entity.value(name)) is not None}
     output = given.get("output")
     if isinstance(output, Mapping):
-        streams = {key.known: value for key, value in output.items if isinstance(key, Text)}
+        streams = {key.exact: value for key, value in output.items if isinstance(key, Text)}
         given["output"] = streams.get("stdout", streams.get("both", Text.of("")))
-    found = [("launch-prefix" if name == "prefix" else name, launch_text(value)) for name, value in given.items()]
+    settings = [("launch-prefix" if name == "prefix" else name, launch_text(value)) for name, value in given.items()]
     for name in ("env", "additional_env"):
-        found += [(f"env {_flat(key)}", launch_text(value)) for key, value in entries_of(made.value(name))]
-    end = made.value("on_exit")
-    if isinstance(end, Made) and end.name in ("Shutdown", "ShutdownAction", "EmitEvent"):
-        found.append(("required", ("true",)))
-    return tuple(found)
+        settings += [(f"env {_flat(key)}", launch_text(value)) for key, value in entries_of(entity.value(name))]
+    end = entity.value("on_exit")
+    if isinstance(end, Instance) and end.name in ("Shutdown", "ShutdownAction", "EmitEvent"):
+        settings.append(("required", ("true",)))
+    return tuple(settings)
 
 
-def _extra(made: Made) -> tuple[tuple[str, LaunchText], ...]:
-    value = made.value("extra_arguments")
+def _extra(entity: Instance) -> tuple[tuple[str, LaunchText], ...]:
+    value = entity.value("extra_arguments")
     tables = value.items if isinstance(value, Sequence) else ()
     return tuple((_flat(key), launch_text(item)) for table in tables for key, item in entries_of(table))
 
@@ -221,16 +221,16 @@ def _flat(value: Value) -> str:
     return "".join(part if isinstance(part, str) else ANONYMOUS for part in launch_text(value))
 
 
-def _words(reading: Reading, made: Made, name: str) -> tuple[LaunchText, ...]:
-    value = made.value(name)
+def _words(reading: Reading, entity: Instance, name: str) -> tuple[LaunchText, ...]:
+    value = entity.value(name)
     if value is None:
         return ()
     if isinstance(value, Text):
         return (launch_text(value),)
-    found = reading.machine.items(value)
-    if found is None:
+    items = reading.machine.items(value)
+    if items is None:
         return (unknown_text(reason_of(value)),)
-    return tuple(_dependent(terms) if terms else launch_text(item) for item, terms in found)
+    return tuple(_dependent(terms) if terms else launch_text(item) for item, terms in items)
 
 
 def _dependent(terms: tuple[str, ...]) -> LaunchText:
@@ -238,15 +238,15 @@ def _dependent(terms: tuple[str, ...]) -> LaunchText:
     return unknown_text(f"it depends on `{terms[0].lstrip('!?')}`")
 
 
-def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText, Location], ...]:
-    value = made.value("remappings")
+def _remaps(reading: Reading, entity: Instance) -> tuple[tuple[LaunchText, LaunchText, Location], ...]:
+    value = entity.value("remappings")
     if value is None:
         return ()
-    found = reading.machine.items(value)
-    rest = made.place("remappings")
-    found = found if found is not None else [(Unknown(reason_of(value)), ())]
+    items = reading.machine.items(value)
+    rest = entity.place("remappings")
+    items = items if items is not None else [(Unknown(reason_of(value)), ())]
     remaps: list[tuple[LaunchText, LaunchText, Location]] = []
-    for (item, terms), place in zip(found, reading.places_of(value, len(found), rest), strict=True):
+    for (item, terms), place in zip(items, reading.places_of(value, len(items), rest), strict=True):
         pair = pair_of(item)
         if pair is None:
             reading.unresolved(f"a remapping is not known: {reason_of(item)}", place)
@@ -256,41 +256,41 @@ def _remaps(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText,
     return tuple(remaps)
 
 
-def _components(reading: Reading, made: Made) -> list[NodeAction]:
+def _components(reading: Reading, entity: Instance) -> list[NodeAction]:
     """Return the components of a list, whatever conditions it has; unknown parts are reported."""
-    value = made.value("composable_node_descriptions")
-    return _listed(reading, made, value, None) if value is not None else []
+    value = entity.value("composable_node_descriptions")
+    return _listed(reading, entity, value, None) if value is not None else []
 
 
-def _listed(reading: Reading, made: Made, value: Value, condition: Condition | None) -> list[NodeAction]:
+def _listed(reading: Reading, entity: Instance, value: Value, condition: Condition | None) -> list[NodeAction]:
     if isinstance(value, Either):
-        return [one for each, item in options(value) for one in _listed(reading, made, item, each or condition)]
+        return [one for each, item in options(value) for one in _listed(reading, entity, item, each or condition)]
     if isinstance(value, Sequence):
-        return [one for item in value.items for one in _listed(reading, made, item, condition)]
-    if isinstance(value, Made) and value.name in ("ComposableNode", "ComposableLifecycleNode"):
-        found = ((each or condition, _started(reading, one, "component")) for each, one in _rows(value))
-        return [replace(one, condition=one.condition or each) for each, one in found]
+        return [one for item in value.items for one in _listed(reading, entity, item, condition)]
+    if isinstance(value, Instance) and value.name in ("ComposableNode", "ComposableLifecycleNode"):
+        components = ((each or condition, _started(reading, one, "component")) for each, one in _rows(value))
+        return [replace(one, condition=one.condition or each) for each, one in components]
     if value != NULL:
-        reading.note(LaunchProblemKind.UNKNOWN_PART, f"a component is not known: {reason_of(value)}", made.location)
+        reading.note(LaunchProblemKind.UNKNOWN_PART, f"a component is not known: {reason_of(value)}", entity.location)
     return []
 
 
-def _load(reading: Reading, made: Made) -> list[Action]:
-    target = made.value("target_container")
-    found = reading.actions(target, made.location) if isinstance(target, Made) and target.name in NODES else []
-    container = found[0] if found and isinstance(found[0], NodeAction) else None
+def _load(reading: Reading, entity: Instance) -> list[Action]:
+    target = entity.value("target_container")
+    actions = reading.actions(target, entity.location) if isinstance(target, Instance) and target.name in NODES else []
+    container = actions[0] if actions and isinstance(actions[0], NodeAction) else None
     return [
         LoadComponents(
-            location=made.location,
-            condition=condition_on(made),
+            location=entity.location,
+            condition=condition_on(entity),
             target=_optional(target) if container is None else None,
-            components=tuple(_components(reading, made)),
+            components=tuple(_components(reading, entity)),
             container=container,
         )
     ]
 
 
-NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
+NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Instance], list[Action]]]]] = {
     "Node": ((), _node("node")),
     "LifecycleNode": ((), _node("lifecycle-node")),
     "ComposableNodeContainer": ((), _node("container")),
@@ -304,86 +304,86 @@ NODES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Act
 _MANAGER: Final = "controller_manager_name"
 
 
-def _setting(what: str, *names: str) -> Callable[[Reading, Made], list[Action]]:
+def _setting(what: str, *names: str) -> Callable[[Reading, Instance], list[Action]]:
     """Return the reader of a setting whose operands are arguments of these names."""
 
-    def read(reading: Reading, made: Made) -> list[Action]:
+    def read(reading: Reading, entity: Instance) -> list[Action]:
         del reading
-        operands = tuple(made.text(name) or () for name in names)
-        return [kinds.Setting(location=made.location, condition=condition_on(made), what=what, operands=operands)]
+        operands = tuple(entity.text(name) or () for name in names)
+        return [kinds.Setting(location=entity.location, condition=condition_on(entity), what=what, operands=operands)]
 
     return read
 
 
-def _description(reading: Reading, made: Made) -> list[Action]:
-    return reading.actions(made.fields.get("entities", NULL), made.location)
+def _description(reading: Reading, entity: Instance) -> list[Action]:
+    return reading.actions(entity.fields.get("entities", NULL), entity.location)
 
 
-def _declare(reading: Reading, made: Made) -> list[Action]:
-    name = reading.known(made.value("name"))
+def _declare(reading: Reading, entity: Instance) -> list[Action]:
+    name = reading.exact(entity.value("name"))
     if name is None:
-        reason = reason_of(made.value("name"))
-        reading.unresolved(f"the name of an argument is not known: {reason}", made.location)
+        reason = reason_of(entity.value("name"))
+        reading.unresolved(f"the name of an argument is not known: {reason}", entity.location)
         return []
-    choices = made.value("choices")
+    choices = entity.value("choices")
     listed = choices.items if isinstance(choices, Sequence) else ()
     return [
         kinds.DeclareArgument(
-            location=made.location,
-            condition=condition_on(made),
+            location=entity.location,
+            condition=condition_on(entity),
             name=name,
-            default=made.text("default_value"),
-            description=reading.known(made.value("description")),
-            choices=tuple(one.known for one in listed if isinstance(one, Text) and one.known is not None),
+            default=entity.text("default_value"),
+            description=reading.exact(entity.value("description")),
+            choices=tuple(one.exact for one in listed if isinstance(one, Text) and one.exact is not None),
         )
     ]
 
 
-def _environment(reading: Reading, made: Made) -> list[Action]:
-    name, value = made.text("name") or (), made.text("value")
-    if made.name.startswith("Append"):
+def _environment(reading: Reading, entity: Instance) -> list[Action]:
+    name, value = entity.text("name") or (), entity.text("value")
+    if entity.name.startswith("Append"):
         before: LaunchText = (Substitution("env", (name, ())),)
-        first = made.value("prepend") == Truth(True)
+        first = entity.value("prepend") == Truth(True)
         value = (*(value or ()), ":", *before) if first else (*before, ":", *(value or ()))
     del reading
     operands = (name,) if value is None else (name, value)
-    return [kinds.Setting(location=made.location, condition=condition_on(made), what="variable", operands=operands)]
+    return [kinds.Setting(location=entity.location, condition=condition_on(entity), what="variable", operands=operands)]
 
 
-def _parameters(reading: Reading, made: Made) -> list[Action]:
+def _parameters(reading: Reading, entity: Instance) -> list[Action]:
     del reading
     source: ParameterSource
-    if made.name == "SetParametersFromFile":
-        source = file_of(made.value("filename"), made.location)
+    if entity.name == "SetParametersFromFile":
+        source = file_of(entity.value("filename"), entity.location)
     else:
-        name = ("use_sim_time",) if made.name == "SetUseSimTime" else made.text("name") or ()
-        source = value_of(name, made.fields.get("value", NULL), made.location)
-    return [kinds.SetParameters(location=made.location, condition=condition_on(made), source=source)]
+        name = ("use_sim_time",) if entity.name == "SetUseSimTime" else entity.text("name") or ()
+        source = value_of(name, entity.fields.get("value", NULL), entity.location)
+    return [kinds.SetParameters(location=entity.location, condition=condition_on(entity), source=source)]
 
 
-def _group(reading: Reading, made: Made) -> list[Action]:
-    actions = reading.actions(made.fields.get("actions", NULL), made.location)
-    given = made.value("launch_configurations")
-    known = given is None or isinstance(given, Mapping)
-    if given is not None and not known:
-        reading.unresolved(f"configurations of a group: {reason_of(given)}", made.location)
-    scoped = made.name == "GroupAction" and made.fields.get("scoped") != Truth(False)
+def _group(reading: Reading, entity: Instance) -> list[Action]:
+    actions = reading.actions(entity.fields.get("actions", NULL), entity.location)
+    given = entity.value("launch_configurations")
+    complete = given is None or isinstance(given, Mapping)
+    if given is not None and not complete:
+        reading.unresolved(f"configurations of a group: {reason_of(given)}", entity.location)
+    scoped = entity.name == "GroupAction" and entity.fields.get("scoped") != Truth(False)
     return [
         Group(
-            location=made.location,
-            condition=condition_on(made),
+            location=entity.location,
+            condition=condition_on(entity),
             actions=tuple(actions),
             scoped=scoped,
             # What an unknown dictionary keeps may be anything that was set before.
-            forwarding=made.fields.get("forwarding") != Truth(False) or not known,
-            configurations=pairs_of(made, "launch_configurations"),
+            forwarding=entity.fields.get("forwarding") != Truth(False) or not complete,
+            configurations=pairs_of(entity, "launch_configurations"),
         )
     ]
 
 
-def _process(reading: Reading, made: Made) -> list[Action]:
-    value = made.value("cmd")
-    text = value.known if isinstance(value, Text) else None
+def _process(reading: Reading, entity: Instance) -> list[Action]:
+    value = entity.value("cmd")
+    text = value.exact if isinstance(value, Text) else None
     if text is not None:
         try:
             command: tuple[LaunchText, ...] = tuple((word,) if word else () for word in shlex.split(text))
@@ -393,92 +393,92 @@ def _process(reading: Reading, made: Made) -> list[Action]:
         items = reading.machine.items(value) if value is not None else None
         whole = launch_text(value) if value is not None else unknown_text("no command is given")
         command = tuple(launch_text(item) for item, _ in items) if items is not None else (whole,)
-    return [kinds.Executable(location=made.location, condition=condition_on(made), command=command)]
+    return [kinds.Executable(location=entity.location, condition=condition_on(entity), command=command)]
 
 
-def _opaque(reading: Reading, made: Made) -> list[Action]:
+def _opaque(reading: Reading, made: Instance) -> list[Action]:
     return [kinds.Opaque(location=made.location, condition=condition_on(made), run=partial(reading.run_function, made))]
 
 
-def _ignored(reading: Reading, made: Made) -> list[Action]:
-    del reading, made
+def _ignored(reading: Reading, entity: Instance) -> list[Action]:
+    del reading, entity
     return []
 
 
 # Includes
 
 
-def _include(reading: Reading, made: Made) -> list[Action]:
-    found: list[Action] = []
-    for condition, source in options(made.fields.get("launch_description_source", NULL)):
-        found += reading.under(condition, _included(reading, made, source))
-    return found
+def _include(reading: Reading, entity: Instance) -> list[Action]:
+    actions: list[Action] = []
+    for condition, source in options(entity.fields.get("launch_description_source", NULL)):
+        actions += reading.under(condition, _included(reading, entity, source))
+    return actions
 
 
 def _source(value: Value) -> Value:
-    if not isinstance(value, Made) or not value.name.endswith("LaunchDescriptionSource"):
+    if not isinstance(value, Instance) or not value.name.endswith("LaunchDescriptionSource"):
         return value
     given = value.first("launch_file_path", "launch_description", "location")
     return given if given is not None else Unknown("no launch file is given")
 
 
-def _included(reading: Reading, made: Made, source: Value) -> list[Action]:
+def _included(reading: Reading, made: Instance, source: Value) -> list[Action]:
     inner, condition, arguments = _source(source), condition_on(made), _arguments(reading, made)
     if isinstance(inner, Either):
-        found = ((each, _included(reading, made, option)) for each, option in options(inner))
-        return [action for each, actions in found for action in reading.under(each, actions)]
-    if isinstance(inner, Made) and inner.name == "LaunchDescription":
+        alternatives = ((each, _included(reading, made, option)) for each, option in options(inner))
+        return [action for each, actions in alternatives for action in reading.under(each, actions)]
+    if isinstance(inner, Instance) and inner.name == "LaunchDescription":
         actions = tuple(reading.actions(inner, made.location))
         scoped = bool(arguments)
         return [
             Group(location=made.location, condition=condition, actions=actions, scoped=scoped, configurations=arguments)
         ]
-    known = isinstance(inner, Text | Sequence) or is_substitution(inner)
-    path, reason = (launch_text(inner), None) if known else (None, reason_of(inner))
+    resolvable = isinstance(inner, Text | Sequence) or is_substitution(inner)
+    path, reason = (launch_text(inner), None) if resolvable else (None, reason_of(inner))
     return [kinds.Include(location=made.location, condition=condition, path=path, arguments=arguments, reason=reason)]
 
 
-def _arguments(reading: Reading, made: Made) -> tuple[tuple[LaunchText, LaunchText], ...]:
+def _arguments(reading: Reading, entity: Instance) -> tuple[tuple[LaunchText, LaunchText], ...]:
     """Return `launch_arguments`: pairs, or a dictionary's items."""
-    value = made.value("launch_arguments")
+    value = entity.value("launch_arguments")
     if value is None:
         return ()
     if isinstance(value, Mapping):
         value = Sequence(tuple(Sequence(pair) for pair in value.items), value.open)
     items = reading.machine.items(value)
-    found: list[tuple[LaunchText, LaunchText]] = []
+    arguments: list[tuple[LaunchText, LaunchText]] = []
     for item, terms in items if items is not None else [(Unknown(reason_of(value)), ())]:
         pair = pair_of(item)
         if pair is None:
             reason = f"arguments of an include are not known: {reason_of(item)}"
-            reading.unresolved(reason, made.place("launch_arguments"))
+            reading.unresolved(reason, entity.place("launch_arguments"))
             continue
-        found.append((launch_text(pair[0]), _dependent(terms) if terms else launch_text(pair[1])))
-    return tuple(found)
+        arguments.append((launch_text(pair[0]), _dependent(terms) if terms else launch_text(pair[1])))
+    return tuple(arguments)
 
 
 # Events
 
 
-def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading, Made], list[Action]]:
+def _handler(what: str, *names: str, certain: bool = False) -> Callable[[Reading, Instance], list[Action]]:
     """Return the reader of a handler; `names` are its arguments with actions."""
 
-    def read(reading: Reading, made: Made) -> list[Action]:
-        value = made.first(*names)
+    def read(reading: Reading, entity: Instance) -> list[Action]:
+        value = entity.first(*names)
         if isinstance(value, Closure):
             value = reading.called(value, [Unknown("an event"), Unknown("a context")])
-        actions = tuple(reading.actions(value if value is not None else NULL, made.location))
-        subject = _subject(reading, made.first("target_action", "target_lifecycle_node"))
+        actions = tuple(reading.actions(value if value is not None else NULL, entity.location))
+        subject = _subject(reading, entity.first("target_action", "target_lifecycle_node"))
         condition = None if certain else Condition(None, written=f"{what} {subject}".strip())
-        return [Group(location=made.location, condition=condition, actions=actions, scoped=False)] if actions else []
+        return [Group(location=entity.location, condition=condition, actions=actions, scoped=False)] if actions else []
 
     return read
 
 
 def _subject(reading: Reading, value: Value | None) -> str:
     """Return the subject of an event, for the words of the condition."""
-    found = reading.actions(value, reading.location) if isinstance(value, Made) and value.name in ENTITIES else []
-    action = found[0] if found else None
+    actions = reading.actions(value, reading.location) if isinstance(value, Instance) and value.name in ENTITIES else []
+    action = actions[0] if actions else None
     texts: LaunchText = ()
     if isinstance(action, NodeAction):
         texts = action.name or action.executable or ()
@@ -487,21 +487,21 @@ def _subject(reading: Reading, value: Value | None) -> str:
     return "".join(part if isinstance(part, str) else ANONYMOUS for part in texts)
 
 
-def _register(reading: Reading, made: Made) -> list[Action]:
-    value = made.fields.get("event_handler", NULL)
-    actions = reading.actions(value, made.location)
-    condition = condition_on(made)
+def _register(reading: Reading, entity: Instance) -> list[Action]:
+    value = entity.fields.get("event_handler", NULL)
+    actions = reading.actions(value, entity.location)
+    condition = condition_on(entity)
     if condition is None or not actions:
         return actions
-    return [Group(location=made.location, condition=condition, actions=tuple(actions), scoped=False)]
+    return [Group(location=entity.location, condition=condition, actions=tuple(actions), scoped=False)]
 
 
 # Other packages
 
 
-def _spawner(reading: Reading, made: Made) -> list[Action]:
+def _spawner(reading: Reading, entity: Instance) -> list[Action]:
     """Return a node that loads controllers: `controller_manager.launch_utils`."""
-    names, table = made.value("controller_names"), made.value("controller_info_dict")
+    names, table = entity.value("controller_names"), entity.value("controller_info_dict")
     files: list[LaunchText] = []
     for _, value in entries_of(table):
         for file in value.items if isinstance(value, Sequence) else [value]:
@@ -509,13 +509,13 @@ def _spawner(reading: Reading, made: Made) -> list[Action]:
     given = names if names is not None else table if table is not None else NULL
     items = reading.machine.items(given)
     controllers = [launch_text(one) for one, _ in items] if items is not None else [unknown_text(reason_of(given))]
-    extra = made.value("extra_spawner_args")
+    extra = entity.value("extra_spawner_args")
     more = (reading.machine.items(extra) if extra is not None else None) or []
     manager: LaunchText = (Substitution("var", ((_MANAGER,),)),)
     return [
-        kinds.DeclareArgument(location=made.location, name=_MANAGER, default=("controller_manager",)),
+        kinds.DeclareArgument(location=entity.location, name=_MANAGER, default=("controller_manager",)),
         NodeAction(
-            location=made.location,
+            location=entity.location,
             package=("controller_manager",),
             executable=("spawner",),
             arguments=(
@@ -536,7 +536,7 @@ _NOTHING: Final = (
 )  # fmt: skip
 """Actions and handlers that start nothing."""
 _SPAWNERS: Final = "generate_controllers_spawner_launch_description"
-ENTITIES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Made], list[Action]]]]] = {
+ENTITIES: Final[dict[str, tuple[tuple[str, ...], Callable[[Reading, Instance], list[Action]]]]] = {
     **NODES,
     "LaunchDescription": (("entities",), _description),
     "DeclareLaunchArgument": (("name", "default_value"), _declare),

@@ -18,7 +18,7 @@ from kg.extract.python.modules import BUILTINS, PythonUnit
 from kg.extract.python.paths import METHODS
 from kg.launch.files.ros2.context import HOLE
 from kg.launch.files.ros2.python import library
-from kg.launch.files.ros2.python.values import Made, later, launch_text, reason_of, text_of
+from kg.launch.files.ros2.python.values import Instance, later, launch_text, reason_of, text_of
 from kg.symbolic.operators import NULL, plain
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import (
@@ -80,8 +80,8 @@ class LaunchModules:
     def unit(self, file: FilePath) -> PythonUnit | None:
         """Return a module; None if it cannot be read."""
         content = self.files.read(file)
-        made = parse(file, content) if content is not None else None
-        return made if made is not None and made.error is None else None
+        unit = parse(file, content) if content is not None else None
+        return unit if unit is not None and unit.error is None else None
 
     def find(self, dotted: str, unit: PythonUnit) -> PythonUnit | None:
         """Return a module as imported in a file: of the build, or next to the file."""
@@ -89,9 +89,9 @@ class LaunchModules:
             return None
         file = self.files.reader.workspace.module(dotted, near=unit.key)
         path = posixpath.join(posixpath.dirname(unit.key.path), f"{dotted.lstrip('.')}.py")
-        beside = FilePath(unit.key.repository, path)
-        if file is None and self.files.exists(beside):
-            file = beside  # launch files often extend the search path by their own folder
+        sibling = FilePath(unit.key.repository, path)
+        if file is None and self.files.exists(sibling):
+            file = sibling  # launch files often extend the search path by their own folder
         return self.unit(file) if file is not None and file != unit.key else None
 
     def starred(self, name: str, modules: Iterable[str]) -> tuple[str, ...] | None:
@@ -110,21 +110,21 @@ class LaunchCalls(Calls):
         if isinstance(of, Text) and name in library.PATH_METHODS:
             return library.PATH_METHODS[name](self._language, of)
         if isinstance(of, Text) and name not in ("join", "format"):
-            of = self._language.settled(of)
-            if isinstance(of, Text) and of.known is None and name not in METHODS:
+            of = self._language.resolved(of)
+            if isinstance(of, Text) and of.exact is None and name not in METHODS:
                 return Unknown(reason_of(of))
         if isinstance(of, Unknown):
             return Unknown(of.reason)
         if isinstance(of, Sequence):
             given = replace(given, values=[self._language.machine.flattened(value) for value in given.values])
-        found = super().method(of, name, given, written)
-        if isinstance(found, Unknown) and found.reason.endswith("in the sources that were read"):
-            return Unknown(reason_of(of) if isinstance(of, Text | Made) else f"`{name}()`: {reason_of(of)}")
-        return found
+        result = super().method(of, name, given, written)
+        if isinstance(result, Unknown) and result.reason.endswith("in the sources that were read"):
+            return Unknown(reason_of(of) if isinstance(of, Text | Instance) else f"`{name}()`: {reason_of(of)}")
+        return result
 
     def outside_method(self, of: Object, name: str, given: Arguments) -> Value:
         """Call a method of an object that is not of the build."""
-        if isinstance(of, Made):
+        if isinstance(of, Instance):
             if name == "__init__" and of.kind.cls is not None:
                 library.initialise(of, given)
                 return NULL
@@ -154,10 +154,10 @@ class LaunchCalls(Calls):
             return Unknown(f"the class `{kind.name}` has a base that is not in the build")  # type: ignore[return-value]  # as any value
         return self._extending(kind, base, given)
 
-    def _extending(self, kind: Kind, base: Kind, given: Arguments) -> Made:
+    def _extending(self, kind: Kind, base: Kind, given: Arguments) -> Instance:
         """Return an object of a class of the build that extends `base`, a class of launch."""
         language = self._language
-        made = library.made_of(language, base.name, {}, given)
+        made = library.create(language, base.name, {}, given)
         made.kind = replace(made.kind, cls=kind.cls)
         owner = next((one for one, _ in language.chain(kind)[0] if "__init__" in one.methods), None)
         if owner is None:
@@ -188,10 +188,10 @@ class LaunchPython(Python):
 
     def name(self, expression: form.Name, frame: Frame) -> Value:
         """Return the meaning of a name that is not a variable."""
-        found = super().name(expression, frame)
-        if isinstance(found, Unknown) and expression.names[-1] not in BUILTINS:
+        value = super().name(expression, frame)
+        if isinstance(value, Unknown) and expression.names[-1] not in BUILTINS:
             return Unknown(f"the name `{expression.names[-1]}` is not bound to anything known")
-        return found
+        return value
 
     def unknown(self, kind: form.Type | None, frame: Frame, name: str) -> Value:
         """Return an argument that a call does not give."""
@@ -202,32 +202,32 @@ class LaunchPython(Python):
         """Return a member of a value."""
         if isinstance(of, Unknown):
             return of
-        if isinstance(of, Made) and of.kind.cls is None:
+        if isinstance(of, Instance) and of.kind.cls is None:
             return of.fields[name] if name in of.fields else Bound(name, of)
         if isinstance(of, Object | TypeValue | Text):
             return super().member(of, name)
         return Unknown(f"the attribute `{name}`: {reason_of(of)}")
 
-    def _constant(self, found: TypeValue) -> Value:
-        return Unknown("the command line") if found.kind.names == ("sys", "argv") else super()._constant(found)
+    def _constant(self, constant: TypeValue) -> Value:
+        return Unknown("the command line") if constant.kind.names == ("sys", "argv") else super()._constant(constant)
 
     # Elements
 
     def element(self, of: Value, key: Value) -> Value:
         """Return the element of a container at a key."""
-        key = self.settled(key)
+        key = self.resolved(key)
         if isinstance(of, TypeValue) and of.kind.names == ("os", "environ"):
-            return self.settled(later("env", launch_text(key)))
-        if isinstance(of, Made):
+            return self.resolved(later("env", launch_text(key)))
+        if isinstance(of, Instance):
             return self.configuration(of, key)
         if isinstance(of, Unknown) or isinstance(key, Unknown):
             return Unknown(reason_of(of if isinstance(of, Unknown) else key))
         if isinstance(of, Mapping | Sequence) and plain(key) is None:
             return Unknown(f"an element: {reason_of(key)}")
-        found = super().element(of, key)
-        if isinstance(of, Mapping) and of.open and isinstance(found, Unknown):
+        value = super().element(of, key)
+        if isinstance(of, Mapping) and of.open and isinstance(value, Unknown):
             return Unknown("there may be more entries")
-        return found
+        return value
 
     def with_element(self, of: Value, key: Value, value: Value) -> Value:
         """Return a container with an element set."""
@@ -237,7 +237,7 @@ class LaunchPython(Python):
             return Mapping(of.items, open=True, default=of.default)
         return super().with_element(of, key, value)
 
-    def configuration(self, of: Made, key: Value) -> Value:
+    def configuration(self, of: Instance, key: Value) -> Value:
         """Return `context.launch_configurations[key]`."""
         context, name = self.reading.context, plain(key)
         if of.name != library.CONFIGURATIONS or context is None or not isinstance(name, str):
@@ -247,29 +247,29 @@ class LaunchPython(Python):
             return Unknown(f"the launch configuration `{name}` is not set")
         return library.with_holes(value, f"the launch configuration `{name}` is not known")
 
-    def configure(self, of: Made, key: Value, value: Value) -> None:
+    def configure(self, of: Instance, key: Value, value: Value) -> None:
         """Run `context.launch_configurations[key] = value`."""
-        context, name = self.reading.context, plain(self.settled(key))
+        context, name = self.reading.context, plain(self.resolved(key))
         if of.name == library.CONFIGURATIONS and context is not None and isinstance(name, str):
             guards = self.machine.guards
-            held = Unknown(f"it depends on `{guards[-1].lstrip('!?')}`") if guards else value
-            context.scope.configurations[name] = context.perform(launch_text(held))
+            setting = Unknown(f"it depends on `{guards[-1].lstrip('!?')}`") if guards else value
+            context.scope.configurations[name] = context.perform(launch_text(setting))
 
     def _spread(self, expression: form.Spread, frame: Frame) -> Value:
         """Return the elements of a collection as items of another one."""
-        held = self.machine.value(expression.of, frame)
-        items = self.machine.items(held)
+        value = self.machine.value(expression.of, frame)
+        items = self.machine.items(value)
         if items is None:
-            return Unknown(reason_of(held))
+            return Unknown(reason_of(value))
         return Pack(tuple(self.machine.under(item, terms) for item, terms in items))
 
     # Texts
 
-    def settled(self, value: Value) -> Value:
+    def resolved(self, value: Value) -> Value:
         """Return a text with variables of the environment as far as they are known now, else by their defaults."""
-        from kg.launch.files.ros2.python.machine import settle  # noqa: PLC0415 - each needs the other
+        from kg.launch.files.ros2.python.machine import resolve_text  # noqa: PLC0415 - each needs the other
 
-        return settle(value, self._perform_variable)
+        return resolve_text(value, self._perform_variable)
 
     def _perform_variable(self, part: Substitution) -> str | None:
         if part.kind != "env":
@@ -277,22 +277,22 @@ class LaunchPython(Python):
         if self.reading.context is not None:
             performed = self.reading.context.perform((part,))
             return None if HOLE in performed else performed
-        name = text_of(part.arguments[0]).known
+        name = text_of(part.arguments[0]).exact
         value = self.reading.variable(name) if name is not None else None
         if value is not None:
             return None if HOLE in value else value
         default = part.arguments[1] if len(part.arguments) > 1 else None
-        return text_of(default).known if default is not None else None
+        return text_of(default).exact if default is not None else None
 
     def below(self, row: tuple[Value, ...]) -> Value:
         """Return a path below another: of pathlib, or of launch's path substitutions."""
         first, *rest = row
         if isinstance(first, Text):
             return library.joined_path(row)
-        held = first.value("substitutions") if isinstance(first, Made) and first.name.startswith("Path") else None
-        parts = held.items if isinstance(held, Sequence) else (held if held is not None else first,)
-        return library.made_of(self, "PathJoinSubstitution", {"substitutions": Sequence((*parts, *rest))})
+        value = first.value("substitutions") if isinstance(first, Instance) and first.name.startswith("Path") else None
+        parts = value.items if isinstance(value, Sequence) else (value if value is not None else first,)
+        return library.create(self, "PathJoinSubstitution", {"substitutions": Sequence((*parts, *rest))})
 
     def joined(self, row: tuple[Value, ...]) -> Value:
         """Return substitutions and texts in a row as one substitution."""
-        return library.made_of(self, "TextSubstitution", {"text": Sequence(row)})
+        return library.create(self, "TextSubstitution", {"text": Sequence(row)})

@@ -18,8 +18,8 @@ from kg.launch.files.ros2.python.values import (
     CONDITIONS,
     PLAIN,
     SUBSTITUTIONS,
+    Instance,
     Later,
-    Made,
     condition,
     guarded,
     is_substitution,
@@ -64,8 +64,8 @@ def _value(machine: LaunchMachine, node: yaml.Node, file: FilePath | None, loade
         return Mapping(tuple(entries.values()))
     if isinstance(node, yaml.SequenceNode):
         return Sequence(tuple(_value(machine, each, file, loader) for each in node.value))
-    found: object = loader.construct_object(node)
-    value = found if found is None or isinstance(found, str | bool | int | float) else node.value
+    constructed: object = loader.construct_object(node)
+    value = constructed if constructed is None or isinstance(constructed, str | bool | int | float) else node.value
     machine.step()
     if isinstance(value, bool):
         return Truth(value)
@@ -113,7 +113,7 @@ def call(language: LaunchPython, kind: Kind, given: Arguments) -> Value | None:
             fields.values(), lambda *row: apply(language, dict(zip(fields, row, strict=True)), given)
         )
     if name in _CLASSES and kind.names[0] != "builtins":
-        return made_of(language, name, _bound(_CLASSES[name], given), given)
+        return create(language, name, _bound(_CLASSES[name], given), given)
     return python.call(language, kind.names, given)
 
 
@@ -123,14 +123,14 @@ def _bound(names: tuple[str, ...], given: Arguments) -> dict[str, Value]:
     return {**fields, **given.named}
 
 
-def made_of(language: LaunchPython, name: str, fields: dict[str, Value], given: Arguments | None = None) -> Made:
+def create(language: LaunchPython, name: str, fields: dict[str, Value], given: Arguments | None = None) -> Instance:
     """Return an object of a class of launch."""
     site = language.machine.stack[-1] if language.machine.stack else None
     frame = given.frame if given is not None else None
     file = frame.unit.key if frame is not None else site.unit.key if site is not None else language.reading.file
     line = given.call.line if given is not None and given.call is not None else site.line if site is not None else 1
     location = language.reading.at(file, line)
-    return Made(
+    return Instance(
         kind=Kind(("launch", name)),
         fields=fields,
         given=given if given is not None else Arguments([]),
@@ -139,10 +139,10 @@ def made_of(language: LaunchPython, name: str, fields: dict[str, Value], given: 
     )
 
 
-def initialise(made: Made, given: Arguments) -> None:
+def initialise(instance: Instance, given: Arguments) -> None:
     """Run the `__init__` that an object of a class of the build has from the class of launch that it extends."""
-    made.fields.update(_bound(made.names, given))
-    made.given = given
+    instance.fields.update(_bound(instance.names, given))
+    instance.given = given
 
 
 # Functions
@@ -157,7 +157,7 @@ def _first(fields: Fields) -> Value:
 
 def joined_path(values: tuple[Value, ...]) -> Value:
     """Return `os.path.join`; `PREFIX/share/NAME/...` is the folder of the package NAME that it is."""
-    path = joined([text_of(launch_text(value)) if isinstance(value, Made) else value for value in values])
+    path = joined([text_of(launch_text(value)) if isinstance(value, Instance) else value for value in values])
     parts = path.parts if isinstance(path, Text) else ()
     if len(parts) < 2 or not isinstance(parts[0], Later) or parts[0].part.kind != "find-pkg-prefix":  # noqa: PLR2004 - prefix and rest
         return path
@@ -176,48 +176,48 @@ def _join(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
 
 
 def _share(language: LaunchPython, name: Value) -> Value:
-    name = language.settled(name)
-    known = name.known if isinstance(name, Text) else None
-    return Text.of(f"package://{known}") if known is not None else later("find-pkg-share", launch_text(name))
+    name = language.resolved(name)
+    package = name.exact if isinstance(name, Text) else None
+    return Text.of(f"package://{package}") if package is not None else later("find-pkg-share", launch_text(name))
 
 
 def _variable(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     del given
     name, default = launch_text(_first(fields)), fields.get("default", fields.get("*1"))
-    made = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
-    return language.settled(made) if language.reading.context is not None else made
+    variable = later("env", name, launch_text(default)) if isinstance(default, Text) else later("env", name)
+    return language.resolved(variable) if language.reading.context is not None else variable
 
 
 def exists(language: LaunchPython, path: Value) -> Value:
     """Return whether a file exists; a file outside of the build may still exist at run time."""
-    text = language.settled(path)
-    known = text.known if isinstance(text, Text) else None
-    if known is not None and language.reading.find(known) is not None:
+    text = language.resolved(path)
+    exact = text.exact if isinstance(text, Text) else None
+    if exact is not None and language.reading.find(exact) is not None:
         return Truth(True)
-    return Unknown(f"whether the file {known or 'named here'} exists")
+    return Unknown(f"whether the file {exact or 'named here'} exists")
 
 
 def opened(language: LaunchPython, path: Value) -> Value:
     """Return an open file; its text is unknown if it cannot be read."""
-    reading, text = language.reading, language.settled(path)
-    known = text.known if isinstance(text, Text) else None
-    file = reading.find(known) if known is not None else None
+    reading, text = language.reading, language.resolved(path)
+    exact = text.exact if isinstance(text, Text) else None
+    file = reading.find(exact) if exact is not None else None
     data = reading.files.read(file) if file is not None else None
     if data is None or file is None:
-        why = reason_of(path) if known is None else f"the file {known} is not in the build"
-        return made_of(language, _FILE, {"text": Unknown(why)})
+        why = reason_of(path) if exact is None else f"the file {exact} is not in the build"
+        return create(language, _FILE, {"text": Unknown(why)})
     content = Text.of(data.decode("utf-8", "replace")[:_MOST_TEXT])
     language.machine.place(content, file)
-    return made_of(language, _FILE, {"text": content})
+    return create(language, _FILE, {"text": content})
 
 
 def _document(language: LaunchPython, of: Value) -> Value:
-    text = of.fields["text"] if isinstance(of, Made) and of.name == _FILE else language.settled(of)
-    known = text.known if isinstance(text, Text) else None
-    if known is None:
+    text = of.fields["text"] if isinstance(of, Instance) and of.name == _FILE else language.resolved(of)
+    exact = text.exact if isinstance(text, Text) else None
+    if exact is None:
         return Unknown(reason_of(text))
     place = language.machine.places.get(id(text))
-    return read_yaml(language.machine, known, place[1] if place is not None else None)
+    return read_yaml(language.machine, exact, place[1] if place is not None else None)
 
 
 def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
@@ -229,23 +229,23 @@ def _length(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
 
 def _dictionary(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     """Return `dict(...)`; the place of its keys is the call."""
-    made = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
-    if not isinstance(made, Mapping) or given.call is None or given.frame is None:
-        return made or Unknown("it is not a dictionary")
+    table = python.call(language, ("builtins", "dict"), replace(given, values=[_first(fields)] if given.values else []))
+    if not isinstance(table, Mapping) or given.call is None or given.frame is None:
+        return table or Unknown("it is not a dictionary")
     lines = {name: getattr(one, "line", given.call.line) for name, one in given.call.keywords}
-    pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in made.items]
+    pairs = [(replace(key) if isinstance(key, Text) else key, value) for key, value in table.items]
     for key, _ in pairs:
-        known = key.known if isinstance(key, Text) else None
-        language.machine.place(key, given.frame.unit.key, lines.get(known or "", given.call.line))
-    return replace(made, items=tuple(pairs))
+        exact = key.exact if isinstance(key, Text) else None
+        language.machine.place(key, given.frame.unit.key, lines.get(exact or "", given.call.line))
+    return replace(table, items=tuple(pairs))
 
 
 def _holds(language: LaunchPython, expression: Value) -> Value:
     """`evaluate_condition_expression(context, expression)`."""
     value = language.reading.perform(expression)
-    known = value.known.strip().lower() if isinstance(value, Text) and value.known is not None else ""
-    if known in ("true", "1", "false", "0"):
-        return Truth(known in ("true", "1"))
+    word = value.exact.strip().lower() if isinstance(value, Text) and value.exact is not None else ""
+    if word in ("true", "1", "false", "0"):
+        return Truth(word in ("true", "1"))
     return Unknown(reason_of(value))
 
 
@@ -278,7 +278,7 @@ _FUNCTIONS: Final[dict[str, Callable[[LaunchPython, Fields, Arguments], Value]]]
     **dict.fromkeys(("os.getenv", "os.environ.get"), _variable),
     "builtins.len": _length,
     "builtins.dict": _dictionary,
-    "normalize_to_list_of_substitutions": lambda language, fields, given: made_of(
+    "normalize_to_list_of_substitutions": lambda language, fields, given: create(
         language, "TextSubstitution", {"text": _first(fields)}, given
     ),
     **dict.fromkeys(("sys.exit", "builtins.exit", "builtins.quit"), _exit),
@@ -291,7 +291,7 @@ NAMES: Final = frozenset({*_CLASSES, *(name for name in (*_OF_ONE, *_FUNCTIONS) 
 # Methods
 
 
-def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Value:
+def method(language: LaunchPython, of: Instance, name: str, given: Arguments) -> Value:
     """Return the result of a method of an object of launch."""
     reading, machine = language.reading, language.machine
     if is_substitution(of) and name in ("perform", "evaluate"):
@@ -304,23 +304,23 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
         added = _bound(("action" if name == "add_action" else "entity",), given)
         assert given.call is not None and given.frame is not None  # noqa: PT018, S101 - methods are called by code
         file, line = given.frame.unit.key, given.call.line
-        held = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
+        sequence = Sequence(tuple(machine.placed(value, file, line) for value in added.values()))
         entities = of.fields.get("entities", Sequence(()))
         if not isinstance(entities, Sequence):
             entities = Sequence((entities,))
-        machine.write(of.fields, "entities", machine.computed("+", (entities, held)))
+        machine.write(of.fields, "entities", machine.computed("+", (entities, sequence)))
         return NULL
     if of.name == "LaunchDescription" and name in ("describe_sub_entities", "get_launch_arguments"):
         entities = of.fields.get("entities", Sequence(()))
         if name == "describe_sub_entities" or not isinstance(entities, Sequence):
             return entities
-        listed = [one for one in entities.items if isinstance(one, Made) and one.name == "DeclareLaunchArgument"]
+        listed = [one for one in entities.items if isinstance(one, Instance) and one.name == "DeclareLaunchArgument"]
         return replace(entities, items=tuple(listed))
     if of.name == CONFIGURATIONS and name == "get":
         fields = _bound(("key", "default"), given)
-        found = language.configuration(of, language.settled(_first(fields)))
-        unset = isinstance(found, Unknown) and found.reason.endswith("is not set")
-        return fields.get("default", NULL) if unset else found
+        setting = language.configuration(of, language.resolved(_first(fields)))
+        unset = isinstance(setting, Unknown) and setting.reason.endswith("is not set")
+        return fields.get("default", NULL) if unset else setting
     if of.name == "LaunchContext" and name == "perform_substitution":
         return reading.perform(_first(_bound(("substitution",), given)))
     if of.name == _FILE:
@@ -328,23 +328,23 @@ def method(language: LaunchPython, of: Made, name: str, given: Arguments) -> Val
     return Unknown(reason_of(of))
 
 
-def _of_file(of: Made, name: str) -> Value:
+def _of_file(of: Instance, name: str) -> Value:
     text = of.fields["text"]
     if name == "read" or isinstance(text, Unknown):
         return text
     if name == "readlines" and isinstance(text, Text):
-        return Sequence(tuple(map(Text.of, (text.known or "").splitlines(keepends=True))))
+        return Sequence(tuple(map(Text.of, (text.exact or "").splitlines(keepends=True))))
     return NULL if name == "close" else Unknown(f"`{name}` of a file is not read")
 
 
-def _evaluated(language: LaunchPython, of: Made) -> Value:
-    context, held = language.reading.context, condition(of)
-    if context is None or held.value is None:
-        return Unknown(f"the condition `{held.written}` is evaluated where it cannot be known")
-    text = context.perform(held.value).strip().lower()
+def _evaluated(language: LaunchPython, of: Instance) -> Value:
+    context, test = language.reading.context, condition(of)
+    if context is None or test.value is None:
+        return Unknown(f"the condition `{test.written}` is evaluated where it cannot be known")
+    text = context.perform(test.value).strip().lower()
     if text not in ("true", "1", "false", "0"):
-        return Unknown(f"it depends on `{held.written}`")
-    return Truth((text in ("true", "1")) is not held.negated)
+        return Unknown(f"it depends on `{test.written}`")
+    return Truth((text in ("true", "1")) is not test.negated)
 
 
 def with_holes(text: str, reason: str) -> Text:

@@ -17,8 +17,8 @@ from kg.facts import LaunchProblemKind
 from kg.launch.files.ros2.python.values import (
     MARK,
     Fork,
+    Instance,
     Later,
-    Made,
     guarded,
     is_substitution,
     reason_of,
@@ -118,10 +118,10 @@ class LaunchMachine(Machine):
     def truth(self, value: Value) -> Truth | Guard | Unknown:
         """Return whether a value is true, as far as that is certain."""
         if isinstance(value, Either):
-            found = {self.truth(item) for item in value.items}
-            return found.pop() if len(found) == 1 else Unknown("it depends")
-        value = self.language.settled(value)
-        if isinstance(value, Text) and value.known is None:
+            truths = {self.truth(item) for item in value.items}
+            return truths.pop() if len(truths) == 1 else Unknown("it depends")
+        value = self.language.resolved(value)
+        if isinstance(value, Text) and value.exact is None:
             return Truth(True) if any(isinstance(part, str) and part for part in value.parts) else Unknown("it depends")
         if isinstance(value, Sequence) and value.items:
             certain = any(not guarded(item)[1] and not isinstance(item, Unknown) for item in value.items)
@@ -130,8 +130,8 @@ class LaunchMachine(Machine):
 
     def holds(self, condition: Expression, frame: Frame) -> Truth | Guard | Unknown:
         """Return whether a condition holds; one that is not known is a term with its words."""
-        held = self.truth(self.value(condition, frame))
-        return held if isinstance(held, Truth) else Guard((f"{MARK}{words(condition, frame.unit)}",))
+        truth = self.truth(self.value(condition, frame))
+        return truth if isinstance(truth, Truth) else Guard((f"{MARK}{words(condition, frame.unit)}",))
 
     def tried(self, body: Callable[[], _Result]) -> _Result:
         """Return the result of a function, and undo its writes."""
@@ -164,8 +164,8 @@ class LaunchMachine(Machine):
         values = tuple(values)
         if not any(isinstance(value, Either) for value in values):
             return apply(*values)
-        made = ((apply(*row), way) for row, way in rows(values, _MOST_OPTIONS))
-        return _either([(item, own | way) for result, way in made for item, own in paths(result)])
+        results = ((apply(*row), way) for row, way in rows(values, _MOST_OPTIONS))
+        return _either([(item, own | way) for result, way in results for item, own in paths(result)])
 
     def _joined(self, values: list[Value], choice: object) -> Value:
         given = [(value, index) for index, value in enumerate(values) if value != UNSET]
@@ -263,18 +263,18 @@ class LaunchMachine(Machine):
         height = len(self.guards)
         for index, (item, terms) in enumerate(turns[: self.most_turns]):
             returned = len(frame.returned)
-            held: Slot = item
+            slot: Slot = item
             shared = len(loop.targets) == 1 and isinstance(item, Mapping | Sequence) and isinstance(value, Sequence)
             if shared and isinstance(collection, form.Name | form.Member):
                 at = form.Index(loop.line, collection, form.Literal(loop.line, float(index), str(index)))
-                held = Alias(at, frame, object=True)
+                slot = Alias(at, frame, object=True)
             if terms:
                 with self._under(terms):
-                    written, ended = self._journal.attempt(partial(self._round, loop, held, frame))
+                    written, ended = self._journal.attempt(partial(self._round, loop, slot, frame))
                 self.merge([written, {}], [terms, ()])
                 ended = ended if ended == "raise" else None
             else:
-                ended = self._round(loop, held, frame)
+                ended = self._round(loop, slot, frame)
             if len(frame.returned) == returned:
                 del self.guards[height:]
             if ended in ("return", "raise"):
@@ -301,15 +301,15 @@ class LaunchMachine(Machine):
     def items(self, value: Value) -> list[tuple[Value, tuple[str, ...]]] | None:
         """Return the items of an iterable, each with its conditions; None if they are unknown."""
         if isinstance(value, Either):
-            found: list[tuple[Value, tuple[str, ...]]] = []
+            pairs: list[tuple[Value, tuple[str, ...]]] = []
             for option, way in paths(value):
                 inner = self.items(option)
                 if inner is None:
                     return None
-                found += [(item, (*terms_of_way(way), *terms)) for item, terms in inner]
-            return found
-        known = isinstance(value, Mapping) and not value.open
-        if isinstance(value, Sequence) or known or (isinstance(value, Text) and value.known is not None):
+                pairs += [(item, (*terms_of_way(way), *terms)) for item, terms in inner]
+            return pairs
+        closed = isinstance(value, Mapping) and not value.open
+        if isinstance(value, Sequence) or closed or (isinstance(value, Text) and value.exact is not None):
             rest: list[Value] = [Unknown("there may be more")] if isinstance(value, Sequence) and value.open else []
             items = value.items if isinstance(value, Sequence) else self.language.elements(value)
             return [guarded(item) for item in (*items, *rest)]
@@ -319,10 +319,10 @@ class LaunchMachine(Machine):
 
     def _name(self, expression: form.Name, frame: Frame) -> Value:
         holder = frame.holder(expression.names[0])
-        held = holder[expression.names[0]] if holder is not None else self.language.name(expression, frame)
-        if isinstance(held, Alias):
-            return self.value(held.target, held.frame)
-        return held if not isinstance(held, Pack) else Sequence(held.items)
+        value = holder[expression.names[0]] if holder is not None else self.language.name(expression, frame)
+        if isinstance(value, Alias):
+            return self.value(value.target, value.frame)
+        return value if not isinstance(value, Pack) else Sequence(value.items)
 
     def _member(self, expression: form.Member, frame: Frame) -> Value:
         of = self.value(expression.of, frame)
@@ -333,14 +333,14 @@ class LaunchMachine(Machine):
         if len(values) == len(expression.items):
             pairs = zip(values, expression.items, strict=True)
             values = [self.placed(value, frame.unit.key, getattr(item, "line", 1)) for value, item in pairs]
-        made = Sequence(tuple(values))
-        self.step(len(made.items) // 20)
+        sequence = Sequence(tuple(values))
+        self.step(len(sequence.items) // 20)
         lines = tuple(item.line for item in expression.items if not isinstance(item, form.Type))
-        self.place(made, frame.unit.key, *(lines if len(lines) == len(made.items) else ()), expression.line)
-        return made
+        self.place(sequence, frame.unit.key, *(lines if len(lines) == len(sequence.items) else ()), expression.line)
+        return sequence
 
     def _pairs(self, expression: form.Pairs, frame: Frame) -> Value:
-        found: dict[object, tuple[Value, Value]] = {}
+        pairs: dict[object, tuple[Value, Value]] = {}
         is_open = False
         for written, of in expression.items:
             key, value = self.value(written, frame), self.value(of, frame)
@@ -348,16 +348,16 @@ class LaunchMachine(Machine):
                 is_open = True
                 continue
             self.place(key, frame.unit.key, getattr(written, "line", expression.line))
-            found[_key(key)] = key, value
-        return Mapping(tuple(found.values()), is_open)
+            pairs[_key(key)] = key, value
+        return Mapping(tuple(pairs.values()), is_open)
 
     def placed(self, value: Value, file: FilePath, line: int) -> Value:
         """Return a value that is not known as one that is at a line, unless it already does."""
         if not isinstance(value, Unknown) or value == NULL or id(value) in self.places:
             return value
-        made = replace(value)
-        self.place(made, file, line)
-        return made
+        copy = replace(value)
+        self.place(copy, file, line)
+        return copy
 
     def place(self, value: Value, file: FilePath, *lines: int) -> None:
         """Record the place of a value: of its items, if each has a line, and then of itself."""
@@ -387,17 +387,17 @@ class LaunchMachine(Machine):
         unsure: Value | None = None
         for operand in expression.operands:
             value = self.value(operand, frame)
-            held = self.truth(value)
-            if not isinstance(held, Truth):
+            truth = self.truth(value)
+            if not isinstance(truth, Truth):
                 unsure = Unknown(f"it depends on `{words(operand, frame.unit)}`")
-            elif held.value is (expression.sign == "or"):
+            elif truth.value is (expression.sign == "or"):
                 return value if unsure is None or isinstance(value, Truth) else unsure
         return value if unsure is None else unsure
 
     def computed(self, sign: str, row: tuple[Value, ...]) -> Value:
         """Return the result of an operator; texts and lists do not grow beyond a bound."""
         if sign in _COMPARISONS:
-            row = tuple(map(self.language.settled, row))
+            row = tuple(map(self.language.resolved, row))
             objects = [is_substitution(value) for value in row]
             if sign in ("==", "!=") and any(objects) and not isinstance(row[objects.index(True) - 1], Unknown | Either):
                 return Truth((row[0] is row[1]) == (sign == "=="))
@@ -409,27 +409,27 @@ class LaunchMachine(Machine):
         if sign == "+" and any(isinstance(value, Sequence) for value in row):
             return self._listed(row)
         self._check(row)
-        found = super().computed(sign, row)
+        result = super().computed(sign, row)
         unknown = next((value for value in row if plain(value) is None), None)
-        return Unknown(reason_of(unknown)) if isinstance(found, Unknown) and unknown is not None else found
+        return Unknown(reason_of(unknown)) if isinstance(result, Unknown) and unknown is not None else result
 
     def _index(self, expression: form.Index, frame: Frame) -> Value:
         of, key = self.value(expression.of, frame), self.value(expression.key, frame)
-        found = self.over((of, key), self.language.element)
-        missing = isinstance(found, Unknown) and found.reason in _MISSING
-        return Unknown(f"`{words(expression, frame.unit)}` has no such entry") if missing else found
+        entry = self.over((of, key), self.language.element)
+        missing = isinstance(entry, Unknown) and entry.reason in _MISSING
+        return Unknown(f"`{words(expression, frame.unit)}` has no such entry") if missing else entry
 
     def _listed(self, row: tuple[Value, ...]) -> Value:
         """Return lists in a row, of which not all need to be known."""
         self._check(row)
         items = [one for value in row for one in (value.items if isinstance(value, Sequence) else (value,))]
-        made = Sequence(tuple(items))
+        sequence = Sequence(tuple(items))
         places = [self.places.get(id(value)) for value in row]
         if all(place is not None for place in places) and len({place[1] for place in places if place}) == 1:
             lines = [line for place in places if place for line in place[2][:-1]]
             if len(lines) == len(items):
-                self.place(made, next(place[1] for place in places if place), *lines, lines[0] if lines else 1)
-        return made
+                self.place(sequence, next(place[1] for place in places if place), *lines, lines[0] if lines else 1)
+        return sequence
 
     def _check(self, row: tuple[Value, ...]) -> None:
         items = sum(len(value.items) for value in row if isinstance(value, Sequence))
@@ -444,7 +444,7 @@ class LaunchMachine(Machine):
         """Set a variable, a member or an element; keys of dictionaries remember where they were set."""
         if isinstance(target, form.Index):
             of, key = self.value(target.of, frame), self.value(target.key, frame)
-            if isinstance(of, Made):
+            if isinstance(of, Instance):
                 self.language.configure(of, key, value)
                 return
             self.place(key, frame.unit.key, target.line)
@@ -454,13 +454,13 @@ class LaunchMachine(Machine):
         super().assign(target, value, frame)
 
 
-def settle(value: Value, perform: Callable[[Substitution], str | None]) -> Value:
+def resolve_text(value: Value, perform: Callable[[Substitution], str | None]) -> Value:
     """Return a text with the parts that are known by now."""
-    if not isinstance(value, Text) or value.known is not None:
+    if not isinstance(value, Text) or value.exact is not None:
         return value
-    found = [perform(part.part) if isinstance(part, Later) else None for part in value.parts]
-    pieces = [part if known is None else known for part, known in zip(value.parts, found, strict=True)]
-    if all(known is None for known in found):
+    texts = [perform(part.part) if isinstance(part, Later) else None for part in value.parts]
+    pieces = [part if text is None else text for part, text in zip(value.parts, texts, strict=True)]
+    if all(text is None for text in texts):
         return value
     if all(isinstance(piece, str) for piece in pieces):
         return Text.of("".join(map(str, pieces)))
@@ -469,18 +469,18 @@ def settle(value: Value, perform: Callable[[Substitution], str | None]) -> Value
 
 def _either(pairs: list[tuple[Value, Way]]) -> Value:
     """Return alternatives, each with the choices that lead to it."""
-    kept: list[tuple[Value, Way]] = []
+    distinct: list[tuple[Value, Way]] = []
     for item, way in pairs:
-        if not any(own is item and other == way for own, other in kept):
-            kept.append((item, way))
-    if not kept:
+        if not any(own is item and other == way for own, other in distinct):
+            distinct.append((item, way))
+    if not distinct:
         return Unknown("its parts exclude each other")
-    first, way = kept[0]
-    if (len(kept) == 1 and not way) or (len(kept) > 1 and all(_same(first, item) for item, _ in kept)):
+    first, way = distinct[0]
+    if (len(distinct) == 1 and not way) or (len(distinct) > 1 and all(_same(first, item) for item, _ in distinct)):
         return first
-    if len(kept) > _MOST_OPTIONS:
+    if len(distinct) > _MOST_OPTIONS:
         return Unknown(f"it has more than {_MOST_OPTIONS} possible values")
-    return Either(tuple(item for item, _ in kept), tuple(way for _, way in kept))
+    return Either(tuple(item for item, _ in distinct), tuple(way for _, way in distinct))
 
 
 def _same(one: Value, other: Value) -> bool:
@@ -488,7 +488,7 @@ def _same(one: Value, other: Value) -> bool:
 
 
 def _key(key: Value) -> object:
-    return key.known if isinstance(key, Text) and key.known is not None else key
+    return key.exact if isinstance(key, Text) and key.exact is not None else key
 
 
 def _with_added(values: list[tuple[Sequence, int]], choice: object) -> Value | None:

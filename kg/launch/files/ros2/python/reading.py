@@ -17,7 +17,7 @@ from kg.launch.files.ros2.python.entities import ENTITIES, NODES
 from kg.launch.files.ros2.python.language import LaunchPython, parse
 from kg.launch.files.ros2.python.machine import Halt, LaunchMachine
 from kg.launch.files.ros2.python.values import (
-    Made,
+    Instance,
     condition_of,
     entries_of,
     launch_text,
@@ -71,9 +71,9 @@ class Reading:
         self.machine = LaunchMachine(self.language, framework)
         self.language.machine = framework.machine = self.machine
         self.machine.start()
-        self._held: list[str] = []
+        self._terms: list[str] = []
         """The terms of the alternatives that are read now."""
-        self._read: dict[int, tuple[Made, list[Action]]] = {}
+        self._read: dict[int, tuple[Instance, list[Action]]] = {}
 
     # Places
 
@@ -83,14 +83,14 @@ class Reading:
 
     def place_of(self, value: Value) -> Location | None:
         """Return the place of a value; None if it is unknown."""
-        found = self.machine.places.get(id(value))
-        return self.at(found[1], found[2][-1]) if found is not None and found[2] else None
+        places = self.machine.places.get(id(value))
+        return self.at(places[1], places[2][-1]) if places is not None and places[2] else None
 
     def places_of(self, value: Value, count: int, rest: Location) -> list[Location]:
         """Return the places of the items of a list; `rest` for those with an unknown place."""
-        found = self.machine.places.get(id(value))
-        if found is not None and len(found[2]) == count + 1:
-            return [self.at(found[1], line) for line in found[2][:-1]]
+        places = self.machine.places.get(id(value))
+        if places is not None and len(places[2]) == count + 1:
+            return [self.at(places[1], line) for line in places[2][:-1]]
         items = value.items if isinstance(value, Sequence) and len(value.items) == count else ()
         return [self.place_of(item) or rest for item in items] or [rest] * count
 
@@ -104,23 +104,23 @@ class Reading:
 
     # Values
 
-    def known(self, value: Value | None) -> str | None:
+    def exact(self, value: Value | None) -> str | None:
         """Return a text that is wholly known now; None for all else."""
-        held = self.language.settled(value) if value is not None else None
-        return held.known if isinstance(held, Text) else None
+        resolved = self.language.resolved(value) if value is not None else None
+        return resolved.exact if isinstance(resolved, Text) else None
 
     def perform(self, value: Value) -> Value:
         """Return the text that a substitution gives now."""
         parts = launch_text(value)
         if self.context is None:
             return text_of(parts)  # in a context of the file's own, which has no configurations
-        found = self.context.perform(parts)
-        if HOLE not in found:
-            return Text.of(found)
+        text = self.context.perform(parts)
+        if HOLE not in text:
+            return Text.of(text)
         names = [part.arguments[0] for part in parts if not isinstance(part, str) and part.kind == "var"]
         name = "".join(str(part) for part in names[0]) if names else ""
         reason = f"the launch configuration `{name}` is not known" if name else reason_of(value)
-        return library.with_holes(found, reason)
+        return library.with_holes(text, reason)
 
     def called(self, function: Value, arguments: list[Value], named: dict[str, Value] | None = None) -> Value:
         """Return the result of a function."""
@@ -136,7 +136,7 @@ class Reading:
         if depth > _MAX_DEPTH:
             self.unresolved("actions are nested too deeply", location)
             return []
-        if isinstance(value, Made) and value.name in ENTITIES:
+        if isinstance(value, Instance) and value.name in ENTITIES:
             if value.name not in NODES:
                 return ENTITIES[value.name][1](self, value)
             if id(value) not in self._read:  # containers are known by the identity of their action
@@ -153,13 +153,13 @@ class Reading:
     def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
         """Return the actions of an alternative; none if its conditions exclude it."""
         terms = terms_of_way(way)
-        if any(negated_term(term) in self._held for term in terms):
+        if any(negated_term(term) in self._terms for term in terms):
             return []
-        more = tuple(term for term in terms if term not in self._held)
-        self._held += more
-        found = self.actions(item, location, depth)
-        del self._held[len(self._held) - len(more) :]
-        return self.under(condition_of(more), found)
+        more = tuple(term for term in terms if term not in self._terms)
+        self._terms += more
+        actions = self.actions(item, location, depth)
+        del self._terms[len(self._terms) - len(more) :]
+        return self.under(condition_of(more), actions)
 
     def under(self, condition: Condition | None, actions: list[Action]) -> list[Action]:
         """Return actions as a group under a condition."""
@@ -167,22 +167,22 @@ class Reading:
             return actions
         return [Group(location=actions[0].location, condition=condition, actions=tuple(actions), scoped=False)]
 
-    def run_function(self, made: Made, context: Context) -> list[Action]:
+    def run_function(self, action: Instance, context: Context) -> list[Action]:
         """Return the actions of an `OpaqueFunction`, whose body is read in the context of the moment."""
         before, self.context = self.context, context
         self.machine.more()
 
         def body() -> Value:
-            held = library.made_of(self.language, "LaunchContext", {})
-            held.fields["launch_configurations"] = library.made_of(self.language, library.CONFIGURATIONS, {})
-            given = made.fields.get("args", Sequence(()))
+            scope = library.create(self.language, "LaunchContext", {})
+            scope.fields["launch_configurations"] = library.create(self.language, library.CONFIGURATIONS, {})
+            given = action.fields.get("args", Sequence(()))
             rest = [item for item, _ in self.machine.items(given) or ()]
-            named = {key.known: one for key, one in entries_of(made.value("kwargs")) if isinstance(key, Text)}
-            known = {name: one for name, one in named.items() if name is not None}
-            return self.called(made.fields.get("function", NULL), [held, *rest], known)
+            named = {key.exact: one for key, one in entries_of(action.value("kwargs")) if isinstance(key, Text)}
+            arguments = {name: one for name, one in named.items() if name is not None}
+            return self.called(action.fields.get("function", NULL), [scope, *rest], arguments)
 
         try:
-            return self.machine.tried(partial(self.bounded, body, made.location))
+            return self.machine.tried(partial(self.bounded, body, action.location))
         finally:
             self.context = before
 
@@ -260,6 +260,6 @@ def _described(reading: Reading, unit: PythonUnit) -> Value:
         return NULL
     if not isinstance(function, Closure | TypeValue):
         return Unknown(f"`{_ENTRIES[0]}` is not a function that can be read")
-    found = reading.called(function, [])
-    test = isinstance(found, Sequence) and _ENTRIES[1] in module.fields and found.items
-    return found.items[0] if test and isinstance(found, Sequence) else found
+    described = reading.called(function, [])
+    test = isinstance(described, Sequence) and _ENTRIES[1] in module.fields and described.items
+    return described.items[0] if test and isinstance(described, Sequence) else described

@@ -67,7 +67,7 @@ class Fork:
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
-class Made(Object):
+class Instance(Object):
     """An object of a class of launch: its arguments by name in `fields`, and the call that made it."""
 
     given: Arguments
@@ -84,17 +84,17 @@ class Made(Object):
 
     def value(self, name: str) -> Value | None:
         """Return an argument; None if it is not given or None."""
-        held = self.fields.get(name)
-        return None if held == NULL else held
+        value = self.fields.get(name)
+        return None if value == NULL else value
 
     def first(self, *names: str) -> Value | None:
         """Return the argument given by one of several names; None if there is none."""
-        return next((held for name in names if (held := self.value(name)) is not None), None)
+        return next((value for name in names if (value := self.value(name)) is not None), None)
 
     def text(self, name: str) -> LaunchText | None:
         """Return an argument as a text; None if it is not given."""
-        held = self.value(name)
-        return None if held is None else launch_text(held)
+        value = self.value(name)
+        return None if value is None else launch_text(value)
 
     def expression(self, name: str) -> Expression | None:
         """Return the expression of an argument; None if it is not written at the call itself."""
@@ -106,13 +106,13 @@ class Made(Object):
 
     def place(self, name: str) -> Location:
         """Return the place of an argument; that of the call if it is unknown."""
-        found = self.expression(name)
-        return replace(self.location, line=found.line) if isinstance(found, _PLACED) else self.location
+        written = self.expression(name)
+        return replace(self.location, line=written.line) if isinstance(written, _PLACED) else self.location
 
     def words(self, name: str) -> str:
         """Return an argument, or the call, in the words of the file."""
-        frame, found = self.given.frame, self.expression(name) or self.given.call
-        return words(found, frame.unit) if found is not None and frame is not None else ""
+        frame, written = self.given.frame, self.expression(name) or self.given.call
+        return words(written, frame.unit) if written is not None and frame is not None else ""
 
 
 def words(element: object, unit: Unit) -> str:
@@ -160,12 +160,12 @@ def reason_of(value: Value | None) -> str:
         return f"it depends on `{written}`"
     if isinstance(value, Unknown):
         return value.reason
-    if isinstance(value, Made):
+    if isinstance(value, Instance):
         parts = [part for part in launch_text(value) if isinstance(part, Substitution)]
         return _why(parts[0]) if parts else f"a `{value.name}` is not allowed here"
     if isinstance(value, Text):
-        found = next((part for part in value.parts if isinstance(part, Later)), None)
-        return _why(found.part) if found is not None else value.reason or "a text is not allowed here"
+        later_part = next((part for part in value.parts if isinstance(part, Later)), None)
+        return _why(later_part.part) if later_part is not None else value.reason or "a text is not allowed here"
     return f"a value of the type {type(value).__name__.lower()} is not allowed here"
 
 
@@ -181,8 +181,8 @@ def later(kind: str, *arguments: LaunchText) -> Text:
 def text_of(parts: Iterable[Part]) -> Text:
     """Return a text of launch as a value."""
     pieces = (Text((part,)) if isinstance(part, str) else Text((Later(part=part),)) for part in parts)
-    made = concatenate(*pieces)
-    return made if isinstance(made, Text) else Text(("",))
+    text = concatenate(*pieces)
+    return text if isinstance(text, Text) else Text(("",))
 
 
 def launch_text(value: Value) -> LaunchText:
@@ -196,7 +196,7 @@ def launch_text(value: Value) -> LaunchText:
             else:
                 parts.append(part if isinstance(part, str) else Substitution("unknown", reason=reason))
         return join(parts)
-    if isinstance(value, Made):
+    if isinstance(value, Instance):
         if value.substituted is None:
             value.substituted = substituted(value)
         return value.substituted
@@ -211,7 +211,7 @@ def launch_text(value: Value) -> LaunchText:
 
 def _common(value: Either) -> LaunchText:
     """Return the common prefix and suffix of several texts, with an unknown part between."""
-    texts = [item.known or "" for item in value.items if isinstance(item, Text) and item.known is not None]
+    texts = [item.exact or "" for item in value.items if isinstance(item, Text) and item.exact is not None]
     if len(texts) < len(value.items) or len(texts) == 1:
         return unknown_text(reason_of(value))
     first = _shared(texts)
@@ -249,27 +249,27 @@ CONDITIONS: Final[dict[str, tuple[str, ...]]] = {
 """The names of the parameters of each condition, in order."""
 
 
-def condition_on(made: Made) -> Condition | None:
+def condition_on(instance: Instance) -> Condition | None:
     """Return the condition of an action; one that is not known is kept in the words of the file."""
-    value = made.value("condition")
+    value = instance.value("condition")
     if value is None:
         return None
-    if isinstance(value, Made) and value.name in CONDITIONS:
+    if isinstance(value, Instance) and value.name in CONDITIONS:
         return condition(value)
-    return Condition(None, written=made.words("condition"))
+    return Condition(None, written=instance.words("condition"))
 
 
-def condition(made: Made) -> Condition:
+def condition(instance: Instance) -> Condition:
     """Return the condition of an object."""
-    negated = made.name.startswith(("Unless", "LaunchConfigurationNot"))
-    name, *expected = CONDITIONS[made.name]
-    held = made.value(name)
-    if isinstance(held, Unknown | Either):
-        return Condition(None, negated=negated, written=made.words(name))
+    negated = instance.name.startswith(("Unless", "LaunchConfigurationNot"))
+    name, *expected = CONDITIONS[instance.name]
+    operand = instance.value(name)
+    if isinstance(operand, Unknown | Either):
+        return Condition(None, negated=negated, written=instance.words(name))
     if not expected:
-        return Condition(made.text(name) or (), negated=negated, written=made.words(name))
-    operands = (Substitution("var", (made.text(name) or (), ())),), made.text(expected[0]) or ()
-    return Condition((Substitution("equals", operands),), negated=negated, written=made.words(""))
+        return Condition(instance.text(name) or (), negated=negated, written=instance.words(name))
+    operands = (Substitution("var", (instance.text(name) or (), ())),), instance.text(expected[0]) or ()
+    return Condition((Substitution("equals", operands),), negated=negated, written=instance.words(""))
 
 
 PLAIN: Final[dict[str, tuple[str, ...]]] = {
@@ -304,48 +304,48 @@ _UNKNOWN: Final[dict[str, str]] = {
 }
 
 
-def substituted(made: Made) -> LaunchText:
+def substituted(instance: Instance) -> LaunchText:
     """Return the text that an object of launch gives when it is substituted."""
-    name = made.name
+    name = instance.name
     if name in PLAIN:
         kind, *names = PLAIN[name]
-        operands = [made.text(one) for one in names]
+        operands = [instance.text(one) for one in names]
         if kind == "eval" and operands[0] is None:
             operands = [()]
         return (Substitution(kind, tuple(operand for operand in operands if operand is not None)),)
     if name in _UNKNOWN:
         return unknown_text(_UNKNOWN[name])
-    if name in _OWN and made.kind.cls is not None:
-        return unknown_text(f"the code of the substitution `{made.kind.cls.name}` is not run")
+    if name in _OWN and instance.kind.cls is not None:
+        return unknown_text(f"the code of the substitution `{instance.kind.cls.name}` is not run")
     read = SUBSTITUTIONS.get(name)
-    return read[1](made) if read is not None else unknown_text(f"a `{name}` is not allowed here")
+    return read[1](instance) if read is not None else unknown_text(f"a `{name}` is not allowed here")
 
 
 def is_substitution(value: Value) -> bool:
     """Return whether a value is an object that is substituted later."""
-    return isinstance(value, Made) and any(value.name in names for names in (PLAIN, SUBSTITUTIONS, _UNKNOWN, _OWN))
+    return isinstance(value, Instance) and any(value.name in names for names in (PLAIN, SUBSTITUTIONS, _UNKNOWN, _OWN))
 
 
-def _text(made: Made) -> LaunchText:
-    return made.text("text") or ()
+def _text(instance: Instance) -> LaunchText:
+    return instance.text("text") or ()
 
 
-def _items(made: Made, name: str) -> list[Value] | None:
-    value = made.value(name)
+def _items(instance: Instance, name: str) -> list[Value] | None:
+    value = instance.value(name)
     return list(value.items) if isinstance(value, Sequence) else None
 
 
-def _path(made: Made) -> LaunchText:
-    found = _items(made, "substitutions")
-    operands = [launch_text(part) for part in found] if found is not None else [made.text("substitutions") or ()]
+def _path(instance: Instance) -> LaunchText:
+    parts = _items(instance, "substitutions")
+    operands = [launch_text(part) for part in parts] if parts is not None else [instance.text("substitutions") or ()]
     return (Substitution("path-join", tuple(operands)),)
 
 
-def _several(kind: str) -> Callable[[Made], LaunchText]:
+def _several(kind: str) -> Callable[[Instance], LaunchText]:
     """Return the reader of a substitution of any number of operands, given one by one or as a list."""
 
-    def read(made: Made) -> LaunchText:
-        values = list(made.given.values)
+    def read(instance: Instance) -> LaunchText:
+        values = list(instance.given.values)
         if len(values) == 1 and isinstance(values[0], Sequence):
             values = list(values[0].items)
         return (Substitution(kind, tuple(launch_text(value) for value in values if not guarded(value)[1])),)
@@ -353,42 +353,42 @@ def _several(kind: str) -> Callable[[Made], LaunchText]:
     return read
 
 
-def _choice(made: Made) -> LaunchText:
-    chosen = made.text("if_value"), made.text("else_value")
+def _choice(instance: Instance) -> LaunchText:
+    chosen = instance.text("if_value"), instance.text("else_value")
     operands = tuple(("",) if operand is None else operand for operand in chosen)
-    return (Substitution("if", (made.text("condition") or (), *operands)),)
+    return (Substitution("if", (instance.text("condition") or (), *operands)),)
 
 
-def _joined(made: Made) -> LaunchText:
+def _joined(instance: Instance) -> LaunchText:
     parts: list[str | Substitution] = []
-    for number, value in enumerate(_items(made, "substitutions") or ()):
-        parts += [*((made.text("delimiter") or ()) if number else ()), *launch_text(value)]
+    for number, value in enumerate(_items(instance, "substitutions") or ()):
+        parts += [*((instance.text("delimiter") or ()) if number else ()), *launch_text(value)]
     return join(parts)
 
 
-def _described(made: Made) -> LaunchText:
+def _described(instance: Instance) -> LaunchText:
     """Return the text that xacro prints of a file: `xacro.process_file(path, mappings={...})`."""
-    words: list[str | Substitution] = ["xacro ", *(made.text("input_file_name") or ())]
-    for name, value in entries_of(made.value("mappings")):
+    words: list[str | Substitution] = ["xacro ", *(instance.text("input_file_name") or ())]
+    for name, value in entries_of(instance.value("mappings")):
         words += [f" {launch_text(name)[0] if launch_text(name) else ''}:=", *launch_text(value)]
     return (Substitution("command", (join(words),)),)
 
 
-def pairs_of(made: Made, name: str) -> tuple[tuple[LaunchText, LaunchText], ...]:
+def pairs_of(instance: Instance, name: str) -> tuple[tuple[LaunchText, LaunchText], ...]:
     """Return the entries of a dictionary that is an argument."""
-    return tuple((launch_text(key), launch_text(value)) for key, value in entries_of(made.value(name)))
+    return tuple((launch_text(key), launch_text(value)) for key, value in entries_of(instance.value(name)))
 
 
-def _replaced(made: Made) -> LaunchText:
+def _replaced(instance: Instance) -> LaunchText:
     """Return nav2's `ReplaceString`: the name of a copy of a file in which texts are replaced."""
-    condition = condition_on(made)
-    held: LaunchText = ("true",)
+    condition = condition_on(instance)
+    applies: LaunchText = ("true",)
     if condition is not None and condition.value is None:
-        held = unknown_text(f"it depends on `{condition.words}`")
+        applies = unknown_text(f"it depends on `{condition.words}`")
     elif condition is not None and condition.value is not None:
-        held = (Substitution("not", (condition.value,)),) if condition.negated else condition.value
-    pairs = pairs_of(made, "replacements")
-    operands = (made.text("source_file") or (), held, *(text for pair in pairs for text in pair))
+        applies = (Substitution("not", (condition.value,)),) if condition.negated else condition.value
+    pairs = pairs_of(instance, "replacements")
+    operands = (instance.text("source_file") or (), applies, *(text for pair in pairs for text in pair))
     return (Substitution("replaced-file", operands),)
 
 
@@ -397,12 +397,12 @@ _REWRITES: Final = ("param_rewrites", "key_rewrites", "value_rewrites")
 
 def file_of(value: Value | None, location: Location) -> ParameterFile:
     """Return a file of parameters; its path is unknown if the value is."""
-    if isinstance(value, Made) and value.name == "ParameterFile":
+    if isinstance(value, Instance) and value.name == "ParameterFile":
         inner = file_of(value.value("param_file"), value.location)
         allowed = value.fields.get("allow_substs", Truth(False))
-        off = allowed == Truth(False) or (isinstance(allowed, Text) and allowed.known in ("false", "False"))
+        off = allowed == Truth(False) or (isinstance(allowed, Text) and allowed.exact in ("false", "False"))
         return replace(inner, location=value.location, substitutions=not off)
-    if isinstance(value, Made) and value.name == "RewrittenYaml":
+    if isinstance(value, Instance) and value.name == "RewrittenYaml":
         root, given = value.text("root_key"), [value.value(name) for name in _REWRITES]
         unknown = next((one for one in given if one not in (None, Text.of("")) and not isinstance(one, Mapping)), None)
         return ParameterFile(
@@ -418,11 +418,11 @@ def file_of(value: Value | None, location: Location) -> ParameterFile:
     return ParameterFile(launch_text(value) if value is not None else (), location)
 
 
-def _file(made: Made) -> LaunchText:
-    return file_of(made, made.location).read
+def _file(instance: Instance) -> LaunchText:
+    return file_of(instance, instance.location).read
 
 
-SUBSTITUTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[Made], LaunchText]]]] = {
+SUBSTITUTIONS: Final[dict[str, tuple[tuple[str, ...], Callable[[Instance], LaunchText]]]] = {
     "TextSubstitution": (("text",), _text),
     "BooleanSubstitution": (("text",), _text),
     "PathJoinSubstitution": (("substitutions",), _path),

@@ -32,7 +32,7 @@ def read_text(
     problems: list[LaunchProblem] = []
     context = Context(named, file, given or {}, {})
     actions = list(executed(read_python(named, file, reader.read(file) or b"", problems)[0], context))
-    return actions, [*problems, *context.found.problems]
+    return actions, [*problems, *context.results.problems]
 
 
 def executed(actions: Iterable[Action], context: Context) -> Iterator[Action]:

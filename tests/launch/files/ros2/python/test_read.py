@@ -59,7 +59,7 @@ def test_problems_of_a_body_are_those_of_its_execution(tmp_path: Path) -> None:
     context = Context(files, file, {}, {})
     opaque.run(context)
     assert not problems
-    assert len(context.found.problems) == 1
+    assert len(context.results.problems) == 1
 
 
 def test_parsed_once() -> None:
