@@ -17,7 +17,7 @@ from kg.lint.question import DECLARED, Question
 from kg.lint.running import Checked, check_store
 from kg.pipeline.reasoning import check_context, rule_folders, term_uses
 from kg.query.stored import discover
-from kg.rules.checks.run import beside, read_all
+from kg.rules.checks.run import read_all, with_rules
 from kg.rules.folders import families_in_force, user_folders
 from kg.rules.lsp.symbols import Terms
 from kg.rules.reading import packs
@@ -67,9 +67,8 @@ class Source:
         names = {name: path.resolve() for name, path in reversed(files.paths)}
         own = _own(settings, names)
         shipped = [path for path in (*names.values(), *default_ontologies()) if path.resolve() not in own]
-        return Knowledge(
-            folders, beside(files.rules, context), Terms.of(ontologies, uses), names, own, tuple(dict.fromkeys(shipped))
-        )
+        context = with_rules(files.rules, context)
+        return Knowledge(folders, context, Terms.of(ontologies, uses), names, own, tuple(dict.fromkeys(shipped)))
 
     def findings(self) -> Checked | None:
         """Return what `kg lint` reports; None without a store.

@@ -10,7 +10,7 @@ from kg.graph.vocabulary import RNKG
 from kg.pipeline.reasoning import rules_over
 from kg.rules.demand.deriving import Base, Derived, derive
 from kg.rules.engine.limits import Limits
-from kg.rules.folders import known_families
+from kg.rules.folders import all_families
 from kg.rules.recording import Names
 from kg.similar import did_you_mean
 from kg.store.opening import layout_of
@@ -37,7 +37,7 @@ def with_family(
         RuleError: KG2xx for rules that cannot be read or evaluated, KG205 at the deadline for queries.
         StoreError: KG304, KG306 if the copy of the store cannot be written.
     """
-    families = known_families(settings)
+    families = all_families(settings)
     if family not in families:
         hint = did_you_mean(family, families) or f"The families are {', '.join(families)}."
         raise UnknownNameError("KG001", f"unknown family of rules `{family}`", hint=hint)

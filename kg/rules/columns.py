@@ -44,11 +44,11 @@ _AUXILIARY: Final = b"<" + AUXILIARY.encode()
 
 def stored(facts: Facts, dictionary: Dictionary) -> Facts:
     """Return the triples that belong into a store: those of predicates that decomposition did not make."""
-    found = Facts()
+    result = Facts()
     for predicate, keys in facts:
         if not dictionary.spelling(predicate).startswith(_AUXILIARY):
-            found.replace(predicate, keys)
-    return found
+            result.replace(predicate, keys)
+    return result
 
 
 def lines(facts: Facts, dictionary: Dictionary, predicates: Iterable[int] | None = None) -> Iterator[bytes]:
@@ -139,35 +139,35 @@ def read(
     source: Tables, what: Wanted, graphs: Iterable[NamedNode | None], dictionary: Dictionary
 ) -> dict[NamedNode | None, Facts]:
     """Return the wanted triples of each graph by itself."""
-    found: dict[NamedNode | None, defaultdict[int, list[Keys]]] = {graph: defaultdict(list) for graph in graphs}
-    large = list(found)
+    by_graph: dict[NamedNode | None, defaultdict[int, list[Keys]]] = {graph: defaultdict(list) for graph in graphs}
+    large = list(by_graph)
     if what.predicates is not None:
         large = []
         # One query for everything wanted of a small graph, and of some predicates more than is wanted. With VALUES the
         # engine looks up each predicate; a FILTER would compare all triples with all predicates.
         listed = " ".join(sorted(map(str, what.names)))
         together = _Query(f"SELECT ?s ?p ?o {{ VALUES ?p {{ {listed} }} ?s ?p ?o }} LIMIT {_SMALL}")
-        for _, graph, text in _texts(source, [together], list(found)):
+        for _, graph, text in _texts(source, [together], list(by_graph)):
             if text.count(b"\n") >= _SMALL:
                 large.append(graph)
                 continue
             for predicate, keys in only(what, together.keys(text, dictionary), dictionary):
-                found[graph][predicate].append(keys)
+                by_graph[graph][predicate].append(keys)
     for query, graph, text in _texts(source, _queries(what), large):
         for predicate, keys in query.keys(text, dictionary):
-            found[graph][predicate].append(keys)
-    return {graph: gathered(columns, dictionary.pages) for graph, columns in found.items()}
+            by_graph[graph][predicate].append(keys)
+    return {graph: gathered(columns, dictionary.pages) for graph, columns in by_graph.items()}
 
 
 def only(
-    what: Wanted, found: Iterable[tuple[int, NDArray[np.int64]]], dictionary: Dictionary
+    what: Wanted, columns: Iterable[tuple[int, NDArray[np.int64]]], dictionary: Dictionary
 ) -> Iterator[tuple[int, NDArray[np.int64]]]:
     """Yield the pairs of those predicates that are wanted, of some with the wanted objects only."""
     whole = {dictionary.intern_term(predicate) for predicate in what.predicates or ()}
     single: dict[int, list[int]] = {}
     for predicate, target in what.members:
         single.setdefault(dictionary.intern_term(predicate), []).append(dictionary.intern_term(target))
-    for number, keys in found:
+    for number, keys in columns:
         if number in whole:
             yield number, keys
         elif number in single:
@@ -199,13 +199,13 @@ class _Query:
 
 def _interned(text: bytes, width: int, dictionary: Dictionary) -> NDArray[np.int64]:
     """Return the identifiers of the cells of a table, split piece by piece: cells take several times its size."""
-    found = []
+    pieces = []
     begin = 0
     while begin < len(text):
         end = text.find(b"\n", begin + _PIECE_BYTES) + 1 or len(text)
-        found.append(dictionary.intern_all(cells(text[begin:end], width)))
+        pieces.append(dictionary.intern_all(cells(text[begin:end], width)))
         begin = end
-    return np.concatenate(found)
+    return np.concatenate(pieces)
 
 
 def by_predicate(rows: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
@@ -249,15 +249,15 @@ def union_of(parts: Iterable[Facts], pages: Pages | None = None) -> Facts:
     every = list(parts)
     if len(every) == 1:
         return every[0].copy()
-    found = Facts(pages=pages)
+    result = Facts(pages=pages)
     # There may be a thousand sets, with few of all predicates each.
     columns: defaultdict[int, list[Keys]] = defaultdict(list)
     for part in every:
         for predicate, keys in part:
             columns[predicate].append(keys)
     for predicate, pieces in columns.items():
-        found.replace(predicate, union(*pieces))
-    return found
+        result.replace(predicate, union(*pieces))
+    return result
 
 
 def rows_of(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> NDArray[np.int64]:
@@ -273,11 +273,11 @@ def stated(triples: Iterable[Triple | Quad], dictionary: Dictionary) -> Facts:
 
 def patched(facts: Facts, patches: Iterable[tuple[bytes, bytes]], dictionary: Dictionary) -> tuple[Facts, set[int]]:
     """Return the columns of a graph after patches, and the predicates that these name."""
-    found, touched = facts.copy(), set[int]()
+    result, touched = facts.copy(), set[int]()
     parts = ((adds, text) for patch in patches for adds, text in enumerate(patch) if text.strip())
     for adds, together in groupby(parts, itemgetter(0)):  # each reading costs more than a few triples
         lines = b"".join(text for _, text in together)
         for predicate, keys in stated(parse(lines, RdfFormat.N_TRIPLES, lenient=True), dictionary):
-            (found.add if adds else found.remove)(predicate, keys)
+            (result.add if adds else result.remove)(predicate, keys)
             touched.add(predicate)
-    return found, touched
+    return result, touched

@@ -83,13 +83,13 @@ def _excluded(atom: Atom, body: tuple[Element, ...]) -> frozenset[NamedNode]:
     """Return the predicates that `FILTER(?predicate NOT IN (...))` in the same body rules out for an atom."""
     if not isinstance(atom.predicate, Variable):
         return frozenset()
-    found: set[NamedNode] = set()
+    excluded: set[NamedNode] = set()
     for element in body:
         text = element.expression.text if isinstance(element, Filter) else ""
         match = _NOT_IN.fullmatch(text)
         if match and match[1] == atom.predicate.name:
-            found.update(NamedNode(name) for name in _NAME.findall(match[2]))
-    return frozenset(found)
+            excluded.update(NamedNode(name) for name in _NAME.findall(match[2]))
+    return frozenset(excluded)
 
 
 def _atoms_of_block(block: EngineBlock) -> Iterator[Atom]:

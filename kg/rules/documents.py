@@ -34,7 +34,7 @@ class Statement:
 
 def statements(files: Iterable[Path]) -> dict[str, Statement]:
     """Return the statements of files by the IRI of their subject; of two files that have one, those of the first."""
-    found: dict[str, Statement] = {}
+    result: dict[str, Statement] = {}
     for path in files:
         text = path.read_text("utf-8")
         prefixes = declared(text)
@@ -43,17 +43,17 @@ def statements(files: Iterable[Path]) -> dict[str, Statement]:
             match = _SUBJECT.match(line)
             if match:
                 iri = match[3] or prefixes.get(match[1], "") + match[2]
-                lines = found.setdefault(iri, Statement(path, prefixes)).lines
+                lines = result.setdefault(iri, Statement(path, prefixes)).lines
             lines.append((number, line))
-    return found
+    return result
 
 
-def place_of(fact: Triple, known: Mapping[str, Statement]) -> tuple[str, int] | None:
+def place_of(fact: Triple, by_iri: Mapping[str, Statement]) -> tuple[str, int] | None:
     """Return the file and line of the statement that has `fact`; None when its subject has none.
 
     The line is that of the object where the statement has it on a line of its own.
     """
-    statement = known.get(fact.subject.value) if isinstance(fact.subject, NamedNode) else None
+    statement = by_iri.get(fact.subject.value) if isinstance(fact.subject, NamedNode) else None
     if statement is None:
         return None
     named = list(_spellings(fact.object, statement.prefixes))

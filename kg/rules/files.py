@@ -85,7 +85,7 @@ class RuleFile:
         return family_of(self.name)
 
     @property
-    def known_prefixes(self) -> dict[str, str]:
+    def all_prefixes(self) -> dict[str, str]:
         """The prefixes that names in it may have: those that it declares, and those that need no declaration."""
         return {**PREFIXES, **self.prefixes}
 
@@ -107,13 +107,13 @@ class RuleSet:
     files: tuple[RuleFile, ...]
     strata: tuple[Stratum, ...] = ()
     """The order in which the rules run, where it is known already."""
-    kept_digest: str = ""
+    cached_digest: str = ""
     """The digest, where it is known already."""
 
     @property
     def digest(self) -> str:
         """Digest that distinguishes the rules and data of one set from others."""
-        return self.kept_digest or blake2b(repr((self.rules, self.data)).encode(), digest_size=_BYTES).hexdigest()
+        return self.cached_digest or blake2b(repr((self.rules, self.data)).encode(), digest_size=_BYTES).hexdigest()
 
     @property
     def rules(self) -> tuple[Rule, ...]:

@@ -44,18 +44,18 @@ def families_in_force(settings: Settings) -> tuple[str, ...]:
     """
     if not settings.rule_families:
         return ()
-    known = known_families(settings)
+    families = all_families(settings)
     for name in settings.rule_families:
         plain = name.removeprefix("+")
-        if plain not in known:
+        if plain not in families:
             origin = settings.origin("rule_families")
             message = f"{origin.name or 'the setting `rule_families`'} names an unknown family of rules, `{plain}`"
-            hint = did_you_mean(plain, known) or f"The families are {', '.join(known)}."
+            hint = did_you_mean(plain, families) or f"The families are {', '.join(families)}."
             raise UsageError("KG002", message, place=origin.place, hint=hint)
     return settings.rule_families
 
 
-def known_families(settings: Settings) -> list[str]:
+def all_families(settings: Settings) -> list[str]:
     """Return the names of all families, those not in force too, sorted."""
     folders = (shipped(_NAME), *(pack.folder for pack in packs()), *user_folders(settings))
     return sorted({family_of(name) for folder in folders for _, name in rule_files(folder, every=True)} - {""})

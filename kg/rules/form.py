@@ -244,11 +244,11 @@ def binds(element: Element) -> frozenset[Variable]:
 def _variables(atom: Atom) -> frozenset[Variable]:
     """Return the variables of an atom; nearly all are in it by themselves, so only triple terms are searched."""
     positions = atom.positions
-    found = [position for position in positions if isinstance(position, Variable)]
+    result = [position for position in positions if isinstance(position, Variable)]
     for position in positions:
         if isinstance(position, TripleTerm):
-            found += variables_of(position)
-    return frozenset(found)
+            result += variables_of(position)
+    return frozenset(result)
 
 
 def bound_in(body: Iterable[Element]) -> frozenset[Variable]:

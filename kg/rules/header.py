@@ -43,13 +43,13 @@ def parse_header(text: str, path: str) -> Documentation:
 
 def _comments(text: str) -> list[tuple[int, str, int, str]]:
     """Return the lines of the header: number, what is behind the comment sign, the column of that, all of the line."""
-    found: list[tuple[int, str, int, str]] = []
+    comments: list[tuple[int, str, int, str]] = []
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("#"):
-            found.append((number, line[1:].removeprefix(" ").rstrip(), 3, line))
-        elif found or line.strip():
+            comments.append((number, line[1:].removeprefix(" ").rstrip(), 3, line))
+        elif comments or line.strip():
             break
-    return found
+    return comments
 
 
 def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
@@ -60,9 +60,9 @@ def _heading(heading: str, before: dict[str, list[str]], place: Place) -> str:
     return heading
 
 
-def _unknown(what: str, written: str, hint: str, known: Iterable[str], place: Place) -> RuleError:
+def _unknown(what: str, written: str, hint: str, valid: Iterable[str], place: Place) -> RuleError:
     """Return the error about a word in the line of a place that is none of those known."""
-    near = similar(written, known)
+    near = similar(written, valid)
     start = (place.excerpt or "").rfind(written) + 1
     word = replace(place, column=start, end_line=place.line, end_column=start + len(written))
     fixes = [Fix(each, word) for each in near]

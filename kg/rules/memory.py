@@ -20,7 +20,7 @@ from pyoxigraph import NamedNode
 
 from kg.rules.columns import graph_name
 from kg.rules.engine.facts import Facts, Keys
-from kg.rules.engine.terms import Dictionary, Kept
+from kg.rules.engine.terms import Dictionary, Spellings
 from kg.rules.recording import Names
 from kg.store.layout import write_atomically
 
@@ -142,7 +142,7 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     ends = np.frombuffer(content, np.int64, terms + 1, place := place + keys.nbytes)
     sums = np.frombuffer(content, np.uint32, terms, place := place + ends.nbytes)
     order = np.frombuffer(content, np.uint32, terms, place := place + sums.nbytes)
-    dictionary = Dictionary(Kept(content[place + order.nbytes :], ends, sums, order))
+    dictionary = Dictionary(Spellings(content[place + order.nbytes :], ends, sums, order))
     inferred, asserted, written, *parts = (
         Facts({predicate: keys[begin : begin + size] for predicate, begin, size in section})
         for section in header["sections"]
@@ -158,10 +158,10 @@ def _digest(pieces: Iterable[bytes | memoryview]) -> bytes:
 
     The content is given in pieces of whole pages, but for the last one.
     """
-    found = blake2b(digest_size=_DIGEST_BYTES, person=_FORM)
+    digest = blake2b(digest_size=_DIGEST_BYTES, person=_FORM)
     for content in pieces:
         words = np.frombuffer(content, np.uint64, len(content) // 8)
         pages = words[: words.size // _WORDS * _WORDS].reshape(-1, _WORDS)
-        found.update(pages.sum(axis=1).tobytes())
-        found.update(content[pages.nbytes :])
-    return found.digest()
+        digest.update(pages.sum(axis=1).tobytes())
+        digest.update(content[pages.nbytes :])
+    return digest.digest()

@@ -22,25 +22,25 @@ __all__ = ["modified"]
 _INTEGER: Final = b'"^^<http://www.w3.org/2001/XMLSchema#integer>'
 
 
-def modified(asked: Question, solutions: Table, dictionary: Dictionary) -> Table | None:
+def modified(question: Question, solutions: Table, dictionary: Dictionary) -> Table | None:
     """Return the rows of an answer; None where it has an order of terms that only the store knows."""
-    table = _counted(asked, solutions, dictionary) if asked.grouped else solutions
-    table = Table({name: table.columns[name] for name in asked.shown}, table.rows)
-    if asked.distinct:
+    table = _counted(question, solutions, dictionary) if question.grouped else solutions
+    table = Table({name: table.columns[name] for name in question.shown}, table.rows)
+    if question.distinct:
         table = distinct_rows(table)
-    if not asked.order:
-        return table.take(slice(asked.limit))
-    return _ordered(table, asked.order, asked.limit, dictionary)
+    if not question.order:
+        return table.take(slice(question.limit))
+    return _ordered(table, question.order, question.limit, dictionary)
 
 
-def _counted(asked: Question, table: Table, dictionary: Dictionary) -> Table:
+def _counted(question: Question, table: Table, dictionary: Dictionary) -> Table:
     """Return a row for each group of solutions; without keys all are one group, be there none."""
-    if asked.keys:
-        _, first, group = np.unique(table.packed(asked.keys), return_index=True, return_inverse=True)
-        columns, size = {key: table.columns[key][first] for key in asked.keys}, first.size
+    if question.keys:
+        _, first, group = np.unique(table.packed(question.keys), return_index=True, return_inverse=True)
+        columns, size = {key: table.columns[key][first] for key in question.keys}, first.size
     else:
         columns, size, group = {}, 1, np.zeros(table.rows, np.int64)
-    for name, counted in asked.shown.items():
+    for name, counted in question.shown.items():
         if counted is not None:
             among = group if counted == "*" else group[table.columns[counted] != 0]
             numbers, places = np.unique(np.bincount(among, minlength=size), return_inverse=True)
@@ -52,16 +52,16 @@ def _ordered(
     table: Table, order: Sequence[tuple[str, bool]], limit: int | None, dictionary: Dictionary
 ) -> Table | None:
     """Return sorted rows. With a limit only those are sorted that the first column leaves among the first."""
-    found: list[Keys] = []
+    keys: list[Keys] = []
     for name, down in order:
         ranks = _ranks(table.columns[name], dictionary)
         if ranks is None:
             return None
-        found.append(-ranks if down else ranks)
-        if len(found) == 1 and limit and table.rows > limit:
-            kept = found[0] <= np.partition(found[0], limit - 1)[limit - 1]
-            table, found = table.take(kept), [found[0][kept]]
-    return table.take(np.lexsort(found[::-1])[:limit])
+        keys.append(-ranks if down else ranks)
+        if len(keys) == 1 and limit and table.rows > limit:
+            best = keys[0] <= np.partition(keys[0], limit - 1)[limit - 1]
+            table, keys = table.take(best), [keys[0][best]]
+    return table.take(np.lexsort(keys[::-1])[:limit])
 
 
 def _ranks(column: Keys, dictionary: Dictionary) -> Keys | None:
@@ -74,8 +74,8 @@ def _ranks(column: Keys, dictionary: Dictionary) -> Keys | None:
     numbers = {value: number for number, value in enumerate(sorted(set[Any](values)), 1)}
     # What is unbound comes first.
     ranks = np.array([0] * int(terms.size - len(values)) + [numbers[value] for value in values], np.int64)
-    found: Keys = ranks[places]
-    return found
+    result: Keys = ranks[places]
+    return result
 
 
 def _values(spelt: Sequence[bytes]) -> Sequence[bytes] | Sequence[int] | None:

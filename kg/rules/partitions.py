@@ -105,8 +105,8 @@ def verdicts(rules: Sequence[Rule], parts: Parts, asserted: Parts) -> list[Verdi
     What a rule infers from several parts may lead from one to another, whatever it does in the store at hand.
     """
     while True:
-        found = [Verdict(rule, _reason(rule, {False: parts, True: asserted})) for rule in rules]
-        doubtful = {_key_of(atom) for one in found if one.reason for atom in one.rule.head}
+        result = [Verdict(rule, _reason(rule, {False: parts, True: asserted})) for rule in rules]
+        doubtful = {_key_of(atom) for one in result if one.reason for atom in one.rule.head}
         certain = replace(
             parts,
             owned=parts.owned | doubtful,
@@ -115,7 +115,7 @@ def verdicts(rules: Sequence[Rule], parts: Parts, asserted: Parts) -> list[Verdi
             outward=parts.outward - doubtful,
         )
         if certain == parts:
-            return found
+            return result
         parts = certain
 
 
@@ -152,21 +152,21 @@ def _reason(rule: Rule, parts: Mapping[bool, Parts]) -> str:
 
 def _together(start: Pattern, links: Sequence[tuple[Pattern, Pattern]]) -> set[Pattern]:
     """Return the terms that belong to the part of `start`, since properties within one part lead to them."""
-    found, waiting = {start}, [start]
+    reached, waiting = {start}, [start]
     while waiting:
         one = waiting.pop()
         for ends in links:
             if one in ends:
-                new = set(ends) - found
-                found |= new
+                new = set(ends) - reached
+                reached |= new
                 waiting += new
-    return found
+    return reached
 
 
-def _any(atom: Atom, known: frozenset[_Key]) -> bool:
+def _any(atom: Atom, keys: frozenset[_Key]) -> bool:
     """Return whether an atom may match one of the properties; a type that is not named may be any class."""
     key = _key_of(atom)
-    return any(each[0] == _TYPE for each in known) if key == (_TYPE, "") else key in known
+    return any(each[0] == _TYPE for each in keys) if key == (_TYPE, "") else key in keys
 
 
 def _key_of(atom: Atom) -> _Key:

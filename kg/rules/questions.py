@@ -113,7 +113,7 @@ def question(text: str, prefixes: Mapping[str, str]) -> Question | None:
     names = list(dict.fromkeys([*keys, *counted] if grouped else plain))
     distinct = match["distinct"] is not None
     as_set = as_set if grouped else distinct
-    body = _NO_LIMIT.sub(lambda found: " " * len(found[0]), text[match.end() : tail.start()])
+    body = _NO_LIMIT.sub(lambda clause: " " * len(clause[0]), text[match.end() : tail.start()])
     read = _rules(match["prologue"], names, body, prefixes)
     if read is None:
         return None
@@ -157,7 +157,7 @@ def _rules(
         return None
     if any(isinstance(element, EngineBlock) for rule in rules for element, _ in readers_of(rule.body)):
         return None
-    return rules, chosen, [0, *(found.end() for found in re.finditer("\n", whole))]
+    return rules, chosen, [0, *(newline.end() for newline in re.finditer("\n", whole))]
 
 
 def _simpler(group: Group, outside: Counter[str], chosen: dict[tuple[int, int], Among]) -> Group:
@@ -172,12 +172,12 @@ def _simpler(group: Group, outside: Counter[str], chosen: dict[tuple[int, int], 
         if inner is None:
             continue
         name = str(getattr(block.name, "name", ""))
-        choosing = {id(node): found for node in nodes if (found := _conditions(node, name)) is not None}
+        choosing = {id(node): tests for node in nodes if (tests := _conditions(node, name)) is not None}
         others = uses(node for node in nodes if id(node) not in choosing and node is not block)
         if others[name] or outside[name] or uses([inner])[name]:
             continue
         chosen[inner.span.start, inner.span.end] = Among(
-            name, tuple(one for found in choosing.values() for one in found)
+            name, tuple(one for tests in choosing.values() for one in tests)
         )
         nodes = [inner if node is block else node for node in nodes if id(node) not in choosing]
     return replace(group, nodes=tuple(_inside(node, outside + everything - uses([node]), chosen) for node in nodes))

@@ -37,7 +37,7 @@ ENTRY_POINTS: Final = "kg.rules"
 OPTIONAL: Final = "optional"
 """A file of this name in the folder of a family says, and why, that the family is in force only where it is named."""
 
-_KEPT: Final = 512
+_CACHED: Final = 512
 """So many texts of rules are kept compiled: all that a store has in force, and some edits of them."""
 
 _TWICE: Final = (
@@ -82,11 +82,11 @@ def read_text(text: str, path: Path, name: str, *, pack: str = "") -> RuleFile:
 
 
 def _read_rq(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
-    found, prefixes = _compiled_rq(text, str(path), name)
-    return RuleFile(name, path, text, documentation, found, prefixes=prefixes)
+    rules, prefixes = _compiled_rq(text, str(path), name)
+    return RuleFile(name, path, text, documentation, rules, prefixes=prefixes)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=_CACHED)
 def _compiled_rq(text: str, path: str, name: str) -> tuple[tuple[Rule, ...], Mapping[str, str]]:
     """Return the rules and prefixes of a text, which nothing else decides; builds that follow each other ask again."""
     unit = parse_rq(text, path)
@@ -106,8 +106,8 @@ def _read_srl(text: str, path: Path, name: str, documentation: Documentation) ->
 
 
 def _read_ttl(text: str, path: Path, name: str, documentation: Documentation) -> RuleFile:
-    found = shacl.rules(text, name, path)
-    return RuleFile(name, path, text, documentation, found, prefixes=shacl.prefixes(text))
+    rules = shacl.rules(text, name, path)
+    return RuleFile(name, path, text, documentation, rules, prefixes=shacl.prefixes(text))
 
 
 def discover(
@@ -126,20 +126,20 @@ def discover(
         RuleError: KG207 for two files of one name, and what `read` raises; with `broken` such files are left out, and
             the errors are added to it.
     """
-    found: dict[str, RuleFile] = {}
+    files: dict[str, RuleFile] = {}
     sources = [*((pack.folder, pack.name) for pack in installed), *((folder, "") for folder in folders)]
     for folder, pack in sources:
         for path, name in rule_files(folder, families):
             try:
-                if name not in found:
-                    found[name] = read(path, name, pack=pack)
-                elif problem := rival(path, name, found[name].path):
+                if name not in files:
+                    files[name] = read(path, name, pack=pack)
+                elif problem := rival(path, name, files[name].path):
                     raise problem
             except RuleError as error:
                 if broken is None:
                     raise
                 broken.append(error)
-    return RuleSet(tuple(_once([found[name] for name in sorted(found)])))
+    return RuleSet(tuple(_once([files[name] for name in sorted(files)])))
 
 
 def rival(path: Path, name: str, other: Path) -> RuleError | None:
@@ -198,8 +198,8 @@ def _once(files: list[RuleFile]) -> Iterator[RuleFile]:
         written = str(file.path)
         brought = {rule.place.path for rule in file.rules} - {written}
         foreign = {path for path in brought if owners.setdefault(Path(path).resolve(), file.name) != file.name}
-        kept = tuple(rule for rule in file.rules if rule.place.path not in foreign)
-        yield replace(file, rules=kept) if foreign else file
+        own = tuple(rule for rule in file.rules if rule.place.path not in foreign)
+        yield replace(file, rules=own) if foreign else file
 
 
 def packs() -> tuple[Pack, ...]:

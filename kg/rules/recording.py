@@ -61,7 +61,7 @@ def activity(names: Names, started: datetime, ended: datetime, triples: int, der
     """Return the N-Triples about one run; `derived` counts what each rule, by name, was the first to derive."""
     run = f"{names.base}run/{quote(started.isoformat(), safe=':')}"
     count = f"<{names.vocabulary}inferredCount>"
-    found = [
+    lines = [
         f"<{run}> {_TYPE} <{_PROV}Activity>",
         f"<{run}> {_TYPE} <{names.vocabulary}RuleRun>",
         f"<{run}> <{_PROV}startedAtTime> {_moment(started)}",
@@ -71,14 +71,14 @@ def activity(names: Names, started: datetime, ended: datetime, triples: int, der
     ]
     for name, number in sorted(derived.items()):
         usage, rule = f"{run}#{quote(name, safe='/')}", names.rule(name)
-        found += [
+        lines += [
             f"<{run}> <{_PROV}qualifiedUsage> <{usage}>",
             f"<{usage}> {_TYPE} <{_PROV}Usage>",
             f"<{usage}> <{_PROV}entity> <{rule}>",
             f"<{usage}> {_SOURCE_RULE} <{rule}>",
             f"<{usage}> {count} {_number(number)}",
         ]
-    return "".join(f"{line} .\n" for line in found).encode()
+    return "".join(f"{line} .\n" for line in lines).encode()
 
 
 def _moment(time: datetime) -> str:

@@ -220,8 +220,8 @@ class Runner:
         derived: Counter[str] = Counter()
         for one in outcome.reports:
             derived[one.rule.name] += one.derived
-        found = activity(self._names, started, ended, len(outcome.then), +derived)
-        transaction.append(self._names.builds, found)
+        text = activity(self._names, started, ended, len(outcome.then), +derived)
+        transaction.append(self._names.builds, text)
 
 
 def _report(outcome: Outcome, reasoner: Reasoner) -> RunReport:
@@ -324,12 +324,12 @@ class Reasoner:
 
     def _full(self, memory: Memory, data: Facts, now: Facts, begin: float, limits: Limits) -> Outcome:
         middle = time.perf_counter()
-        found = evaluate(self.program, memory.dictionary, memory.asserted, limits=limits)
-        memory.inferred = found.inferred
-        then = memory.written = _shown(memory, data)
+        result = evaluate(self.program, memory.dictionary, memory.asserted, limits=limits)
+        memory.inferred = result.inferred
+        then = memory.written = _visible(memory, data)
         self.memory, self._maintained = memory, None
         seconds = (middle - begin, time.perf_counter() - middle)
-        return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(found.reports), *seconds)
+        return Outcome(memory.dictionary, memory.asserted, now, then, "full", tuple(result.reports), *seconds)
 
     def _evaluate_again(  # noqa: PLR0913, PLR0917 - all that evaluation depends on
         self,
@@ -342,7 +342,7 @@ class Reasoner:
     ) -> Outcome:
         begin = time.perf_counter()
         data = stated(rule_set.data, memory.dictionary)
-        now = self._held_since(memory, source, changes)
+        now = self._updated_inferred(memory, source, changes)
         parts, touched = _read_again(memory, source, graphs, changes)
         asserted = memory.asserted.copy()
         for predicate in touched:
@@ -357,18 +357,18 @@ class Reasoner:
                 self._maintained = Maintained(self.program, memory.dictionary, memory.asserted, memory.inferred)
             self._maintained.apply(inserted, deleted, limits=limits)
             following.inferred = self._maintained.inferred
-        then = following.written = _shown(following, data)
+        then = following.written = _visible(following, data)
         self.memory = following
         seconds = (middle - begin, time.perf_counter() - middle)
         return Outcome(memory.dictionary, asserted, now, then, "incremental", (), *seconds)
 
-    def _held_since(self, memory: Memory, source: Tables, changes: Changes) -> Facts:
+    def _updated_inferred(self, memory: Memory, source: Tables, changes: Changes) -> Facts:
         """Return the content of the graph of inferred triples, updated from that of the memory."""
-        known = memory.written
+        cached = memory.written
         patches = (changes.graphs or {}).get(self._names.inferred.value, [])
         if patches is None:
             return self._read_inferred(source, memory.dictionary)
-        return patched(known, patches, memory.dictionary)[0] if patches else known
+        return patched(cached, patches, memory.dictionary)[0] if patches else cached
 
     def _read_inferred(self, source: Tables, dictionary: Dictionary) -> Facts:
         """Return what the graph of inferred triples holds."""
@@ -385,8 +385,8 @@ def _read_again(
     """
     parts: dict[NamedNode | None, Facts] = {}
     touched: set[int] = set()
-    known = changes.graphs or {}
-    again = [graph for graph in graphs if graph not in memory.graphs or known.get(graph_name(graph), ()) is None]
+    changed = changes.graphs or {}
+    again = [graph for graph in graphs if graph not in memory.graphs or changed.get(graph_name(graph), ()) is None]
     fresh = read(source, EVERYTHING, again, memory.dictionary)
     for graph in graphs:
         before = memory.graphs.get(graph, Facts())
@@ -394,7 +394,7 @@ def _read_again(
             after = parts[graph] = fresh[graph]
             predicates = {*before.predicates, *after.predicates}
             touched |= {one for one in predicates if not np.array_equal(before.keys(one), after.keys(one))}
-        elif patches := known.get(graph_name(graph)):
+        elif patches := changed.get(graph_name(graph)):
             parts[graph], named = patched(before, patches, memory.dictionary)
             touched |= named
         else:
@@ -404,12 +404,12 @@ def _read_again(
     return parts, touched
 
 
-def _shown(memory: Memory, data: Facts) -> Facts:
+def _visible(memory: Memory, data: Facts) -> Facts:
     """Return the triples for the graph: those inferred, and those of rule files that no graph states."""
-    found = stored(memory.inferred, memory.dictionary)
+    result = stored(memory.inferred, memory.dictionary)
     if len(data):
-        absorb(found, lacking(data, union_of(memory.graphs.values())))
-    return found
+        absorb(result, lacking(data, union_of(memory.graphs.values())))
+    return result
 
 
 def run_files(
@@ -439,8 +439,8 @@ def run_files(
     data = lacking(asserted, given)
     absorb(asserted, given)
     read = time.perf_counter()
-    found = evaluate(program, dictionary, asserted, limits=limits or Limits())
-    inferred = stored(found.inferred, dictionary)
+    result = evaluate(program, dictionary, asserted, limits=limits or Limits())
+    inferred = stored(result.inferred, dictionary)
     absorb(inferred, data)
     evaluated = time.perf_counter()
     if output is not None:
@@ -449,7 +449,7 @@ def run_files(
     seconds = Seconds(read - begin, evaluated - read, time.perf_counter() - evaluated)
     change = Difference(dictionary, inferred, Facts())
     size = len(inferred)
-    reports = tuple(found.reports)
+    reports = tuple(result.reports)
     return RunReport(len(asserted), size, size, 0, seconds, program.levels, "full", reports, change, program.rules)
 
 
@@ -458,16 +458,16 @@ def _rows(file: Path, dictionary: Dictionary, *, rename: bool) -> NDArray[np.int
     kind = rdf_format(file)
     if kind == RdfFormat.N_TRIPLES:
         with opened(file) as content:
-            found = parts_of_lines(content.read())
-        if found is not None:
-            return dictionary.intern_all(found).reshape(-1, 3)
+            parts = parts_of_lines(content.read())
+        if parts is not None:
+            return dictionary.intern_all(parts).reshape(-1, 3)
     return rows_of(quads_of(file, kind, rename=rename), dictionary)
 
 
 def rdf_format(file: Path) -> RdfFormat:
     """Return the format that the ending of a file names; UsageError KG003 for one that names none."""
-    found = format_of(file)
-    if found is None:
+    result = format_of(file)
+    if result is None:
         hint = "The endings are .nt, .ttl, .nq, .trig, .n3, .rdf, .xml and .jsonld."
         raise UsageError("KG003", f"the ending of {file} names no format of RDF", hint=hint)
-    return found
+    return result

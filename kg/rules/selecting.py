@@ -96,43 +96,43 @@ class Columns:
         A triple of several graphs, and a pair that a path connects in two ways, count once. With DISTINCT, or where
         distinct values are counted, the rows are those of the store.
         """
-        names, found = self._found(text, prefixes or {})
-        if found is None:
+        names, table = self._evaluate(text, prefixes or {})
+        if table is None:
             return cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
-        return map(_row_of(names), self._terms(names, found, self._values, _Value))
+        return map(_row_of(names), self._terms(names, table, self._values, _Value))
 
     def texts(self, text: str, *, prefixes: Mapping[str, str]) -> Iterator[tuple[str | None, ...]]:
         """Yield the rows of `query` as tuples of IRIs and texts, with None for unbound variables."""
-        names, found = self._found(text, prefixes)
-        if found is not None:
-            return self._terms(names, found, self._texts, _text)
+        names, table = self._evaluate(text, prefixes)
+        if table is not None:
+            return self._terms(names, table, self._texts, _text)
         rows = cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
         return (tuple(None if term is None else term.value for term in row) for row in rows)
 
-    def _found(self, text: str, prefixes: Mapping[str, str]) -> tuple[tuple[str, ...], Table | None]:
+    def _evaluate(self, text: str, prefixes: Mapping[str, str]) -> tuple[tuple[str, ...], Table | None]:
         """Return the variables and rows of a SELECT; no rows where only the store has them."""
-        asked = question(text, prefixes)
-        if asked is None:
+        parsed = question(text, prefixes)
+        if parsed is None:
             return (), None
-        return tuple(asked.shown), modified(asked, self._solutions(asked), self.dictionary)
+        return tuple(parsed.shown), modified(parsed, self._solutions(parsed), self.dictionary)
 
     def answer(self, text: str, *, prefixes: Mapping[str, str]) -> tuple[tuple[str, ...], list[Row]] | None:
         """Return variables and rows of a SELECT, exactly as the store has them but for an order that is not asked for.
 
         None where columns do not have the answer, or where the store finds it as fast: a pattern has few triples.
         """
-        asked = question(text, prefixes)
-        if asked is None or not asked.as_set or self._least(asked) < _MANY:
+        parsed = question(text, prefixes)
+        if parsed is None or not parsed.as_set or self._least(parsed) < _MANY:
             return None
-        found = modified(asked, self._solutions(asked), self.dictionary)
-        if found is None:
+        table = modified(parsed, self._solutions(parsed), self.dictionary)
+        if table is None:
             return None
-        known: dict[int, Term | None] = {0: None}
-        return tuple(asked.shown), list(self._terms(list(asked.shown), found, known, of_spelling))
+        terms: dict[int, Term | None] = {0: None}
+        return tuple(parsed.shown), list(self._terms(list(parsed.shown), table, terms, of_spelling))
 
-    def _least(self, asked: Question) -> int:
+    def _least(self, parsed: Question) -> int:
         """Return how many triples the smallest pattern of each rule has, added up."""
-        atoms = ([atom for atom in rule.body if isinstance(atom, Atom)] for rule in asked.rules)
+        atoms = ([atom for atom in rule.body if isinstance(atom, Atom)] for rule in parsed.rules)
         return sum(min(map(self._size, some), default=0) for some in atoms)
 
     def _size(self, atom: Atom) -> int:
@@ -148,14 +148,14 @@ class Columns:
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
         """Return what a graph says: the values of each property, by its IRI, of each subject."""
-        found: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
+        result: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
         for predicate, keys in self.graphs.get(graph, Facts()):
             term = _text(self.dictionary.spelling(predicate))
             pairs = Table(dict(zip("so", unpack(keys), strict=True)), keys.size)
             rows = cast("Iterator[tuple[str, str]]", self._terms(["s", "o"], pairs, self._texts, _text))
             for subject, value in rows:
-                found[subject].setdefault(term, []).append(value)
-        return dict(found)
+                result[subject].setdefault(term, []).append(value)
+        return dict(result)
 
     def count(self) -> int:
         """Return how many quads the store holds."""
@@ -163,24 +163,24 @@ class Columns:
 
     def _among(self, among: Among, *, as_set: bool) -> Facts:
         """Return the triples of some graphs: each once, or as often as graphs have it."""
-        found = self._read.get((among, as_set))
-        if found is None:
+        facts = self._read.get((among, as_set))
+        if facts is None:
             names = " ".join(str(NamedNode(name)) for name in self.graphs if name)
             tests = " ".join(f"FILTER({one})" for one in among.conditions)
             text = f"SELECT ?{among.variable} {{ VALUES ?{among.variable} {{ {names} }} {tests} }}"
             parts = [self.graphs[row[0].value] for row in cast("Iterable[Any]", Store().query(text))]
-            found = self._read[among, as_set] = union_of(parts) if as_set else _together(parts)
-        return found
+            facts = self._read[among, as_set] = union_of(parts) if as_set else _together(parts)
+        return facts
 
-    def _solutions(self, asked: Question) -> Table:
+    def _solutions(self, parsed: Question) -> Table:
         """Return what the rules of a query bind its variables to; 0 where that is nothing."""
-        names, rules = asked.names, asked.rules
+        names, rules = parsed.names, parsed.rules
         helping = Program(rule for rule in rules if rule.head[0].predicate != MARK)
-        known = self.union
+        facts = self.union
         if helping.rules:
-            known = known.copy()
+            facts = facts.copy()
             for predicate, keys in evaluate(helping, self.dictionary, self.union).inferred:
-                known.add(predicate, keys)
+                facts.add(predicate, keys)
         state = helping.state(self.dictionary)
         tables = []
         for rule in (rule for rule in rules if rule.head[0].predicate == MARK):
@@ -188,25 +188,25 @@ class Columns:
             heads = zip(rule.head, prepared.heads, strict=True)
             columns = {cast("NamedNode", atom.predicate).value: head.object for atom, head in heads}
             chosen = [columns.get(f"{COLUMN}{name}", 0) for name in names]
-            outputs = prepared.outputs if asked.as_set else prepared.outputs | prepared.body.names
-            among = [asked.among(source.reads) for source in prepared.sources]
-            sources = [known if one is None else self._among(one, as_set=asked.as_set) for one in among]
+            outputs = prepared.outputs if parsed.as_set else prepared.outputs | prepared.body.names
+            among = [parsed.among(source.reads) for source in prepared.sources]
+            sources = [facts if one is None else self._among(one, as_set=parsed.as_set) for one in among]
             tables += [
                 Table({name: _values(table, node) for name, node in zip(names, chosen, strict=True)}, table.rows)
-                for table in Solver(state, sources).solutions(prepared.body, outputs, bag=not asked.as_set)
+                for table in Solver(state, sources).solutions(prepared.body, outputs, bag=not parsed.as_set)
             ]
         every = concatenate(tables, names)
-        return distinct_rows(every) if asked.as_set else every
+        return distinct_rows(every) if parsed.as_set else every
 
     def _terms(
-        self, names: Sequence[str], table: Table, known: dict[int, _T], make: Callable[[bytes], _T]
+        self, names: Sequence[str], table: Table, terms: dict[int, _T], make: Callable[[bytes], _T]
     ) -> Iterator[tuple[_T, ...]]:
-        """Yield solutions as rows; `known` has what was made of terms already, and gets the others."""
+        """Yield solutions as rows; `terms` has what was made of terms already, and gets the others."""
         columns = [table.columns[name].tolist() for name in names]
         # A difference of sets would go through all that is known.
-        new = [term for term in set(chain.from_iterable(columns)) if term not in known]
-        known.update(zip(new, map(make, self.dictionary.spellings(new)), strict=True))
-        return zip(*(map(known.__getitem__, column) for column in columns), strict=True)
+        new = [term for term in set(chain.from_iterable(columns)) if term not in terms]
+        terms.update(zip(new, map(make, self.dictionary.spellings(new)), strict=True))
+        return zip(*(map(terms.__getitem__, column) for column in columns), strict=True)
 
 
 class _Value:

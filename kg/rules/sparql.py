@@ -171,8 +171,8 @@ class _Writer:
 
     def _fixed_values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
         """Bind, before all else, the fixed variables that stay as they are in this group or are used outside."""
-        kept = used.union(*(mentions(element) for element in body if not isinstance(element, Atom | Exists)))
-        for variable in sorted(kept & self._fixed.keys(), key=str):
+        needed = used.union(*(mentions(element) for element in body if not isinstance(element, Atom | Exists)))
+        for variable in sorted(needed & self._fixed.keys(), key=str):
             yield f"VALUES {spelling(variable)} {{ {term(self._fixed[variable])} }}"
 
     def _element(self, element: Element, late: frozenset[Variable]) -> str:

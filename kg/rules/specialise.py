@@ -99,41 +99,41 @@ def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, .
     """
     given = tuple(rules)
     hidden = _hidden(given)
-    kept = [rule for rule in given if _about_schema(rule, hidden)]
+    about_schema = [rule for rule in given if _about_schema(rule, hidden)]
     waiting = [rule for rule in given if not _about_schema(rule, hidden)]
     stated, closed = Store(), Store()
     stated.extend(map(_quad, schema))
     closed.extend(stated)
-    _close(closed, kept)
-    found = [instance for rule in waiting for instance in _instances(rule, stated, closed, hidden)]
-    if any(map(_may_write_schema, found)):
+    _close(closed, about_schema)
+    instances = [instance for rule in waiting for instance in _instances(rule, stated, closed, hidden)]
+    if any(map(_may_write_schema, instances)):
         return given
     parts: defaultdict[str, Iterator[int]] = defaultdict(lambda: count(1))
-    ordered = sorted([*kept, *found], key=lambda rule: rule.name)
+    ordered = sorted([*about_schema, *instances], key=lambda rule: rule.name)
     return tuple(replace(rule, part=next(parts[rule.name])) for rule in ordered)
 
 
 def specialised(rule_set: RuleSet, schema: Iterable[Triple]) -> RuleSet:
     """Return a set of rules in which each file has the rules that `specialise` makes of its own."""
-    found = specialise(rule_set.rules, schema)
-    if found == rule_set.rules:
+    instances = specialise(rule_set.rules, schema)
+    if instances == rule_set.rules:
         return rule_set
     by_name: defaultdict[str, list[Rule]] = defaultdict(list)
-    for rule in found:
+    for rule in instances:
         by_name[rule.name].append(rule)
     return RuleSet(tuple(replace(file, rules=tuple(by_name[file.name])) for file in rule_set.files))
 
 
 def _hidden(rules: Sequence[Rule]) -> frozenset[NamedNode]:
     """Return the auxiliary predicates that nothing but schema is in: paths such as `rdfs:subClassOf+`."""
-    found = {atom.predicate for rule in rules for atom in rule.head if is_auxiliary(atom.predicate)}
+    hidden = {atom.predicate for rule in rules for atom in rule.head if is_auxiliary(atom.predicate)}
     before = -1
-    while before != len(found):
-        before = len(found)
+    while before != len(hidden):
+        before = len(hidden)
         for rule in rules:
-            if not all(_is_axiom(each, found) or isinstance(each, Filter) for each in rule.body):
-                found -= {atom.predicate for atom in rule.head if isinstance(atom.predicate, NamedNode)}
-    return frozenset(found)
+            if not all(_is_axiom(each, hidden) or isinstance(each, Filter) for each in rule.body):
+                hidden -= {atom.predicate for atom in rule.head if isinstance(atom.predicate, NamedNode)}
+    return frozenset(hidden)
 
 
 def _about_schema(rule: Rule, hidden: AbstractSet[NamedNode]) -> bool:
@@ -180,20 +180,20 @@ def _quad(triple: Triple) -> Quad:
 def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[NamedNode]) -> Iterator[Rule]:
     """Yield a rule for each way in which its atoms about the schema hold; the rule itself where it need not be cut."""
     axioms: tuple[Atom, ...] = tuple(element for element in rule.body if _is_axiom(element, hidden))
-    known = bound_in(axioms)
+    bound = bound_in(axioms)
     asserted = {axiom.asserted for axiom in axioms}
-    if len(asserted) != 1 or not (known & set(_open(rule))):
+    if len(asserted) != 1 or not (bound & set(_open(rule))):
         yield rule
         return
     schema: tuple[Element, ...] = (
         *axioms,
-        *(each for each in rule.body if isinstance(each, Filter) and mentions(each) <= known),
+        *(each for each in rule.body if isinstance(each, Filter) and mentions(each) <= bound),
     )
     rest = tuple(element for element in rule.body if element not in schema)
-    variables = sorted(known, key=str)
+    variables = sorted(bound, key=str)
     rows = (stated if asserted == {True} else closed).query(select(schema, variables))
-    found = [dict(zip(variables, row, strict=True)) for row in rows]  # type: ignore[union-attr]  # rows
-    for bindings in sorted(found, key=lambda row: [str(row[variable]) for variable in variables]):
+    solutions = [dict(zip(variables, row, strict=True)) for row in rows]  # type: ignore[union-attr]  # rows
+    for bindings in sorted(solutions, key=lambda row: [str(row[variable]) for variable in variables]):
         instance = _instance(rule, rest, bindings)
         if not set(instance.head) <= {element for element in instance.body if isinstance(element, Atom)}:
             yield instance

@@ -113,15 +113,15 @@ def _failures(
 def edges(rules: Sequence[Rule]) -> list[dict[int, Read]]:
     """Return for each rule those whose heads it reads, with the atom that does; a negated one if any."""
     heads = Heads(rules)
-    found: list[dict[int, Read]] = []
+    result: list[dict[int, Read]] = []
     for rule in rules:
         needs: dict[int, Read] = {}
         for read in reads(rule):
             for writer in heads.matching(read):
                 if writer not in needs or (read.negated and not needs[writer].negated):
                     needs[writer] = read
-        found.append(needs)
-    return found
+        result.append(needs)
+    return result
 
 
 class Heads:
@@ -163,7 +163,7 @@ def _components(needs: Sequence[Sequence[int]]) -> list[list[int]]:
     low: dict[int, int] = {}
     stack: list[int] = []
     waiting: set[int] = set()
-    found: list[list[int]] = []
+    components: list[list[int]] = []
     for root in range(len(needs)):
         path = [] if root in index else [(root, iter(needs[root]))]
         while path:
@@ -186,8 +186,8 @@ def _components(needs: Sequence[Sequence[int]]) -> list[list[int]]:
             if path:
                 low[path[-1][0]] = min(low[path[-1][0]], low[node])
             if low[node] == index[node]:
-                found.append(_popped(stack, waiting, node))
-    return found
+                components.append(_popped(stack, waiting, node))
+    return components
 
 
 def _popped(stack: list[int], waiting: set[int], node: int) -> list[int]:
@@ -225,15 +225,15 @@ def _in_order(rules: Sequence[Rule], needs: list[dict[int, Read]]) -> Iterator[l
 
 def _negations(rules: Sequence[Rule], needs: list[dict[int, Read]], component: list[int]) -> Iterator[Failure]:
     members = set(component)
-    told: set[object] = set()
+    reported: set[object] = set()
     for rule in sorted(component):
         for writer, read in needs[rule].items():
-            if not read.negated or writer not in members or (rules[rule].name, read.atom) in told:
+            if not read.negated or writer not in members or (rules[rule].name, read.atom) in reported:
                 continue
             cycle = _path(needs, writer, rule, members)
             # What a pattern denies may come about in many ways, and the parts of a rule are one rule to people.
             names = frozenset(rules[each].name for each in cycle)
-            if names not in told:
+            if names not in reported:
                 error = RuleError(
                     "KG202",
                     _cycle_in_words(rules, needs, [rule, *cycle]),
@@ -241,7 +241,7 @@ def _negations(rules: Sequence[Rule], needs: list[dict[int, Read]], component: l
                     hint="Let the negated or counted pattern read something that this rule does not feed.",
                 )
                 yield Failure(error, rules[rule], tuple(rules[each] for each in cycle))
-            told |= {names, (rules[rule].name, read.atom)}
+            reported |= {names, (rules[rule].name, read.atom)}
 
 
 def _path(needs: list[dict[int, Read]], start: int, goal: int, members: set[int]) -> list[int]:

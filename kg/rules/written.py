@@ -84,33 +84,33 @@ class Written(Changes):
         if self._columns is None or self._graph in self._unknown:
             return
         columns = self._columns.setdefault(self._graph, {})
-        found = list(by_predicate(_rows(lines, self._dictionary)))
-        if not found:
+        tables = list(by_predicate(_rows(lines, self._dictionary)))
+        if not tables:
             return
-        every = self._pages.keep(np.concatenate([keys for _, keys in found]))
+        every = self._pages.store(np.concatenate([keys for _, keys in tables]))
         begin = 0
-        for predicate, keys in found:
+        for predicate, keys in tables:
             columns.setdefault(predicate, []).append(every[begin : begin + keys.size])
             begin += keys.size
 
     def take(self, graphs: list[NamedNode | None]) -> tuple[Dictionary, dict[NamedNode | None, Facts]]:
         """Return the triples of those graphs that are known, and keep no more from now on."""
         self._read()
-        found: dict[NamedNode | None, Facts] = {}
-        known = self._columns or {}
+        result: dict[NamedNode | None, Facts] = {}
+        columns = self._columns or {}
         for graph in graphs if self._columns is not None else ():
             name = graph_name(graph)
             if name not in self._unknown:
-                found[graph] = gathered(known.pop(name, {}), self._pages)
+                result[graph] = gathered(columns.pop(name, {}), self._pages)
         dictionary = self._dictionary
         self._columns, self._dictionary = None, Dictionary()
         self._pages.release()
-        return dictionary, found
+        return dictionary, result
 
 
 def _rows(lines: bytes, dictionary: Dictionary) -> NDArray[np.int64]:
     """Return N-Triples as rows of identifiers, as a store spells the terms; blank nodes keep their labels."""
-    found = parts_of_lines(lines)
-    if found is None:
+    parts = parts_of_lines(lines)
+    if parts is None:
         return rows_of(parse(lines, RdfFormat.N_TRIPLES, lenient=True), dictionary)
-    return dictionary.intern_all(found).reshape(-1, 3)
+    return dictionary.intern_all(parts).reshape(-1, 3)

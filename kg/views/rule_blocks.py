@@ -18,7 +18,7 @@ from kg.rules.blocks.tree import FAMILY, Rule
 from kg.rules.blocks.write import Written, write
 from kg.rules.checks.finding import Context, Finding, from_error
 from kg.rules.checks.firing import StoreOf
-from kg.rules.checks.run import beside, check_file
+from kg.rules.checks.run import check_file, with_rules
 from kg.rules.explain.view import View
 from kg.rules.files import RuleFile, RuleSet
 from kg.rules.reading import read_text
@@ -160,7 +160,7 @@ def _findings(snapshot: EmbeddedSnapshot, settings: Settings, text: str, name: s
         return [from_error(error, name, Place(str(_path(name)), 1, 1))]
     context = _context(snapshot, settings)
     others = (one for one in context.rules.files if one.name != name)
-    context = beside(RuleSet((*others, file)), context)
+    context = with_rules(RuleSet((*others, file)), context)
     # Why the rules cannot be put in order because of this one.
     cycles = [
         from_error(failure.error, name, failure.rule.place)

@@ -14,7 +14,7 @@ from kg.rules.authoring.library import Library
 from kg.rules.authoring.spelling import spell_triple
 from kg.rules.authoring.testing import run_example
 from kg.rules.dependencies import depends, reads
-from kg.rules.engine.heads import made_node
+from kg.rules.engine.heads import new_node
 from kg.rules.explain.derivations import bound_by, derivation_of
 from kg.rules.explain.unify import instance
 from kg.rules.form import Exists, Rule, Term, bound_in, is_auxiliary, mentions
@@ -127,7 +127,7 @@ def _facts(rule: Rule, solution: Solution) -> Iterator[Triple]:
     """Yield the facts of a solution, with the blank nodes that the engine of rules would make."""
     labels = {node for head in rule.head for node in head.positions if isinstance(node, BlankNode)}
     names = bound_by(rule.body) if labels else []
-    blanks = {str(node): made_node(rule, node.value, names, solution) for node in labels}
+    blanks = {str(node): new_node(rule, node.value, names, solution) for node in labels}
     for head in rule.head:
         fact = instance(head, {**solution, **blanks})
         if fact is not None:
@@ -151,7 +151,7 @@ def examples(file: RuleFile, facts: Sequence[Inferred]) -> str:
 
 
 def _page(file: RuleFile, derivation: Derivation) -> str:
-    prefixes = file.known_prefixes
+    prefixes = file.all_prefixes
     heads = [fact for head in derivation.rule.head if (fact := instance(head, derivation.bindings))]
     given = _statements(derivation.facts, prefixes)
     expected = _statements(heads, prefixes)

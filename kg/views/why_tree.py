@@ -78,7 +78,7 @@ class Telling:
         return {
             "rule": self._rule(attempt.rule),
             "bindings": self.bindings(attempt.bound),
-            "held": [self._with_evidence(fact) for fact in attempt.held],
+            "held": [self._with_evidence(fact) for fact in attempt.matched],
             "fails": attempt.text if attempt.failing else None,
             "nearest": list(attempt.nearest),
             "deeper": self.lacking(attempt.deeper) if attempt.deeper else None,

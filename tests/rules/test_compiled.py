@@ -40,7 +40,7 @@ def test_the_order_of_rules_and_their_digest_come_back(tmp_path: Path, shipped: 
     loaded = compiled.load(tmp_path, "mark")
     assert loaded is not None
     assert list(loaded.strata) == stratify(shipped.rules, bounded=True)
-    assert loaded.digest == loaded.kept_digest == shipped.digest
+    assert loaded.digest == loaded.cached_digest == shipped.digest
 
 
 def test_rules_are_kept_uncut_beside_those_that_are_cut(tmp_path: Path, shipped: RuleSet) -> None:

@@ -41,7 +41,7 @@ def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
     library = Library.of(settings)
     entry = find_rule(library, name)
     file = library.read(entry.name)
-    prefixes = file.known_prefixes
+    prefixes = file.all_prefixes
     if to == "form":
         strata = manual(library, entry, ontology_schema(settings)).strata
         text = printing.to_form(file.rules, prefixes, strata)

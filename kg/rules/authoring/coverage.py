@@ -66,15 +66,15 @@ def cover(
 ) -> Coverage:
     """Run the rules of `files` in memory, then apply those of `chosen` (all without it) once to all that is known."""
     tried = bench.infer(files, limits)
-    found = []
+    covered = []
     for file in chosen or files:
-        prefixes = file.known_prefixes
-        firings = list(fire(file.rules, bench.dictionary, tried.asserted, tried.known))
+        prefixes = file.all_prefixes
+        firings = list(fire(file.rules, bench.dictionary, tried.asserted, tried.facts))
         gaps = tuple(gap for firing in firings for gap in _gaps(firing, tried, bench, prefixes))
         parts = sum(len(rule.body) + len(rule.head) for rule in file.rules)
         fired = sum(any(len(head) for head in firing.heads) for firing in firings)
-        found.append(RuleCoverage(file.name, len(file.rules), fired, parts - len(gaps), parts, gaps))
-    return Coverage(tuple(found))
+        covered.append(RuleCoverage(file.name, len(file.rules), fired, parts - len(gaps), parts, gaps))
+    return Coverage(tuple(covered))
 
 
 def _gaps(firing: Firing, tried: Try, bench: Workbench, prefixes: Mapping[str, str]) -> Iterator[Gap]:
@@ -91,14 +91,14 @@ def _gaps(firing: Firing, tried: Try, bench: Workbench, prefixes: Mapping[str, s
 def _stop(rule: Rule, tried: Try, bench: Workbench) -> int:
     """Return the number of the first element, in the order of the text, that nothing passes."""
     for number in range(1, len(rule.body) + 1):
-        if not holds(rule, rule.body[:number], bench.dictionary, tried.asserted, tried.known):
+        if not holds(rule, rule.body[:number], bench.dictionary, tried.asserted, tried.facts):
             return number - 1
     return len(rule.body)
 
 
-def coverage_objects(found: Coverage) -> Iterator[dict[str, Any]]:
+def coverage_objects(coverage: Coverage) -> Iterator[dict[str, Any]]:
     """Yield a plain object for each rule, and one for all, ready for JSON."""
-    for rule in found.rules:
+    for rule in coverage.rules:
         yield {
             "rule": rule.name,
             "rules": rule.rules,
@@ -112,7 +112,7 @@ def coverage_objects(found: Coverage) -> Iterator[dict[str, Any]]:
         }
     yield {
         "coverage": True,
-        "rules": len(found.rules),
-        "fired": found.fired,
-        "percent": round(100 * found.share, 1),
+        "rules": len(coverage.rules),
+        "fired": coverage.fired,
+        "percent": round(100 * coverage.share, 1),
     }

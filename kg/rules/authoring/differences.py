@@ -93,21 +93,21 @@ def _fed_by(rules: Sequence[Rule], names: set[str]) -> set[str]:
     for reader, needs in zip(rules, edges(rules), strict=True):
         for writer in needs:
             readers.setdefault(rules[writer].name, set()).add(reader.name)
-    found, waiting = set(names), list(names)
+    reached, waiting = set(names), list(names)
     while waiting:
-        fresh = readers.get(waiting.pop(), set()) - found
-        found |= fresh
+        fresh = readers.get(waiting.pop(), set()) - reached
+        reached |= fresh
         waiting.extend(fresh)
-    return found
+    return reached
 
 
-_Found: TypeAlias = "tuple[str, Triple, tuple[str, ...]]"
+_Item: TypeAlias = "tuple[str, Triple, tuple[str, ...]]"
 
 
-def _added(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Found]:
+def _added(bench: Workbench, tried: Try, come: Facts) -> Iterator[_Item]:
     """Yield the triples added, in the order of their spelling, with the rules that derive them."""
     rules: dict[tuple[int, int], set[str]] = {}
-    for firing in fire(_deriving(bench, tried, come), bench.dictionary, tried.asserted, tried.known):
+    for firing in fire(_deriving(bench, tried, come), bench.dictionary, tried.asserted, tried.facts):
         for predicate, keys in union_of(firing.heads) if firing.heads else Facts():
             for key in intersection(keys, come.keys(predicate)).tolist():
                 rules.setdefault((predicate, key), set()).add(firing.rule.name)
@@ -126,7 +126,7 @@ def _deriving(bench: Workbench, tried: Try, come: Facts) -> Iterator[Rule]:
             yield rule
 
 
-def _removed(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
+def _removed(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Item]:
     """Yield the triples removed, in the order of their spelling, with the rules whose heads match."""
     for triple in triples_of(gone, bench.dictionary):
         atom = Atom(triple.subject, triple.predicate, triple.object)
@@ -134,9 +134,9 @@ def _removed(bench: Workbench, tried: Try, gone: Facts) -> Iterator[_Found]:
         yield "-", triple, tuple(dict.fromkeys(names))
 
 
-def difference_objects(found: Difference) -> Iterator[dict[str, Any]]:
+def difference_objects(result: Difference) -> Iterator[dict[str, Any]]:
     """Yield a plain object for each change, and one for all, ready for JSON."""
-    for change in found.changes:
+    for change in result.changes:
         triple = change.triple
         yield {
             "change": change.sign,
@@ -147,7 +147,7 @@ def difference_objects(found: Difference) -> Iterator[dict[str, Any]]:
         }
     yield {
         "diff": True,
-        "added": found.count("+"),
-        "removed": found.count("-"),
-        "rules": {rule: {"added": come, "removed": gone} for rule, (come, gone) in found.by_rule.items()},
+        "added": result.count("+"),
+        "removed": result.count("-"),
+        "rules": {rule: {"added": come, "removed": gone} for rule, (come, gone) in result.by_rule.items()},
     }

@@ -27,8 +27,8 @@ EXAMPLE_NAMESPACE: Final = "https://example.org/"
 _KINDS: Final = ("given", "expect", "expect-not")
 _FORMS: Final = ("turtle given", "turtle given with=FAMILY/NAME", "turtle expect", "turtle expect exactly")
 _HINT: Final = f"Blocks of examples are {', '.join(f'`{form}`' for form in _FORMS)}, `turtle expect-not`, `text why`."
-_KNOWN: Final[Mapping[str, str]] = {"": EXAMPLE_NAMESPACE, "ex": EXAMPLE_NAMESPACE, **PREFIXES}
-_PREAMBLE: Final = "".join(f"@prefix {prefix}: <{iri}> . " for prefix, iri in _KNOWN.items())
+_BASIC: Final[Mapping[str, str]] = {"": EXAMPLE_NAMESPACE, "ex": EXAMPLE_NAMESPACE, **PREFIXES}
+_PREAMBLE: Final = "".join(f"@prefix {prefix}: <{iri}> . " for prefix, iri in _BASIC.items())
 
 _FENCE: Final = re.compile(r" {0,3}(?P<fence>`{3,}|~{3,})\s*(?P<info>[^`]*)")
 _HEADING: Final = re.compile(r" {0,3}(?P<level>#{1,6})\s+(?P<title>.*?)\s*#*\s*")
@@ -113,15 +113,15 @@ class Example:
 def read_examples(path: Path) -> tuple[Example, ...]:
     """Return the examples of a page; raises as `parse_examples`, and KG221 for a file without any, or not readable."""
     try:
-        found = parse_examples(path.read_text("utf-8"), str(path))
+        examples = parse_examples(path.read_text("utf-8"), str(path))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise RuleError("KG221", f"the examples cannot be read: {reason}", place=Place(str(path))) from error
-    if not found:
+    if not examples:
         raise RuleError(
             "KG221", "the page has no example", place=Place(str(path), 1), hint="Begin one with `## TITLE`."
         )
-    return found
+    return examples
 
 
 def parse_examples(text: str, path: str) -> tuple[Example, ...]:
@@ -143,7 +143,7 @@ class _Draft:
     others: dict[str, Place] = field(default_factory=dict)
     expectations: list[Expectation] = field(default_factory=list)
     why: list[WhyLine] = field(default_factory=list)
-    prefixes: dict[str, str] = field(default_factory=lambda: dict(_KNOWN))
+    prefixes: dict[str, str] = field(default_factory=lambda: dict(_BASIC))
 
     def add(self, fence: Fence, place: Place) -> None:
         """Take a block; those for readers are left alone."""
@@ -172,7 +172,7 @@ class _Draft:
         self.expectations.append(Expectation("exactly" if exactly else kind.removeprefix("expect-"), triples, place))
 
     def _triples(self, fence: Fence, place: Place) -> Iterator[Triple]:
-        declared = "".join(f"@prefix {name}: <{iri}> . " for name, iri in self.prefixes.items() if name not in _KNOWN)
+        declared = "".join(f"@prefix {name}: <{iri}> . " for name, iri in self.prefixes.items() if name not in _BASIC)
         preamble = _PREAMBLE + declared
         try:
             parsed = parse(preamble + fence.text, RdfFormat.TURTLE, base_iri=EXAMPLE_NAMESPACE)
@@ -241,9 +241,9 @@ def _kind(fence: Fence, place: Place) -> tuple[str, list[str]]:
     if language not in {"turtle", "text", "ttl"} or not words:
         return "", []
     kind, *rest = words
-    known = ("why",) if language == "text" else _KINDS
-    if kind not in known:
-        near = did_you_mean(kind, known)
+    kinds = ("why",) if language == "text" else _KINDS
+    if kind not in kinds:
+        near = did_you_mean(kind, kinds)
         hint = f"{near} {_HINT}" if near else _HINT
         raise RuleError("KG221", f"unknown block `{language} {kind}` in examples", place=place, hint=hint)
     return kind, rest

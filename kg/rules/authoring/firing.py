@@ -53,12 +53,12 @@ class _Watched(Solver):
     def _after(self, table: Table, step: Step, rest: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
         begin = time.perf_counter()
         before = self.matched.get(step.element, 0)
-        found = super()._after(table, step, rest, outputs, bag=bag)
+        result = super()._after(table, step, rest, outputs, bag=bag)
         passage = self.passages.setdefault(step.element, Passage(len(self.passages)))
         passage.rows_in += table.rows
         passage.rows_out += self.matched.get(step.element, 0) - before
         passage.seconds += time.perf_counter() - begin
-        return found
+        return result
 
 
 def _state_of(rules: Iterable[Rule], dictionary: Dictionary) -> State:
@@ -68,15 +68,15 @@ def _state_of(rules: Iterable[Rule], dictionary: Dictionary) -> State:
     return State(dictionary, Expressions(dictionary), Blocks(dictionary), Clock(Limits()), hidden)
 
 
-def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: Facts) -> Iterator[Firing]:
-    """Yield the firing of each rule applied to `known`, which includes `asserted`."""
+def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, facts: Facts) -> Iterator[Firing]:
+    """Yield the firing of each rule applied to `facts`, which includes `asserted`."""
     every = list(rules)
     state = _state_of(every, dictionary)
     for rule in every:
         begin = time.perf_counter()
         state.clock.rule = str(rule)
         rule_plan = plan(rule, dictionary)
-        solver = _Watched(state, rule_plan.inputs(asserted, known))
+        solver = _Watched(state, rule_plan.inputs(asserted, facts))
         collectors = [Collector(rule_plan, dictionary) for _ in rule_plan.heads]
         for table in solver.solutions(rule_plan.body, rule_plan.outputs):
             for collector, head in zip(collectors, rule_plan.heads, strict=True):
@@ -85,8 +85,8 @@ def fire(rules: Iterable[Rule], dictionary: Dictionary, asserted: Facts, known: 
         yield Firing(rule, heads, solver.passages, time.perf_counter() - begin)
 
 
-def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, known: Facts) -> bool:
+def holds(rule: Rule, body: tuple[Element, ...], dictionary: Dictionary, asserted: Facts, facts: Facts) -> bool:
     """Return whether a part of the body of a rule has a solution."""
     rule_plan = plan(replace(rule, head=(), body=body), dictionary)
-    solver = Solver(_state_of([rule], dictionary), rule_plan.inputs(asserted, known))
+    solver = Solver(_state_of([rule], dictionary), rule_plan.inputs(asserted, facts))
     return any(table.rows for table in solver.solutions(rule_plan.body, frozenset()))

@@ -72,9 +72,9 @@ class RuleGraph:
         derived = {term for writer, term in self.derives if writer in names}
         derives = {pair: None for pair in self.derives if pair[0] in names or pair[1] in read}
         reads = {pair: absent for pair, absent in self.reads.items() if pair[1] in names or pair[0] in derived}
-        kept = {*names, *(writer for writer, _ in derives), *(reader for _, reader in reads)}
+        selected = {*names, *(writer for writer, _ in derives), *(reader for _, reader in reads)}
         return RuleGraph(
-            tuple(node for node in self.rules if node.name in kept),
+            tuple(node for node in self.rules if node.name in selected),
             tuple(term for term in self.terms if term in read | derived),
             derives,
             reads,

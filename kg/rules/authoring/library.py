@@ -65,16 +65,16 @@ class Library:
 
     def refresh(self) -> None:
         """List the files again."""
-        found: dict[str, Entry] = {}
+        entries: dict[str, Entry] = {}
         self.problems = []
         shipped = resources.folder("rules")
         for folder, pack in self._sources:
             chosen = set(rule_files(folder, self._families))
             for path, name in rule_files(folder, every=True):
-                if name in found and (problem := rival(path, name, found[name].path)):
+                if name in entries and (problem := rival(path, name, entries[name].path)):
                     self.problems.append(problem)
-                found.setdefault(name, Entry(name, path, pack, (path, name) in chosen, own=folder != shipped))
-        self.entries = {name: found[name] for name in sorted(found)}
+                entries.setdefault(name, Entry(name, path, pack, (path, name) in chosen, own=folder != shipped))
+        self.entries = {name: entries[name] for name in sorted(entries)}
 
     def directories(self) -> list[Path]:
         """Return the folders of rules with all folders below them."""
@@ -95,10 +95,10 @@ class Library:
         """Return the file of a rule; raises what `kg.rules.reading.read` raises."""
         entry = self.entries[name]
         changed = changed_at(entry.path)
-        known = self._read.get(name)
-        if known is None or known[0] != changed:
-            known = self._read[name] = changed, read(entry.path, name, pack=entry.pack)
-        return known[1]
+        cached = self._read.get(name)
+        if cached is None or cached[0] != changed:
+            cached = self._read[name] = changed, read(entry.path, name, pack=entry.pack)
+        return cached[1]
 
     def read_all(self, entries: Iterable[Entry] | None = None) -> tuple[list[RuleFile], list[RuleError]]:
         """Return the files of some rules, or of those in force, and the errors of those that cannot be read."""

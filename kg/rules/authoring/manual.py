@@ -54,16 +54,16 @@ class Manual:
         return numbered[first:]
 
 
-def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), known: RuleGraph | None = None) -> Manual:
+def manual(library: Library, entry: Entry, schema: Iterable[Triple] = (), cached: RuleGraph | None = None) -> Manual:
     """Return the manual of a rule among others cut to `schema`; raises what reading its file raises.
 
-    `known` is the graph of the rules in force, if the caller has it.
+    `cached` is the graph of the rules in force, if the caller has it.
     """
     file = library.read(entry.name)
-    prefixes = file.known_prefixes
+    prefixes = file.all_prefixes
     atoms = list(_atoms(file))
     absent = _spelt((atom for atom, negated in atoms if negated), prefixes)
-    graph, problem = _graph(library, schema) if known is None else (known, None)
+    graph, problem = _graph(library, schema) if cached is None else (cached, None)
     strata = sorted({number for node in graph.rules if node.name == file.name for number in node.strata})
     examples, problem = _examples(entry, problem)
     return Manual(
@@ -116,15 +116,15 @@ def documentation(entry: Entry) -> Documentation:
     return parse_header(text, str(entry.path))
 
 
-def entry_object(entry: Entry, told: Documentation, error: RuleError | None = None) -> dict[str, Any]:
+def entry_object(entry: Entry, documentation: Documentation, error: RuleError | None = None) -> dict[str, Any]:
     """Return a rule in a list as plain values, ready for JSON; `error` is why it cannot be read."""
     return {
         "rule": entry.name,
         "family": entry.family,
-        "title": told.title,
+        "title": documentation.title,
         "notation": entry.path.suffix.lstrip("."),
-        "since": told.since,
-        "severity": told.severity,
+        "since": documentation.since,
+        "severity": documentation.severity,
         "pack": entry.pack or None,
         "in_force": entry.in_force,
         "error": {"code": error.code, "message": error.message, "place": str(error.place or "")} if error else None,
@@ -133,19 +133,19 @@ def entry_object(entry: Entry, told: Documentation, error: RuleError | None = No
     }
 
 
-def manual_object(entry: Entry, known: Manual) -> dict[str, Any]:
+def manual_object(entry: Entry, page: Manual) -> dict[str, Any]:
     """Return all that is known of a rule as plain values, ready for JSON."""
     return {
-        **entry_object(entry, known.file.documentation),
-        "notation_name": NOTATIONS[known.file.notation],
-        "documentation": dict(known.sections),
-        "reads": list(known.reads),
-        "absent": list(known.absent),
-        "derives": list(known.derives),
-        "strata": list(known.strata),
-        "of_strata": known.of_strata,
-        "fed_by": list(known.fed_by),
-        "feeds": list(known.feeds),
-        "example_titles": [example.title for example in known.examples],
-        "text": known.file.text,
+        **entry_object(entry, page.file.documentation),
+        "notation_name": NOTATIONS[page.file.notation],
+        "documentation": dict(page.sections),
+        "reads": list(page.reads),
+        "absent": list(page.absent),
+        "derives": list(page.derives),
+        "strata": list(page.strata),
+        "of_strata": page.of_strata,
+        "fed_by": list(page.fed_by),
+        "feeds": list(page.feeds),
+        "example_titles": [example.title for example in page.examples],
+        "text": page.file.text,
     }

@@ -20,11 +20,11 @@ def find_rule(rules: Library, name: str) -> Entry:
     Raises:
         UsageError: KG001 with suggestions, or with the rules that share the last part.
     """
-    found = _named(rules, name)
-    if len(found) == 1:
-        return found[0]
-    if found:
-        names = ", ".join(file.name for file in found)
+    matches = _named(rules, name)
+    if len(matches) == 1:
+        return matches[0]
+    if matches:
+        names = ", ".join(file.name for file in matches)
         raise UsageError("KG001", f"several rules are called `{name}`: {names}", hint="Give the whole name.")
     raise _unknown(rules, name)
 
@@ -40,10 +40,10 @@ def choose(rules: Library, names: Iterable[str]) -> tuple[Entry, ...]:
         return tuple(rules.in_force)
     chosen: dict[str, Entry] = {}
     for name in wanted:
-        found = _named(rules, name) or _below(rules, name)
-        if not found:
+        matches = _named(rules, name) or _below(rules, name)
+        if not matches:
             raise _unknown(rules, name)
-        chosen.update({file.name: file for file in found})
+        chosen.update({file.name: file for file in matches})
     return tuple(chosen[name] for name in sorted(chosen))
 
 
@@ -67,7 +67,7 @@ def _below(rules: Library, name: str) -> list[Entry]:
 
 
 def _unknown(rules: Library, name: str) -> UnknownNameError:
-    known = list(rules.entries)
-    lasts = (one.rpartition("/")[2] for one in known)
-    hint = did_you_mean(name, [*known, *lasts, *(one.family for one in rules.entries.values())])
+    names = list(rules.entries)
+    lasts = (one.rpartition("/")[2] for one in names)
+    hint = did_you_mean(name, [*names, *lasts, *(one.family for one in rules.entries.values())])
     return UnknownNameError("KG001", f"unknown rule `{name}`", hint=hint or "`kg rules list` lists them.")

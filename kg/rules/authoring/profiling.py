@@ -71,7 +71,7 @@ def profile(
     groups: dict[str, list[RuleReport]] = {}
     for report in tried.outcome.reports:
         groups.setdefault(report.rule.name, []).append(report)
-    known = {file.name: file for file in files}
+    by_name = {file.name: file for file in files}
     rules = [
         RuleProfile(
             name,
@@ -80,7 +80,7 @@ def profile(
             max(report.rounds for report in reports),
             sum(report.derived for report in reports),
             sum(report.seconds for report in reports),
-            tuple(_elements(known[name], tried, bench)) if name in detailed else (),
+            tuple(_elements(by_name[name], tried, bench)) if name in detailed else (),
         )
         for name, reports in groups.items()
     ]
@@ -91,21 +91,21 @@ def profile(
 
 def _elements(file: RuleFile, tried: Try, bench: Workbench) -> Iterator[ElementProfile]:
     """Yield the elements of a file's rules as they are written, not as they are cut to a schema."""
-    for firing in fire(file.rules, bench.dictionary, tried.asserted, tried.known):
+    for firing in fire(file.rules, bench.dictionary, tried.asserted, tried.facts):
         rule = firing.rule
         for number, element in enumerate(rule.body):
-            text, place = spell_element(element, file.known_prefixes), place_of(element) or rule.place
-            found = firing.passages.get(number)
-            if found is None:
+            text, place = spell_element(element, file.all_prefixes), place_of(element) or rule.place
+            passage = firing.passages.get(number)
+            if passage is None:
                 yield ElementProfile(text, place, rule.part, None, 0, 0, 0.0)
             else:
-                rows = found.rows_in, found.rows_out
-                yield ElementProfile(text, place, rule.part, found.order + 1, *rows, found.seconds)
+                rows = passage.rows_in, passage.rows_out
+                yield ElementProfile(text, place, rule.part, passage.order + 1, *rows, passage.seconds)
 
 
-def profile_objects(found: Profile) -> Iterator[dict[str, Any]]:
+def profile_objects(result: Profile) -> Iterator[dict[str, Any]]:
     """Yield a plain object for each rule, and one for the run, ready for JSON."""
-    for rule in found.rules:
+    for rule in result.rules:
         yield {
             "rule": rule.name,
             "stratum": rule.stratum,
@@ -129,7 +129,7 @@ def profile_objects(found: Profile) -> Iterator[dict[str, Any]]:
         }
     yield {
         "profile": True,
-        "asserted": found.asserted,
-        "inferred": found.inferred,
-        "seconds": {"reading": round(found.reading, 6), "evaluating": round(found.evaluating, 6)},
+        "asserted": result.asserted,
+        "inferred": result.inferred,
+        "seconds": {"reading": round(result.reading, 6), "evaluating": round(result.evaluating, 6)},
     }

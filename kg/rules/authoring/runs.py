@@ -33,19 +33,19 @@ class RuleRun:
 
 def rule_runs(reports: Iterable[RuleReport]) -> list[RuleRun]:
     """Return the run of each file's rules, in the order in which the last of them ran."""
-    found: dict[str, RuleRun] = {}
+    runs: dict[str, RuleRun] = {}
     for report in reports:
         name = report.rule.name
-        before = found.pop(name, RuleRun(name, 0, 0, 0, 0.0))
+        before = runs.pop(name, RuleRun(name, 0, 0, 0, 0.0))
         derived = 0 if all(is_auxiliary(atom.predicate) for atom in report.rule.head) else report.derived
-        found[name] = RuleRun(
+        runs[name] = RuleRun(
             name,
             max(before.stratum, report.stratum),
             max(before.rounds, report.rounds),
             before.derived + derived,
             before.seconds + report.seconds,
         )
-    return list(found.values())
+    return list(runs.values())
 
 
 def run_objects(report: RunReport, changes: Iterable[Share] = ()) -> Iterator[dict[str, Any]]:
@@ -80,20 +80,20 @@ def run_objects(report: RunReport, changes: Iterable[Share] = ()) -> Iterator[di
 
 def remote_strata(report: RemoteReport) -> list[StratumReport]:
     """Return the results of each stratum of a run on a server, for all rules that ran together."""
-    found: dict[int, StratumReport] = {}
+    strata: dict[int, StratumReport] = {}
     for part in report.strata:
-        before = found.get(part.number)
+        before = strata.get(part.number)
         if before is None:
-            found[part.number] = part
+            strata[part.number] = part
             continue
-        found[part.number] = replace(
+        strata[part.number] = replace(
             before,
             rules=tuple(dict.fromkeys((*before.rules, *part.rules))),
             rounds=max(before.rounds, part.rounds),
             derived=before.derived + part.derived,
             seconds=before.seconds + part.seconds,
         )
-    return [found[number] for number in sorted(found)]
+    return [strata[number] for number in sorted(strata)]
 
 
 def remote_objects(report: RemoteReport) -> Iterator[dict[str, Any]]:
@@ -132,9 +132,9 @@ def shares(report: RunReport) -> list[Share]:
     things of the same kind, all of them share it: nothing in the difference shows which it was.
     """
     if report.added == report.inferred and not report.removed and report.rules:
-        found = [Share((rule.name,), rule.derived, 0) for rule in rule_runs(report.rules) if rule.derived]
-        rest = report.added - sum(share.added for share in found)
-        return [*sorted(found, key=lambda share: share.rules), *([Share((), rest, 0)] if rest > 0 else [])]
+        result = [Share((rule.name,), rule.derived, 0) for rule in rule_runs(report.rules) if rule.derived]
+        rest = report.added - sum(share.added for share in result)
+        return [*sorted(result, key=lambda share: share.rules), *([Share((), rest, 0)] if rest > 0 else [])]
     heads = _Heads(report.applied, report.change.dictionary)
     counts: dict[tuple[str, ...], list[int]] = {}
     for column, facts in enumerate((report.change.added, report.change.removed)):

@@ -22,11 +22,11 @@ _LONGEST: Final = 100
 
 def common_prefixes(files: Iterable[RuleFile]) -> dict[str, str]:
     """Return the common prefixes, and those with the same meaning in all files that declare them."""
-    meant: dict[str, set[str]] = {}
+    meanings: dict[str, set[str]] = {}
     for file in files:
         for name, iri in file.prefixes.items():
-            meant.setdefault(name, set()).add(iri)
-    return {**{name: next(iter(iris)) for name, iris in meant.items() if len(iris) == 1}, **PREFIXES}
+            meanings.setdefault(name, set()).add(iri)
+    return {**{name: next(iter(iris)) for name, iris in meanings.items() if len(iris) == 1}, **PREFIXES}
 
 
 def spell_term(term: Term, prefixes: Mapping[str, str] = PREFIXES) -> str:

@@ -61,10 +61,10 @@ def compare(example: Example, inferred: Sequence[Triple], world: MemorySnapshot)
         if each.kind == "not":
             unexpected += [fact for triple in each.triples for fact in _images([triple], inferred, world)]
             continue
-        found = _images(each.triples, inferred, world)
-        facts += found
-        exact.update(found if each.kind == "exactly" else ())
-        if each.triples and not found:
+        images = _images(each.triples, inferred, world)
+        facts += images
+        exact.update(images if each.kind == "exactly" else ())
+        if each.triples and not images:
             # The triples that do not hold by themselves, or all with a blank node where each does.
             alone = [triple for triple in each.triples if not _images([triple], inferred, world)]
             missing += alone or [triple for triple in each.triples if any(_labels([triple]))]
@@ -81,8 +81,8 @@ def _images(triples: Sequence[Triple], inferred: Sequence[Triple], world: Memory
     """
     names = {label: f"b{number}" for number, label in enumerate(dict.fromkeys(_labels(triples)))}
     if not names:
-        known = set(inferred)
-        return list(triples) if known.issuperset(triples) else []
+        facts = set(inferred)
+        return list(triples) if facts.issuperset(triples) else []
     patterns = " . ".join(_pattern(triple, names) for triple in triples)
     columns = " ".join(f"?{name}" for name in names.values())
     text = f"SELECT DISTINCT {columns} WHERE {{ GRAPH {VOCABULARY.inferred} {{ {patterns} }} }}"
@@ -175,13 +175,13 @@ def run_example(
     try:
         files = [file, *(_other(library, name, place) for name, place in example.others)]
         key = tuple(each.name for each in files)
-        known = {} if programs is None else programs
-        if key not in known:
+        cache = {} if programs is None else programs
+        if key not in cache:
             program = Program(dict.fromkeys(rule for each in files for rule in each.rules))
             program.refuse_minting()
-            known[key] = program
+            cache[key] = program
         data = tuple(triple for each in files for triple in each.data)
-        return _judged(file, example, known[key], data, begin)
+        return _judged(file, example, cache[key], data, begin)
     except KgError as error:
         seconds = time.perf_counter() - begin
         return Result(file.name, example.title, example.place, error=error, seconds=seconds)
@@ -200,14 +200,14 @@ def _judged(file: RuleFile, example: Example, program: Program, data: tuple[Trip
     given = (*example.given, *data)
     inferred, _ = infer(program, given, _LIMITS)
     world = world_of(given, inferred)
-    found = compare(example, inferred, world)
-    lacking, proof = ((), ()) if found.missing else _unexplained(example, program.rules, found.facts, world)
+    difference = compare(example, inferred, world)
+    lacking, proof = ((), ()) if difference.missing else _unexplained(example, program.rules, difference.facts, world)
     return Result(
         file.name,
         example.title,
         example.place,
-        tuple(spell_triple(triple, prefixes) for triple in found.missing),
-        tuple(spell_triple(triple, prefixes) for triple in found.unexpected),
+        tuple(spell_triple(triple, prefixes) for triple in difference.missing),
+        tuple(spell_triple(triple, prefixes) for triple in difference.unexpected),
         lacking,
         proof,
         None,

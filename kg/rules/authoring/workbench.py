@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 _NOTHING: Final = Wanted(frozenset())
-_KEPT: Final = 3  # how many answers are kept: all rules, all but those that are being written, and one more
+_CACHED: Final = 3  # how many answers are kept: all rules, all but those that are being written, and one more
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Try:
     """Inferences of rules.
 
     `read` are the triples they were given, `stated` those of them that files state and the store does not have,
-    `asserted` adds the axioms, and `known` adds the inferred triples.
+    `asserted` adds the axioms, and `facts` adds the inferred triples.
     """
 
     rules: tuple[Rule, ...]
@@ -39,7 +39,7 @@ class Try:
     stated: Facts
     asserted: Facts
     outcome: Outcome
-    known: Facts
+    facts: Facts
 
 
 @dataclass(slots=True)
@@ -73,11 +73,11 @@ class Workbench:
     def infer(self, files: Sequence[RuleFile], limits: Limits | None = None) -> Try:
         """Return the inferences of the rules of some files; the last are cached. Raises what `evaluate` raises."""
         key = tuple((file.name, file.text) for file in files)
-        found = self._tries.pop(key, None) or self._try(files, limits)
-        self._tries[key] = found
-        while len(self._tries) > _KEPT:
+        result = self._tries.pop(key, None) or self._try(files, limits)
+        self._tries[key] = result
+        while len(self._tries) > _CACHED:
             del self._tries[next(iter(self._tries))]
-        return found
+        return result
 
     def _try(self, files: Sequence[RuleFile], limits: Limits | None) -> Try:
         rules = specialise((rule for file in files for rule in file.rules), self.schema)

@@ -42,7 +42,7 @@ _NUMBERS: Final = {
 _LEVELS: Final = (("||",), ("&&",), ("=", "!=", "<", "<=", ">", ">="), ("+", "-"), ("*", "/"))
 """Operators, from those that bind least."""
 _WORDS: Final = {"||": "or", "&&": "and"}
-_TESTS: Final = (blocks.Compare, blocks.Match, blocks.Known, blocks.Logic, blocks.Not, blocks.Says)
+_TESTS: Final = (blocks.Compare, blocks.Match, blocks.Bound, blocks.Logic, blocks.Not, blocks.RawTest)
 _MATCHES: Final = frozenset(get_args(get_type_hints(blocks.Match)["how"]))
 _FUNCTIONS: Final = frozenset(get_args(get_type_hints(blocks.Of)["function"]))
 
@@ -53,30 +53,30 @@ class _NoBlock(Exception):  # noqa: N818 - no error: there is only no block for 
 
 def test_of(text: str) -> blocks.Test | None:
     """Return the test of an expression; None if a part of it has no block."""
-    found = _parsed(text)
-    return found if isinstance(found, _TESTS) else None
+    parsed = _parsed(text)
+    return parsed if isinstance(parsed, _TESTS) else None
 
 
 def value_of(text: str) -> blocks.Value:
     """Return the value of an expression, as SPARQL if a part of it has no block."""
-    found = _parsed(text)
-    return blocks.Formula(text=formula(text)) if found is None or isinstance(found, _TESTS) else found
+    parsed = _parsed(text)
+    return blocks.Formula(text=formula(text)) if parsed is None or isinstance(parsed, _TESTS) else parsed
 
 
 def formula(text: str) -> str:
     """Return an expression without the brackets around all of it, and without comments; lines are joined."""
-    kept = tokens_of(bare(text))
-    spaced = zip([None, *kept], kept, strict=False)
+    pieces = tokens_of(bare(text))
+    spaced = zip([None, *pieces], pieces, strict=False)
     return "".join((" " if one and one.end < other.start else "") + other.text for one, other in spaced)
 
 
 def _parsed(text: str) -> blocks.Test | blocks.Value | None:
     parser = _Parser(text)
     try:
-        found = parser.level(0)
+        result = parser.level(0)
     except _NoBlock:
         return None
-    return found if parser.token.text == END else None
+    return result if parser.token.text == END else None
 
 
 class _Parser:
@@ -88,12 +88,12 @@ class _Parser:
         """Read operands and the operators between them that bind at least as much as those of a level."""
         if level == len(_LEVELS):
             return self._operand()
-        found = self.level(level + 1)
+        result = self.level(level + 1)
         while as_operator(self.token).text in _LEVELS[level]:
             self.token = as_operator(self.token)
             operator = self._advance().text
-            found = _joined(operator, found, self.level(level + 1))
-        return found
+            result = _joined(operator, result, self.level(level + 1))
+        return result
 
     def _advance(self) -> Token:
         token = self.token
@@ -101,10 +101,10 @@ class _Parser:
         return token
 
     def _accept(self, sign: str) -> bool:
-        found = self.token.text == sign
-        if found:
+        matches = self.token.text == sign
+        if matches:
             self._advance()
-        return found
+        return matches
 
     def _expect(self, sign: str) -> None:
         if not self._accept(sign):
@@ -119,9 +119,9 @@ class _Parser:
                 raise _NoBlock
             return self._number(sign)
         if self._accept("("):
-            found = self.level(0)
+            result = self.level(0)
             self._expect(")")
-            return found
+            return result
         return self._primary()
 
     def _primary(self) -> blocks.Test | blocks.Value:
@@ -165,29 +165,29 @@ class _Parser:
             value, text = map(_value, arguments)
             return blocks.Match(how=word, value=value, text=text)  # type: ignore[arg-type]  # as above
         if word == "BOUND" and len(arguments) == 1 and isinstance(arguments[0], blocks.Thing):
-            return blocks.Known(name=arguments[0].name)
+            return blocks.Bound(name=arguments[0].name)
         raise _NoBlock
 
     def _arguments(self) -> list[blocks.Test | blocks.Value]:
         self._expect("(")
-        found: list[blocks.Test | blocks.Value] = []
+        result: list[blocks.Test | blocks.Value] = []
         while not self._accept(")"):
-            if found:
+            if result:
                 self._expect(",")
-            found.append(self.level(0))
-        return found
+            result.append(self.level(0))
+        return result
 
 
-def _test(found: blocks.Test | blocks.Value) -> blocks.Test:
-    if not isinstance(found, _TESTS):
+def _test(part: blocks.Test | blocks.Value) -> blocks.Test:
+    if not isinstance(part, _TESTS):
         raise _NoBlock
-    return found
+    return part
 
 
-def _value(found: blocks.Test | blocks.Value) -> blocks.Value:
-    if isinstance(found, _TESTS):
+def _value(part: blocks.Test | blocks.Value) -> blocks.Value:
+    if isinstance(part, _TESTS):
         raise _NoBlock
-    return found
+    return part
 
 
 def _joined(
@@ -218,8 +218,8 @@ def read(text: str, name: str, path: str = "") -> blocks.Rule:
     prefixes = {prefix: iri for prefix, iri in unit.prefixes.items() if own.get(prefix) != iri}
     reader = _Reader(text, path, {**own, **prefixes})
     sections = header.sections
-    said = {member: sections.get(heading, "") for member, heading in SECTIONS.items()}
-    found = blocks.Rule(
+    texts = {member: sections.get(heading, "") for member, heading in SECTIONS.items()}
+    parsed = blocks.Rule(
         name=name,
         title=header.title,
         since=header.since or "0.1",
@@ -228,10 +228,10 @@ def read(text: str, name: str, path: str = "") -> blocks.Rule:
         when=reader.conditions(rule.group.nodes),
         then=tuple(reader.conclusion(one) for one in rule.template),
     )
-    if said["infers"] == inferred(found):
-        said["infers"] = ""  # the default texts of the writer
+    if texts["infers"] == inferred(parsed):
+        texts["infers"] = ""  # the default texts of the writer
     try:
-        return msgspec.convert(msgspec.to_builtins(msgspec.structs.replace(found, **said)), blocks.Rule)
+        return msgspec.convert(msgspec.to_builtins(msgspec.structs.replace(parsed, **texts)), blocks.Rule)
     except msgspec.ValidationError as error:
         message = f"blocks cannot show this rule: {error}"
         raise RuleError("KG209", message, hint="It can be changed as text.") from error
@@ -273,7 +273,7 @@ class _Reader:
             return self._fact(node)
         if isinstance(node, tree.Filter):
             text = self._source(node.expression.span)
-            return blocks.Only(test=test_of(text) or blocks.Says(text=formula(text)))
+            return blocks.Only(test=test_of(text) or blocks.RawTest(text=formula(text)))
         if isinstance(node, tree.Bind):
             return blocks.Let(name=self._name(node.variable), value=value_of(self._source(node.expression.span)))
         if isinstance(node, tree.Exists):

@@ -108,8 +108,8 @@ class Match(_Part, frozen=True, tag_field="test", tag="match"):
     text: Value
 
 
-class Known(_Part, frozen=True, tag_field="test", tag="known"):
-    """Whether an optional part found a thing."""
+class Bound(_Part, frozen=True, tag_field="test", tag="known"):
+    """Whether a variable of an optional part is bound."""
 
     name: _Variable
 
@@ -128,13 +128,13 @@ class Not(_Part, frozen=True, tag_field="test", tag="not"):
     of: Test
 
 
-class Says(_Part, frozen=True, tag_field="test", tag="formula"):
+class RawTest(_Part, frozen=True, tag_field="test", tag="formula"):
     """A SPARQL test without a block of its own."""
 
     text: _Line
 
 
-Test: TypeAlias = Compare | Match | Known | Logic | Not | Says
+Test: TypeAlias = Compare | Match | Bound | Logic | Not | RawTest
 
 
 class _Block(_Part, frozen=True, kw_only=True):

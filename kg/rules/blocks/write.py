@@ -77,9 +77,9 @@ def write(rule: tree.Rule) -> Written:
     _body(rule, body)
     body.lines = _marked("\n".join(body.lines)).split("\n")
     used = {token.text.partition(":")[0] for token in tokens_of("\n".join(body.lines)) if token.kind is Kind.NAME}
-    declared = sorted(used & known_prefixes(rule).keys() - {"_"})
+    declared = sorted(used & all_prefixes(rule).keys() - {"_"})
     for prefix in declared:
-        writer.line(f"PREFIX {prefix}: <{known_prefixes(rule)[prefix]}>")
+        writer.line(f"PREFIX {prefix}: <{all_prefixes(rule)[prefix]}>")
     if declared:
         writer.line("")
     start = len(writer.lines)
@@ -139,7 +139,7 @@ def namespace(rule: tree.Rule) -> str:
     return f"https://example.org/{rule.name.rpartition('/')[0]}#"
 
 
-def known_prefixes(rule: tree.Rule) -> dict[str, str]:
+def all_prefixes(rule: tree.Rule) -> dict[str, str]:
     """Return the prefixes that names in the rule may have."""
     return {**PREFIXES, "my": namespace(rule), **rule.prefixes}
 
@@ -191,7 +191,7 @@ def test(one: tree.Test) -> str:
         return f"({value(one.left)} {one.operator} {value(one.right)})"
     if isinstance(one, tree.Match):
         return f"{one.how}({value(one.value)}, {value(one.text)})"
-    if isinstance(one, tree.Known):
+    if isinstance(one, tree.Bound):
         return f"BOUND(?{one.name})"
     if isinstance(one, tree.Logic):
         return f"({test(one.left)} {_OPERATORS[one.operator]} {test(one.right)})"

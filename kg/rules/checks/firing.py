@@ -48,18 +48,18 @@ def never_fires(file: RuleFile, context: Context) -> Iterator[Finding]:
     If the store does not answer in time, the finding reports that.
     """
     store = context.store
-    asked = [rule for rule in file.rules if not _auxiliary(rule)]
-    if store is None or not asked:
+    rules = [rule for rule in file.rules if not _auxiliary(rule)]
+    if store is None or not rules:
         return
     try:
-        fires, element = in_thread(lambda: _ask(store, asked), context.seconds)
+        fires, element = in_thread(lambda: _any_fires(store, rules), context.seconds)
     except DeadlineError:
         message = f"whether the rule fires is not known: the store did not answer in {context.seconds:g} s"
         hint = "Join the parts of the body by variables or name their predicates, or raise `--timeout`."
         yield Finding("KG205", "note", file.name, message, at_rule(file), hint)
         return
     if not fires:
-        reason = f": nothing matches {brief(element, file.known_prefixes)}" if element else ""
+        reason = f": nothing matches {brief(element, file.all_prefixes)}" if element else ""
         place = (place_of(element) if element else None) or at_rule(file)
         yield Finding(
             "KG213",
@@ -71,7 +71,7 @@ def never_fires(file: RuleFile, context: Context) -> Iterator[Finding]:
         )
 
 
-def _ask(store: StoreOf, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
+def _any_fires(store: StoreOf, rules: Sequence[Rule]) -> tuple[bool, Element | None]:
     """Return whether one of the rules has a match, else the part of the first one that leaves it without."""
     if any(store.matches(rule.body) for rule in rules):
         return True, None

@@ -106,21 +106,21 @@ def _pages(folder: Path) -> Iterator[tuple[Path, str]]:
             yield path, below.with_suffix("").as_posix()
 
 
-def check(found: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
+def check(loaded: Read, context: Context, names: Iterable[str] | None = None) -> list[Finding]:
     """Return the findings on the rules read, or on those called `names`, sorted by place.
 
     A cycle belongs to each of its rules, wherever its error stands, and is reported once. `context` is the input of the
     checks; its rules are those that were read.
     """
-    context = beside(found.rules, context)
+    context = with_rules(loaded.rules, context)
     wanted = None if names is None else set(names)
-    findings = [finding for finding in found.findings if wanted is None or finding.rule in wanted]
+    findings = [finding for finding in loaded.findings if wanted is None or finding.rule in wanted]
     findings += (
         from_error(failure.error, failure.rule.name, failure.rule.place)
         for failure in failures(context.cut)
         if wanted is None or any(rule.name in wanted for rule in failure.cycle)
     )
-    for file in found.rules.files:
+    for file in loaded.rules.files:
         if wanted is None or file.name in wanted:
             findings += check_file(file, context)
 
@@ -131,7 +131,7 @@ def check(found: Read, context: Context, names: Iterable[str] | None = None) -> 
     return sorted(findings, key=place)
 
 
-def beside(rules: RuleSet, context: Context) -> Context:
+def with_rules(rules: RuleSet, context: Context) -> Context:
     """Return a context in which files are checked as parts of a rule set."""
     return replace(context, rules=rules, cut=specialise(rules.rules, context.schema))
 

@@ -25,10 +25,10 @@ def subsumed(file: RuleFile, context: Context) -> Iterator[Finding]:
         return
     others = [rule for rule in context.rules.rules if rule.name != file.name]
     wider = [next((other for other in others if subsumes(other, rule)), None) for rule in file.rules]
-    found = [other for other in wider if other is not None]
-    if not file.rules or len(found) < len(file.rules):
+    covering = [other for other in wider if other is not None]
+    if not file.rules or len(covering) < len(file.rules):
         return
-    by = found[0]
+    by = covering[0]
     same = any(subsumes(rule, by) for rule in file.rules)
     if same and by.name > file.name:
         return
@@ -114,21 +114,21 @@ def _renamed(text: str, bindings: dict[Variable, Pattern]) -> str:
 
 
 def _matched(general: Atom, special: Atom, bindings: dict[Variable, Pattern]) -> dict[Variable, Pattern] | None:
-    found: dict[Variable, Pattern] | None = bindings
+    result: dict[Variable, Pattern] | None = bindings
     for one, other in zip(general.positions, special.positions, strict=True):
-        found = None if found is None else _pattern(one, other, found)
-    return found
+        result = None if result is None else _pattern(one, other, result)
+    return result
 
 
 def _pattern(general: Pattern, special: Pattern, bindings: dict[Variable, Pattern]) -> dict[Variable, Pattern] | None:
     if isinstance(general, Variable):
-        known = bindings.get(general)
-        if known is None:
+        bound = bindings.get(general)
+        if bound is None:
             return {**bindings, general: special}
-        return bindings if known == special else None
+        return bindings if bound == special else None
     if isinstance(general, TripleTerm) and isinstance(special, TripleTerm):
-        found: dict[Variable, Pattern] | None = bindings
+        result: dict[Variable, Pattern] | None = bindings
         for name in ("subject", "predicate", "object"):
-            found = None if found is None else _pattern(getattr(general, name), getattr(special, name), found)
-        return found
+            result = None if result is None else _pattern(getattr(general, name), getattr(special, name), result)
+        return result
     return bindings if general == special else None

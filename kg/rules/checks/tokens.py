@@ -34,7 +34,7 @@ def names(file: RuleFile) -> Iterator[tuple[str, Token]]:
 
 def place_of_name(file: RuleFile, iri: str) -> Place:
     """Return where a file first names an IRI, else the place of its first rule."""
-    return next((at_offset(file, token.start) for found, token in names(file) if found == iri), at_rule(file))
+    return next((at_offset(file, token.start) for name, token in names(file) if name == iri), at_rule(file))
 
 
 def variables(file: RuleFile) -> Iterator[Token]:

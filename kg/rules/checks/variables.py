@@ -46,21 +46,21 @@ def _parts(rule: Rule) -> list[set[Variable]]:
 
 def variable_used_once(file: RuleFile, _context: Context) -> Iterator[Finding]:
     """Yield each variable that occurs once in a file; a `_` before the name marks it as intended."""
-    found = list(variables(file))
+    occurrences = list(variables(file))
     blank = {variable.name for variable in _replaceable(file)}
-    uses = Counter(token.text[1:] for token in found)
-    for token in found:
+    uses = Counter(token.text[1:] for token in occurrences)
+    for token in occurrences:
         sign, name = token.text[0], token.text[1:]
         if uses[name] == 1 and not name.startswith("_"):
             others = [other for other in uses if other != name]
-            meant = misspelt(name, others)
+            near = misspelt(name, others)
             intended = [f"{sign}_{name}", *["[]"] * (name in blank)]
-            fixes = (*(Fix(f"{sign}{each}") for each in meant), *map(Fix, intended))
+            fixes = (*(Fix(f"{sign}{each}") for each in near), *map(Fix, intended))
             message = f"the variable ?{name} is used only here"
             advice = (
                 f"Write `[]`, or ?_{name} if that is meant." if name in blank else f"Write ?_{name} if it is meant."
             )
-            place, hint = at_offset(file, token.start), suggest(meant) or advice
+            place, hint = at_offset(file, token.start), suggest(near) or advice
             yield Finding("KG217", "warning", file.name, message, place, hint, fixes=fixes)
 
 

@@ -80,7 +80,7 @@ def unknown_terms(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield each class and property of a file that nothing defines, with the one that was probably meant."""
     heads = {iri for rule in context.rules.rules if rule.name != file.name for iri in _derived(rule)}
     own = {iri for rule in file.rules for iri in _derived(rule)}
-    known = context.terms | heads
+    defined = context.terms | heads
     foreign = {namespace_of(iri) for iri in context.terms}
     read = {iri for rule in file.rules for atom, _ in atoms_of(rule.body) for iri, _ in _terms(atom)}
     wanted: dict[str, str] = {}
@@ -94,33 +94,33 @@ def unknown_terms(file: RuleFile, context: Context) -> Iterator[Finding]:
                 terms = (namespace + name for name in STANDARD[namespace])
                 yield _finding(file, iri, kind, f"unknown {kind} {shorten(iri)}", terms)
             continue
-        if not context.terms or iri in known or iri.startswith(_BUILT_IN):
+        if not context.terms or iri in defined or iri.startswith(_BUILT_IN):
             continue
         if iri in own and (iri in read or namespace not in foreign):
             continue  # a term that the rule brings along: it both writes and reads it, or has a namespace of its own
         message = f"no ontology defines the {kind} {shorten(iri)}, and the store does not have it"
-        yield _finding(file, iri, kind, message, known)
+        yield _finding(file, iri, kind, message, defined)
 
 
-def _finding(file: RuleFile, iri: str, kind: str, message: str, known: Iterable[str]) -> Finding:
-    meant = _suggestions(iri, kind, known)
-    hint = suggest(map(shorten, meant)) or "Define it in an ontology, or correct the name."
+def _finding(file: RuleFile, iri: str, kind: str, message: str, defined: Iterable[str]) -> Finding:
+    near = _suggestions(iri, kind, defined)
+    hint = suggest(map(shorten, near)) or "Define it in an ontology, or correct the name."
     # Names in the strings of SHACL rules have no place of their own.
-    named = any(found == iri for found, _ in names(file))
-    fixes = tuple(Fix(shorten(each, file.prefixes)) for each in meant) if named else ()
+    named = any(term == iri for term, _ in names(file))
+    fixes = tuple(Fix(shorten(each, file.prefixes)) for each in near) if named else ()
     return Finding("KG211", "warning", file.name, message, place_of_name(file, iri), hint, fixes=fixes)
 
 
-def _suggestions(iri: str, kind: str, known: Iterable[str]) -> list[str]:
+def _suggestions(iri: str, kind: str, defined: Iterable[str]) -> list[str]:
     """Return similar terms: those of its kind, by the case of the first letter, come first."""
     namespace = namespace_of(iri)
     # Of terms of one name the one in the namespace that was written is meant.
-    ordered = sorted(known, key=lambda term: (namespace_of(term) == namespace, term))
+    ordered = sorted(defined, key=lambda term: (namespace_of(term) == namespace, term))
     locals_ = {term.removeprefix(namespace_of(term)): term for term in ordered}
     alike = [name for name in locals_ if name[:1].isupper() == (kind == "class")]
-    found = similar(iri.removeprefix(namespace), alike)
-    if found:
-        return [locals_[name] for name in found]
+    matches = similar(iri.removeprefix(namespace), alike)
+    if matches:
+        return [locals_[name] for name in matches]
     short = {shorten(term): term for term in ordered}
     return [short[each] for each in similar(shorten(iri), short)]
 
@@ -141,13 +141,13 @@ def head_never_read(file: RuleFile, context: Context) -> Iterator[Finding]:
     """Yield each property or class that a file derives and nothing else mentions; reports are read by people."""
     if file.documentation.severity:
         return
-    told: set[str] = set()
+    reported: set[str] = set()
     for atom in (atom for rule in file.rules for atom in rule.head):
         what = atom.object if atom.predicate == NamedNode(_TYPE) else atom.predicate
-        if not isinstance(what, NamedNode) or what.value in told or what.value.startswith(_OTHERS):
+        if not isinstance(what, NamedNode) or what.value in reported or what.value.startswith(_OTHERS):
             continue
         if what.value not in context.read and not _read_by_rules(atom, file, context):
-            told.add(what.value)
+            reported.add(what.value)
             message = f"nothing reads {shorten(what.value)}: no other rule, no stored query"
             hint = "Write a stored query that shows it, or leave it out."
             yield Finding("KG215", "note", file.name, message, place_of_name(file, what.value), hint)

@@ -37,8 +37,8 @@ def block(text: str, nodes: tuple[tree.Node, ...], place: Place | None = None) -
 
 def reads(nodes: Iterable[tree.Node]) -> frozenset[NamedNode] | None:
     """Return the predicates that nodes read, None where they may read any."""
-    found = set(_read(nodes))
-    return None if _ANY in found else frozenset(predicate for predicate in found if predicate is not None)
+    predicates = set(_read(nodes))
+    return None if _ANY in predicates else frozenset(predicate for predicate in predicates if predicate is not None)
 
 
 def _read(nodes: Iterable[tree.Node]) -> Iterator[NamedNode | None]:
@@ -60,9 +60,9 @@ def _is_anchored(pattern: tree.TriplePattern, nodes: tuple[tree.Node, ...]) -> b
     A constant is not enough: the store's engine finds no path of length zero at a term that its graph does not have.
     """
     ends = {pattern.subject, pattern.object}
-    beside = [n for n in nodes if isinstance(n, tree.TriplePattern) and isinstance(n.predicate, NamedNode)]
-    known = {end for triple in beside for end in (triple.subject, triple.object)}
-    return any(isinstance(end, Variable) for end in ends & known)
+    triples = [n for n in nodes if isinstance(n, tree.TriplePattern) and isinstance(n.predicate, NamedNode)]
+    anchors = {end for triple in triples for end in (triple.subject, triple.object)}
+    return any(isinstance(end, Variable) for end in ends & anchors)
 
 
 def _path_reads(path: tree.Path) -> Iterator[NamedNode | None]:

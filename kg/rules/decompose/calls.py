@@ -88,34 +88,34 @@ def _with_new_nodes(rule: tree.RuleText, calls: list[tree.Call], place: Placing)
     """Return a rule without its assignments of BNODE, all of which are in `calls`."""
     nodes = rule.group.nodes
     taken = {label for triple in rule.template for end in (triple.subject, triple.object) for label in _labels(end)}
-    found: dict[Variable, Pattern] = {}
-    kept: list[tree.Node] = []
+    created: dict[Variable, Pattern] = {}
+    remaining: list[tree.Node] = []
     named: dict[str, BlankNode] = {}
     left, text = list(calls), rule.group.text
     for index, node in enumerate(nodes):
         argument = new_node(node.expression.text) if isinstance(node, tree.Bind) else None
         if argument is None or not isinstance(node, tree.Bind):
-            kept.append(node)
+            remaining.append(node)
         elif all(isinstance(other, _BINDS_NOTHING) for other in nodes[index:]):
             name = node.variable.name
             label = next(each for each in (f"{name}{number or ''}" for number in count()) if each not in taken)
-            found[node.variable] = named.setdefault(argument or label, BlankNode(label))
+            created[node.variable] = named.setdefault(argument or label, BlankNode(label))
             taken.add(label)
             text = text.replace(f"BIND({node.expression.text} AS ?{name})", "", 1)
             left = [call for call in left if not node.span.start <= call.span.start < node.span.end]
-    names = {variable.name for variable in found}
+    names = {variable.name for variable in created}
     wrong = [call.span for call in left]
-    wrong += [node.span for node in kept if not names.isdisjoint(uses([node]))]
-    wrong += [triple.span for triple in rule.template if triple.predicate in found]
+    wrong += [node.span for node in remaining if not names.isdisjoint(uses([node]))]
+    wrong += [triple.span for triple in rule.template if triple.predicate in created]
     if wrong:
         message = "BNODE() must be the value of a variable that only the head has, behind all patterns"
         hint = "Write a blank node into the head, such as `_:new`, or name the node with IRI()."
         raise RuleError("KG209", message, place=place(wrong[0]), hint=hint)
     template = tuple(
-        replace(triple, subject=replaced(triple.subject, found), object=replaced(triple.object, found))
+        replace(triple, subject=replaced(triple.subject, created), object=replaced(triple.object, created))
         for triple in rule.template
     )
-    return replace(rule, template=template, group=replace(rule.group, nodes=tuple(kept), text=text))
+    return replace(rule, template=template, group=replace(rule.group, nodes=tuple(remaining), text=text))
 
 
 def _labels(pattern: Pattern) -> Iterator[str]:

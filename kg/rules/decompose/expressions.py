@@ -24,7 +24,7 @@ _FORGIVING: Final = frozenset({"||", "&&", "BOUND", "COALESCE", "IF", "IN", "EXI
 _TESTS: Final = frozenset({"BOUND", "ISIRI", "ISURI", "ISBLANK", "ISLITERAL", "ISNUMERIC", "SAMETERM"})
 """Functions that have a value for all terms."""
 
-_GIVE_KNOWN_TERMS: Final = _TESTS | {
+_GIVE_EXISTING_TERMS: Final = _TESTS | {
     *("LANGMATCHES", "CONTAINS", "STRSTARTS", "STRENDS", "REGEX", "HASLANG", "HASLANGDIR", "ISTRIPLE"),
     *("IF", "COALESCE", "IN", "NOT", "EXISTS", "TRUE", "FALSE", "SUBJECT", "PREDICATE", "OBJECT"),
 }
@@ -51,7 +51,7 @@ def _mints(tokens: Sequence[Token]) -> bool:
     """Return whether the value may be a new term: arithmetic, triple terms, all functions not known to be safe."""
     for index, token in enumerate(tokens):
         follows = tokens[index + 1 : index + 2]
-        if token.kind is Kind.WORD and _word(token) not in _GIVE_KNOWN_TERMS:
+        if token.kind is Kind.WORD and _word(token) not in _GIVE_EXISTING_TERMS:
             return True
         if token.kind is Kind.IRI and follows and follows[0].text == "(":
             return True

@@ -96,20 +96,20 @@ class Scope:
 
     def optional(self, part: Part) -> Scope:
         """Return the scope of the group of an OPTIONAL after `part`: its own filters see the variables of `part`."""
-        return replace(self._kept(part, self.outer | part.bound), seen=part.bound, required=frozenset())
+        return replace(self._limited(part, self.outer | part.bound), seen=part.bound, required=frozenset())
 
     def inside(self, part: Part) -> Scope:
         """Return the scope of the group of an EXISTS that is tested for each solution of `part`."""
         outer = self.outer | self.seen | part.bound
-        kept = self._kept(part, outer)
-        return Scope(outer, near=kept.near, subjects=kept.subjects)
+        limited = self._limited(part, outer)
+        return Scope(outer, near=limited.near, subjects=limited.subjects)
 
     def removing(self, part: Part) -> Scope:
         """Return the scope of the group of a MINUS after `part`: it sees no variable of it."""
-        kept = self._kept(part, self.outer | part.bound)
-        return Scope(self.outer, near=kept.near, subjects=kept.subjects)
+        limited = self._limited(part, self.outer | part.bound)
+        return Scope(self.outer, near=limited.near, subjects=limited.subjects)
 
-    def _kept(self, part: Part, shared: frozenset[form.Variable]) -> Scope:
+    def _limited(self, part: Part, shared: frozenset[form.Variable]) -> Scope:
         """Return the scope of a negation after `part`, limited to the variables shared with its surroundings."""
         behind = self.behind(part)
         return replace(behind, near=behind.near & shared, subjects=behind.subjects & shared)
@@ -154,12 +154,12 @@ def same(variable: form.Variable, expression: form.Expression) -> form.Expressio
     return expressions.expression(text, expression.place)
 
 
-def placed(part: Part, element: form.Filter, known: frozenset[form.Variable]) -> Part:
-    """Insert a filter as soon as its variables are bound; `known` are bound before the part.
+def placed(part: Part, element: form.Filter, bound: frozenset[form.Variable]) -> Part:
+    """Insert a filter as soon as its variables are bound; `bound` are bound before the part.
 
     Elements join, bind or drop solutions one by one, so a filter has the same effect anywhere after that.
     """
-    needed = frozenset(map(form.Variable, element.expression.variables)) - known
+    needed = frozenset(map(form.Variable, element.expression.variables)) - bound
     elements = part.elements
     if needed:
         for index, before in enumerate(elements[:-1], 1):

@@ -83,8 +83,8 @@ def _normal(alternatives: list[Steps], *, zero: bool) -> Normal:
 
 def _sequence(parts: list[Normal]) -> Normal:
     choices = [(*part.alternatives, *([()] if part.zero else [])) for part in parts]
-    found: list[Steps] = [tuple(step for steps in chosen for step in steps) for chosen in product(*choices)]
-    return _normal([steps for steps in found if steps], zero=() in found)
+    alternatives: list[Steps] = [tuple(step for steps in chosen for step in steps) for chosen in product(*choices)]
+    return _normal([steps for steps in alternatives if steps], zero=() in alternatives)
 
 
 def _repeat(inner: Normal, path: Repeat) -> Normal:

@@ -151,33 +151,33 @@ def _waiting(work: Work, patterns: list[TriplePattern], part: Part, scope: Scope
     if not patterns:
         return [part]
     tried = ((pattern, _matches(work, pattern, part, scope)) for pattern in patterns)
-    chosen, found = next(((one, parts) for one, parts in tried if parts is not None), (patterns[0], None))
+    chosen, matches = next(((one, parts) for one, parts in tried if parts is not None), (patterns[0], None))
     rest = [pattern for pattern in patterns if pattern is not chosen]
-    if found is None:
-        found = [part.then(_block(work, chosen))]
-    return [done for new in found for done in _waiting(work, rest, new, scope)]
+    if matches is None:
+        matches = [part.then(_block(work, chosen))]
+    return [done for new in matches for done in _waiting(work, rest, new, scope)]
 
 
 def _waits(pattern: TriplePattern) -> bool:
     """Return whether the knowledge about the ends of a pattern matters."""
-    found = normal(pattern.predicate)
-    return found.zero or any(isinstance(step, Closure) for steps in found.alternatives for step in steps)
+    path = normal(pattern.predicate)
+    return path.zero or any(isinstance(step, Closure) for steps in path.alternatives for step in steps)
 
 
 def _matches(work: Work, pattern: TriplePattern, part: Part, scope: Scope) -> list[Part] | None:
     """Return the parts of a join with a pattern, one for each way through its path; None if it has no such form."""
     path = pattern.predicate
-    found = normal(path)
-    if scope.single and not is_plain(path) and not (isinstance(path, Repeat) and not found.zero):
+    normalised = normal(path)
+    if scope.single and not is_plain(path) and not (isinstance(path, Repeat) and not normalised.zero):
         if isinstance(path, Repeat):
             return None
         raise IndivisibleError
     walk = Walk(work.auxiliary, work.names, work.place(pattern.span))
-    ways = [walk.along(part, pattern.subject, steps, pattern.object) for steps in found.alternatives]
+    ways = [walk.along(part, pattern.subject, steps, pattern.object) for steps in normalised.alternatives]
     parts = [way for way in ways if way is not None]
     if len(parts) < len(ways):
         return None
-    if not found.zero:
+    if not normalised.zero:
         return parts
     still = _ends_equal(pattern, part)
     return None if still is None else [*still, *parts]

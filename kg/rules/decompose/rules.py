@@ -41,8 +41,8 @@ def finished(head: tuple[form.Atom, ...], body: tuple[form.Element, ...], names:
     head, body = _without_copies(head, body)
     _check_blocks(body)
     bound = form.bound_in(body)
-    kept = tuple(atom for atom in head if form.binds(atom) <= bound)
-    return (kept, body) if kept else None
+    atoms = tuple(atom for atom in head if form.binds(atom) <= bound)
+    return (atoms, body) if atoms else None
 
 
 def _expressions(body: Sequence[form.Element]) -> Iterator[str]:
@@ -146,8 +146,8 @@ def _statements(work: Work) -> list[Statement]:
     head = tuple(_atom(work, triple) for triple in work.rule.template)
     required = frozenset.intersection(*map(head_variables, work.rule.template)) if head else frozenset()
     parts = Groups(work).group(work.rule.group, Scope(required=required))
-    found = [finished(head, part.elements, work.names) for part in parts]
-    return [statement for statement in found if statement is not None]
+    statements = [finished(head, part.elements, work.names) for part in parts]
+    return [statement for statement in statements if statement is not None]
 
 
 def _atom(work: Work, triple: TriplePattern) -> form.Atom:

@@ -76,10 +76,10 @@ def _assignment(  # noqa: PLR0913, PLR0917 - what is assigned, in which column o
     part: Part,
     scope: Scope,
 ) -> Assignment:
-    found = expressions.resolved(text, {bound.name for bound in part.bound})
-    if found is None or (expressions.can_fail(found) and not _needed(work, node, variable, scope)):
+    resolved = expressions.resolved(text, {bound.name for bound in part.bound})
+    if resolved is None or (expressions.can_fail(resolved) and not _needed(work, node, variable, scope)):
         raise IndivisibleError
-    return Assignment(variable, expressions.expression(found, work.place(value.span)))
+    return Assignment(variable, expressions.expression(resolved, work.place(value.span)))
 
 
 def _needed(work: Work, node: tree.SubSelect, variable: Variable, scope: Scope) -> bool:
@@ -92,8 +92,8 @@ def _hiding(work: Work, part: Part, visible: Iterable[Variable]) -> Part:
     hidden = sorted(part.bound - frozenset(visible), key=str)
     written = (one for one in hidden if not one.name.startswith(".") and one.name in work.mentioned)
     names = {variable: work.names.like(variable) for variable in written}
-    known = (part.nodes, part.subjects, part.given)
-    nodes, subjects, given = (frozenset(names.get(variable, variable) for variable in found) for found in known)
+    groups = (part.nodes, part.subjects, part.given)
+    nodes, subjects, given = (frozenset(names.get(variable, variable) for variable in group) for group in groups)
     return Part.of(renamed(part.elements, names), nodes, subjects, given)
 
 
@@ -145,7 +145,7 @@ def _grouped(work: Work, node: tree.SubSelect, scope: Scope, group: Decompose) -
         raise IndivisibleError
     grouping = _Grouping(work, body, bool(keys))
     tests = [_having(grouping, condition, keys) for condition in node.having]
-    assigned = [found for column in node.projections if (found := _value(work, node, grouping, column, scope))]
+    assigned = [bound for column in node.projections if (bound := _value(work, node, grouping, column, scope))]
     names = {key: work.names.like(key) for key in keys if key.name not in _columns(node)}
     element = Aggregate(keys, tuple(grouping.columns), body.elements)
     part = EMPTY.then(element, *tests)

@@ -79,7 +79,7 @@ class _Reader:
 
     goals: list[Goal] = field(default_factory=list)
     exists: int = 0
-    made: Iterator[int] = field(default_factory=count)
+    numbers: Iterator[int] = field(default_factory=count)
 
     def group(self, nodes: Sequence[tree.Node], outer: Goal) -> None:
         """Add the goals of a group that is joined with `outer`, and of the groups inside."""
@@ -143,7 +143,7 @@ class _Reader:
             yield Atom(subject, path, value), True
 
     def _fresh(self) -> Variable:
-        return Variable(f".path {next(self.made)}")
+        return Variable(f".path {next(self.numbers)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,8 +181,8 @@ def derive(text: str, rule_set: RuleSet, base: Base, limits: Limits) -> Derived:
     for copy, original in rewritten.copies:
         parts = [facts.keys(dictionary.intern_term(original)) for facts in (asserted, before)]
         asserted.replace(dictionary.intern_term(copy), union(*parts))
-    found = evaluate(program, dictionary, asserted, inferred=before, limits=limits)
-    facts = stored(found.inferred, dictionary)
+    result = evaluate(program, dictionary, asserted, inferred=before, limits=limits)
+    facts = stored(result.inferred, dictionary)
     absorb(facts, data)
     matching = _matching(facts, goals, dictionary)
     return Derived(dictionary, matching, open_ended(goals), time.perf_counter() - begin)
@@ -205,9 +205,9 @@ class Base:
         """
         what = wanted(rule_set.rules) | Wanted(frozenset(triple.predicate for triple in rule_set.data))
         digest = names.digest(rule_set)
-        kept = memory.load(cache, digest)
-        if kept is not None and kept.generation == generation:
-            return cls(source, names, what, kept)
+        cached = memory.load(cache, digest)
+        if cached is not None and cached.generation == generation:
+            return cls(source, names, what, cached)
         base = cls(source, names, what, Memory(generation, digest, names, Dictionary()))
         base.memory.asserted, base.memory.inferred = base._read(what)
         with suppress(OSError):
@@ -255,8 +255,8 @@ def _ends(facts: Facts, predicate: int, atom: Atom, dictionary: Dictionary) -> K
     keys = facts.keys(predicate)
     if isinstance(atom.subject, Variable | TripleTerm) and isinstance(atom.object, Variable | TripleTerm):
         return keys
-    kept = np.ones(keys.size, bool)
+    mask = np.ones(keys.size, bool)
     for end, column in ((atom.subject, keys >> 32), (atom.object, keys & 0xFFFFFFFF)):
         if not isinstance(end, Variable | TripleTerm):
-            kept &= column == dictionary.intern_term(end)
-    return keys[kept] if kept.any() else EMPTY
+            mask &= column == dictionary.intern_term(end)
+    return keys[mask] if mask.any() else EMPTY

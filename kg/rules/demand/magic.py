@@ -48,7 +48,7 @@ _ANY: Final = NamedNode(f"{form.AUXILIARY}any")
 """Fills the free positions of a demand."""
 _TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _QUERY: Final = "query"
-_X, _Y, _Z, _KEPT = (form.Variable(name) for name in (".x", ".y", ".z", ".kept"))
+_X, _Y, _Z, _CARRIED = (form.Variable(name) for name in (".x", ".y", ".z", ".kept"))
 _Demand: TypeAlias = tuple[NamedNode, str]
 _Conjunct: TypeAlias = form.Atom | form.Values
 
@@ -63,7 +63,7 @@ class Step:
     rule: form.Rule
     head: form.Atom
     recursive: form.Atom
-    beside: tuple[form.Atom, ...]
+    nonrecursive: tuple[form.Atom, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,23 +130,23 @@ def _step(rule: form.Rule, head: form.Atom, recurs: Callable[[Sequence[form.Elem
     if len(atoms) < len(rule.body) or len(recursive) != 1:
         return None
     (atom,) = recursive
-    beside = tuple(other for other in atoms if other is not atom)
-    if recurs(beside):
+    rest = tuple(other for other in atoms if other is not atom)
+    if recurs(rest):
         return None
     if atom.object == head.object:
-        kept, others = head.object, (head.subject, atom.subject)
+        fixed, others = head.object, (head.subject, atom.subject)
     elif atom.subject == head.subject:
-        kept, others = head.subject, (head.object, atom.object)
+        fixed, others = head.subject, (head.object, atom.object)
     else:
         return None
-    used = {variable for other in beside for position in other.positions for variable in form.variables_of(position)}
+    used = {variable for other in rest for position in other.positions for variable in form.variables_of(position)}
     moved = {end for end in others if isinstance(end, form.Variable)}
-    if not isinstance(kept, form.Variable) or kept in used or kept in moved or not moved <= used:
+    if not isinstance(fixed, form.Variable) or fixed in used or fixed in moved or not moved <= used:
         return None
     # What is carried becomes a subject, which a literal cannot be.
-    if kept == head.subject and atom.object not in {other.subject for other in beside}:
+    if fixed == head.subject and atom.object not in {other.subject for other in rest}:
         return None
-    return Step(rule, head, atom, beside)
+    return Step(rule, head, atom, rest)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,10 +174,10 @@ class _Rewriting:
         self._goals = goals
         self._heads = Heads(rules)
         self._needs = needs = [set(need) for need in edges(rules)]
-        asked = [atom for goal in goals for atom in goal if isinstance(atom, form.Atom)]
-        self._reached = _closed((number for atom in asked for number in self._feeding(atom)), needs)
-        self._whole = _closed(self._unrestricted(asked), needs)
-        self._found: dict[tuple[str, int, form.Atom, tuple[form.Element, ...]], form.Rule] = {}
+        atoms = [atom for goal in goals for atom in goal if isinstance(atom, form.Atom)]
+        self._reached = _closed((number for atom in atoms for number in self._feeding(atom)), needs)
+        self._whole = _closed(self._unrestricted(atoms), needs)
+        self._rewritten: dict[tuple[str, int, form.Atom, tuple[form.Element, ...]], form.Rule] = {}
         self._demands: dict[_Demand, None] = {}
         self._recursions: dict[NamedNode, Recursion | None] = {}
         self._copies: dict[NamedNode, NamedNode] = {}
@@ -192,14 +192,14 @@ class _Rewriting:
                 done.add(demand)
                 self._adorn(*demand)
         whole = (self._rules[number] for number in sorted(self._whole))
-        return Rewritten((*whole, *self._found.values()), tuple(self._copies.items()))
+        return Rewritten((*whole, *self._rewritten.values()), tuple(self._copies.items()))
 
     def _feeding(self, atom: form.Atom) -> Iterator[int]:
         return iter(()) if atom.asserted else self._heads.matching(Read(atom, negated=False))
 
-    def _unrestricted(self, asked: Iterable[form.Atom]) -> Iterator[int]:
+    def _unrestricted(self, atoms: Iterable[form.Atom]) -> Iterator[int]:
         """Yield the rules that are evaluated whole for a reason of their own."""
-        for atom in asked:
+        for atom in atoms:
             if not isinstance(atom.predicate, NamedNode):
                 yield from self._feeding(atom)
         for number in self._reached:
@@ -280,13 +280,13 @@ class _Rewriting:
             )
             for start in (
                 _demand(step.head, adornment),
-                form.Atom(_KEPT, via, here) if forward else form.Atom(here, via, _KEPT),
+                form.Atom(_CARRIED, via, here) if forward else form.Atom(here, via, _CARRIED),
             ):
                 # The end asked for is the step's own, or the one that an earlier step carried here.
-                kept = _KEPT if start.predicate == via else here
-                reached = form.Atom(kept, via, there) if forward else form.Atom(there, via, kept)
-                self._add(replace(step.rule, head=(reached,), body=(*step.beside, start)))
-                self._pass_on(step.beside, start)
+                carried = _CARRIED if start.predicate == via else here
+                reached = form.Atom(carried, via, there) if forward else form.Atom(there, via, carried)
+                self._add(replace(step.rule, head=(reached,), body=(*step.nonrecursive, start)))
+                self._pass_on(step.nonrecursive, start)
         if near:
             passed = form.Atom(_X, via, _Y) if forward else form.Atom(_Y, via, _Z)
             self._answer(head, (), form.Atom(_Y, end, _Z) if forward else form.Atom(_X, end, _Y), passed, adornment)
@@ -303,23 +303,23 @@ class _Rewriting:
     def _pass_on(self, conjuncts: Sequence[_Conjunct], start: form.Atom | None) -> None:
         """Demand what each atom of a body can add, where the demand `start` and other atoms bind variables of it."""
         remaining = list(conjuncts)
-        known = set(_variables(start)) if start else set()
+        bound = set(_variables(start)) if start else set()
         before: list[_Conjunct] = []
         while remaining:
-            number = min(range(len(remaining)), key=lambda index: self._rank(remaining[index], known))
+            number = min(range(len(remaining)), key=lambda index: self._rank(remaining[index], bound))
             chosen = remaining.pop(number)
             if isinstance(chosen, form.Atom) and self._derived(chosen):
-                self._ask(chosen, known, before, start)
+                self._demand_for(chosen, bound, before, start)
             before.append(chosen)
-            known |= set(_variables(chosen))
+            bound |= set(_variables(chosen))
 
-    def _ask(
-        self, atom: form.Atom, known: set[form.Variable], before: Sequence[_Conjunct], start: form.Atom | None
+    def _demand_for(
+        self, atom: form.Atom, bound: set[form.Variable], before: Sequence[_Conjunct], start: form.Atom | None
     ) -> None:
         """Add the rule that passes demand on to an atom."""
         if isinstance(atom.subject, Literal | Triple) or not isinstance(atom.predicate, NamedNode):
             return
-        adornment = "".join("b" if _bound(end, known) else "f" for end in (atom.subject, atom.object))
+        adornment = "".join("b" if _bound(end, bound) else "f" for end in (atom.subject, atom.object))
         self._demands[atom.predicate, adornment] = None
         head = _demand(atom, adornment)
         body: tuple[form.Element, ...] = _connected(head, before)
@@ -328,18 +328,18 @@ class _Rewriting:
             self._add(form.Rule(_QUERY, (head,), body, Place(_QUERY)))
 
     def _add(self, rule: form.Rule) -> None:
-        self._found.setdefault((rule.name, rule.part, rule.head[0], rule.body), rule)
+        self._rewritten.setdefault((rule.name, rule.part, rule.head[0], rule.body), rule)
 
     def _derived(self, atom: form.Atom) -> bool:
         return any(number not in self._whole for number in self._feeding(atom))
 
-    def _rank(self, element: _Conjunct, known: set[form.Variable]) -> tuple[int, int]:
+    def _rank(self, element: _Conjunct, bound: set[form.Variable]) -> tuple[int, int]:
         """Return the place of an element in the order in which bindings are passed on; the least comes first.
 
         What is joined with variables known so far comes before what a constant restricts; of these two stored triples
         come before derived ones where they are joined, and after them where only a constant restricts them.
         """
-        joined = len(known.intersection(_variables(element)))
+        joined = len(bound.intersection(_variables(element)))
         if isinstance(element, form.Values):
             return (0 if joined else 3), -joined
         derived = self._derived(element)
@@ -352,14 +352,14 @@ class _Rewriting:
 
 def _closed(numbers: Iterable[int], needs: Sequence[set[int]]) -> set[int]:
     """Return some rules with all those that they read, directly or through others."""
-    found: set[int] = set()
+    reached: set[int] = set()
     pending = list(numbers)
     while pending:
         number = pending.pop()
-        if number not in found:
-            found.add(number)
+        if number not in reached:
+            reached.add(number)
             pending += needs[number]
-    return found
+    return reached
 
 
 def _simple(head: form.Atom) -> bool:
@@ -383,9 +383,9 @@ def _demand(atom: form.Atom, adornment: str) -> form.Atom:
     return form.Atom(subject, NamedNode(f"{form.AUXILIARY}demand/{adornment}/{predicate}"), value)
 
 
-def _bound(end: form.Pattern, known: set[form.Variable]) -> bool:
+def _bound(end: form.Pattern, bound: set[form.Variable]) -> bool:
     # In a head, a blank node would be a new one.
-    return end in known if isinstance(end, form.Variable) else not isinstance(end, form.TripleTerm | BlankNode)
+    return end in bound if isinstance(end, form.Variable) else not isinstance(end, form.TripleTerm | BlankNode)
 
 
 def _constants(atom: form.Atom) -> int:
@@ -405,16 +405,16 @@ def _variables(element: _Conjunct) -> Iterator[form.Variable]:
 def _connected(head: form.Atom, elements: Sequence[_Conjunct]) -> tuple[_Conjunct, ...]:
     """Return the elements that restrict the variables of a head, directly or through others, in their order."""
     reached = set(_variables(head))
-    kept: set[int] = set()
+    chosen: set[int] = set()
     grown = bool(reached)
     while grown:
         grown = False
         for index, element in enumerate(elements):
-            if index not in kept and reached.intersection(_variables(element)):
-                kept.add(index)
+            if index not in chosen and reached.intersection(_variables(element)):
+                chosen.add(index)
                 reached |= set(_variables(element))
                 grown = True
-    return tuple(elements[index] for index in sorted(kept))
+    return tuple(elements[index] for index in sorted(chosen))
 
 
 def _atoms(

@@ -27,7 +27,7 @@ class Blocks:
 
     def __init__(self, dictionary: Dictionary) -> None:
         self._dictionary = dictionary
-        self._known: dict[tuple[str, tuple[str, ...]], tuple[list[tuple[int, Keys]], Table]] = {}
+        self._cache: dict[tuple[str, tuple[str, ...]], tuple[list[tuple[int, Keys]], Table]] = {}
 
     def solutions(self, step: Block, facts: Facts, clock: Clock, hidden: frozenset[int]) -> Table:
         """Return the solutions of a block; 0 where a variable is unbound.
@@ -41,14 +41,14 @@ class Blocks:
             predicates &= {self._dictionary.intern_term(predicate) for predicate in step.block.reads}
         read = [(predicate, facts.keys(predicate)) for predicate in sorted(predicates)]
         name = step.block.text, tuple(column for _, column in step.columns)
-        known = self._known.get(name)
-        if known is not None and _same(known[0], read):
-            return known[1]
+        cached = self._cache.get(name)
+        if cached is not None and _same(cached[0], read):
+            return cached[1]
         clock.check()
         table = self._evaluate(step, facts, [predicate for predicate, _ in read])
-        if len(self._known) >= _REMEMBERED:
-            self._known.pop(next(iter(self._known)))
-        self._known[name] = read, table
+        if len(self._cache) >= _REMEMBERED:
+            self._cache.pop(next(iter(self._cache)))
+        self._cache[name] = read, table
         return table
 
     def _evaluate(self, step: Block, facts: Facts, predicates: list[int]) -> Table:
@@ -66,13 +66,13 @@ class Blocks:
             message = f"the store's engine cannot evaluate a part of the rule: {error}"
             hint = "Restrict the variables of triple terms, such as FILTER(!isLiteral(?x)), or leave VALUES out."
             raise RuleError("KG209", message, place=step.block.place, hint=hint) from error
-        found = np.array(rows, np.int64).reshape(len(rows), len(step.columns))
-        columns = {column: found[:, index].copy() for index, (_, column) in enumerate(step.columns)}
+        values = np.array(rows, np.int64).reshape(len(rows), len(step.columns))
+        columns = {column: values[:, index].copy() for index, (_, column) in enumerate(step.columns)}
         return Table(columns, len(rows))
 
 
-def _same(known: list[tuple[int, Keys]], read: list[tuple[int, Keys]]) -> bool:
+def _same(cached: list[tuple[int, Keys]], read: list[tuple[int, Keys]]) -> bool:
     """Whether the very arrays that were read are there still; arrays are never changed."""
-    return len(known) == len(read) and all(
-        one[0] == other[0] and one[1] is other[1] for one, other in zip(known, read, strict=True)
+    return len(cached) == len(read) and all(
+        one[0] == other[0] and one[1] is other[1] for one, other in zip(cached, read, strict=True)
     )

@@ -125,29 +125,29 @@ class Closure:
         `parts` are all triples; `fresh` are those of them that no earlier call received or returned. `allow` receives
         a lower bound of the number of triples to return before these are made, and raises where that is too many.
         """
-        found = Facts()
+        result = Facts()
         self.pairs += sum(facts.keys(self._predicate).size for facts in fresh)
         while fresh:
-            new = self._step([*parts, found], fresh, lambda least: allow(len(found) + least))
+            new = self._step([*parts, result], fresh, lambda least: allow(len(result) + least))
             for predicate, keys in new:
-                found.extend(predicate, keys)
+                result.extend(predicate, keys)
             # Only the replacement of a predicate makes further terms equal; all else is complete after one step.
             again = new.keys(self._predicate).size and self._replaces(_PREDICATE, self._predicate)
             fresh = [new] if again else []
-        self.pairs += found.keys(self._predicate).size
-        return found
+        self.pairs += result.keys(self._predicate).size
+        return result
 
     def _step(self, parts: Sequence[Facts], fresh: Sequence[Facts], allow: Callable[[int], None]) -> Facts:
         """Return what follows from the classes that the triples give."""
         changed = self._classes.merge(np.concatenate([facts.keys(self._predicate) for facts in fresh]))
-        found = Facts()
+        result = Facts()
         if not self._classes:
-            return found
+            return result
         for predicate in sorted(frozenset[int]().union(*(facts.predicates for facts in parts))):
             keys = self._affected(predicate, parts, fresh, changed)
             if keys.size:
-                self._replace(predicate, keys, [*parts, found], allow)
-        return found
+                self._replace(predicate, keys, [*parts, result], allow)
+        return result
 
     def _replaces(self, position: int, predicate: int) -> bool:
         """Check whether rules replace terms in a position of the triples of a predicate."""
@@ -166,11 +166,11 @@ class Closure:
         pieces = [EMPTY]
         for facts in fresh:
             keys = facts.keys(predicate)
-            kept = np.full(keys.size, predicates)
+            affected = np.full(keys.size, predicates)
             for end, replaced in zip(unpack(keys), (subjects, objects), strict=True):
                 if replaced:
-                    kept |= self._classes.has(end)
-            pieces.append(keys[kept])
+                    affected |= self._classes.has(end)
+            pieces.append(keys[affected])
         for facts in parts if changed.size else ():
             if subjects:
                 pieces.append(_ranges(facts.keys(predicate), changed)[0])
@@ -180,13 +180,13 @@ class Closure:
 
     def _replace(self, predicate: int, keys: Keys, parts: Sequence[Facts], allow: Callable[[int], None]) -> None:
         """Add to the last of `parts` what pairs of a predicate give, position by position."""
-        found = parts[-1]
+        result = parts[-1]
         for position in (_SUBJECT, _OBJECT):
             if not self._replaces(position, predicate):
                 continue
             folded = self._classes.folded(keys if position == _SUBJECT else flipped(keys))
             least = self._classes.least(folded)
-            allow(len(found) + least - sum(facts.keys(predicate).size for facts in parts))
+            allow(len(result) + least - sum(facts.keys(predicate).size for facts in parts))
             keys = self._classes.spread(folded, values=position == _OBJECT)
             keys = keys if position == _SUBJECT else flipped(keys)
             if position == _OBJECT or predicate != self._predicate:

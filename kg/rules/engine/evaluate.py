@@ -89,10 +89,10 @@ class Program:
         return State(dictionary, bound.expressions, bound.blocks, Clock(limits or Limits()), bound.hidden)
 
     def _over(self, dictionary: Dictionary) -> _Bound:
-        found = self._bound.get(dictionary)
-        if found is None:
-            found = self._bound[dictionary] = _Bound(self.rules, dictionary)
-        return found
+        bound = self._bound.get(dictionary)
+        if bound is None:
+            bound = self._bound[dictionary] = _Bound(self.rules, dictionary)
+        return bound
 
 
 class _Plans(dict["Rule", "RulePlan"]):
@@ -103,8 +103,8 @@ class _Plans(dict["Rule", "RulePlan"]):
         self._dictionary = dictionary
 
     def __missing__(self, rule: Rule) -> RulePlan:
-        self[rule] = found = plan(rule, self._dictionary)
-        return found
+        self[rule] = rule_plan = plan(rule, self._dictionary)
+        return rule_plan
 
 
 class _Bound:
@@ -145,7 +145,7 @@ def evaluate(
 
 
 class _Run:
-    """One evaluation: `_known` has all triples so far, `inferred` the part that its rules added.
+    """One evaluation: `_facts` has all triples so far, `inferred` the part that its rules added.
 
     `before` are triples that are known, but neither asserted nor inferred by this evaluation.
     """
@@ -156,8 +156,8 @@ class _Run:
         self._state = program.state(dictionary, limits)
         self._plans = program.plans(dictionary)
         self._asserted = asserted
-        self._known = asserted.copy()
-        absorb(self._known, before)
+        self._facts = asserted.copy()
+        absorb(self._facts, before)
         self._size = 0
         self.inferred = Facts(pages=asserted.pages)
         self.reports: list[RuleReport] = []
@@ -175,11 +175,11 @@ class _Run:
                 rules.append(_Active(plan, report, tuple(pivots)))
         delta = Facts()
         for rule in rules:
-            self._apply(rule, rule.plan.inputs(self._asserted, self._known), delta)
-        self._close(closures, delta, [self._known, delta])
+            self._apply(rule, rule.plan.inputs(self._asserted, self._facts), delta)
+        self._close(closures, delta, [self._facts, delta])
         while stratum.recursive and delta.predicates:
             # Only rules that read the changing triples more than once read the earlier ones.
-            old = self._known.copy() if any(len(rule.pivots) > 1 for rule in rules) else self._known
+            old = self._facts.copy() if any(len(rule.pivots) > 1 for rule in rules) else self._facts
             self._merge(delta)
             last, delta = delta, Facts()
             for rule in rules:
@@ -192,21 +192,21 @@ class _Run:
     def _close(self, closures: _Closures, delta: Facts, fresh: list[Facts]) -> None:
         """Add to `delta` the triples that follow from equal terms; `fresh` was not examined before."""
         before = len(delta)
-        closures.close(self._known, delta, fresh, self._size)
+        closures.close(self._facts, delta, fresh, self._size)
         self._size += len(delta) - before
         self._state.clock.check(self._size)
 
     def _changed(self, rule: _Active, pivot: _Pivot, last: Facts, old: Facts) -> list[Facts]:
         """Return the triples that the sources read in a round: for the pivot, those new in the last one."""
-        found = rule.plan.inputs(self._asserted, self._known)
+        sources = rule.plan.inputs(self._asserted, self._facts)
         if pivot.block:
-            return found
+            return sources
         # Sources before the pivot read what was there before: a solution with two new triples is then found once.
         for other in rule.pivots:
             if other.number < pivot.number and not other.block:
-                found[other.number] = old
-        found[pivot.number] = last
-        return found
+                sources[other.number] = old
+        sources[pivot.number] = last
+        return sources
 
     def _apply(self, rule: _Active, sources: list[Facts], delta: Facts) -> None:
         """Run a rule and add to `delta` the triples not yet known."""
@@ -220,8 +220,8 @@ class _Run:
             collector.add(table, rule.plan.heads)
             if clock.may_exceed(self._size + len(collector)):
                 # The collector counts triples of several pieces, and known ones, more than once: count exactly.
-                found = collector.facts()
-                clock.check(self._size + sum(self._new(predicate, keys, delta).size for predicate, keys in found))
+                facts = collector.facts()
+                clock.check(self._size + sum(self._new(predicate, keys, delta).size for predicate, keys in facts))
         for predicate, keys in collector.facts():
             new = self._new(predicate, keys, delta)
             delta.extend(predicate, new)
@@ -234,12 +234,12 @@ class _Run:
             self._asserted.pages.release()
 
     def _new(self, predicate: int, keys: Keys, delta: Facts) -> Keys:
-        return delta.missing(predicate, self._known.missing(predicate, keys))
+        return delta.missing(predicate, self._facts.missing(predicate, keys))
 
     def _merge(self, delta: Facts) -> None:
         for predicate, derived in delta:
-            keys = self.inferred.held(derived)
-            self._known.extend(predicate, keys)
+            keys = self.inferred.paged(derived)
+            self._facts.extend(predicate, keys)
             self.inferred.extend(predicate, keys)
 
 
@@ -248,9 +248,9 @@ class _Closures:
 
     def __init__(self, stratum: Stratum, state: State) -> None:
         self._clock = state.clock
-        found = equalities(stratum.rules) if stratum.recursive else ()
-        self._closures = [Closure(equality, state.dictionary, state.hidden) for equality in found]
-        self._rules = {rule for equality in found for rule in equality.rules}
+        relations = equalities(stratum.rules) if stratum.recursive else ()
+        self._closures = [Closure(equality, state.dictionary, state.hidden) for equality in relations]
+        self._rules = {rule for equality in relations for rule in equality.rules}
         self._reports: dict[Rule, RuleReport] = {}
 
     def register(self, report: RuleReport) -> bool:
@@ -260,7 +260,7 @@ class _Closures:
         self._reports[report.rule] = report
         return False
 
-    def close(self, known: Facts, delta: Facts, fresh: list[Facts], size: int) -> None:
+    def close(self, facts: Facts, delta: Facts, fresh: list[Facts], size: int) -> None:
         """Add to `delta` the triples that the equalities derive, each from its new input, until none adds more."""
         waiting = [fresh] * len(self._closures)
         before = len(delta)
@@ -268,7 +268,7 @@ class _Closures:
             for number, closure in enumerate(self._closures):
                 given, waiting[number] = waiting[number], []
                 if given:
-                    new = self._closed(closure, [known, delta], given, size + len(delta) - before)
+                    new = self._closed(closure, [facts, delta], given, size + len(delta) - before)
                     waiting = [[*each, new] if n != number and len(new) else each for n, each in enumerate(waiting)]
                     for predicate, keys in new:
                         delta.extend(predicate, keys)
@@ -280,12 +280,12 @@ class _Closures:
             report.rounds += 1
         first = self._reports[closure.equality.transitivity[0]]
         self._clock.rule, self._clock.round = first.rule, first.rounds
-        found = closure.close(parts, fresh, lambda least: self._clock.check(size + least))
+        result = closure.close(parts, fresh, lambda least: self._clock.check(size + least))
         first.seconds += time.perf_counter() - begin
         for report in reports:
             report.derived = closure.derived[report.rule]
             report.matched = (closure.pairs,) * len(report.matched)
-        return found
+        return result
 
 
 @dataclass(frozen=True, slots=True)

@@ -83,8 +83,8 @@ class TextTest:
 
     def against(self, spelling: bytes) -> TextTest | None:
         """Return the test with a term for its `other` variable; None if only the engine can decide it."""
-        found = _SPELT.fullmatch(spelling.decode())
-        holds = _holding(self.name, re.sub(r"\\(.)", r"\1", found[1])) if found else None
+        match = _SPELT.fullmatch(spelling.decode())
+        holds = _holding(self.name, re.sub(r"\\(.)", r"\1", match[1])) if match else None
         return None if holds is None else replace(self, other=None, holds=holds)
 
     def decide(self, spellings: Sequence[bytes]) -> NDArray[np.int8]:
@@ -109,10 +109,10 @@ class TextTest:
 @cache
 def text_test(text: str) -> TextTest | None:
     """Return the test that the text of an expression is, None when it is none of these."""
-    found = _FORM.fullmatch(text)
-    if not found:
+    match = _FORM.fullmatch(text)
+    if not match:
         return None
-    name, lexical, inner, bare, argument, other = found.groups()
+    name, lexical, inner, bare, argument, other = match.groups()
     test = TextTest(name.upper(), inner or bare, bool(lexical), other)
     return test if other else test.against(f'"{argument}"'.encode())
 
@@ -175,11 +175,11 @@ class Expressions:
     ) -> NDArray[np.bool_]:
         """Decide a test of text by the spellings, and ask the engine where it is left open."""
         decided = self._decided(test, table, dict(columns))
-        found: NDArray[np.bool_] = decided == 1
+        result: NDArray[np.bool_] = decided == 1
         left = np.flatnonzero(decided == OPEN)
         if left.size:
-            found[left] = self._truth(expression, table.take(left), columns, clock)
-        return found
+            result[left] = self._truth(expression, table.take(left), columns, clock)
+        return result
 
     def _decided(self, test: TextTest, table: Table, columns: Mapping[str, str]) -> NDArray[np.int8]:
         """Decide a test of text for each row, once for each term, and for each that it is compared with."""
@@ -216,16 +216,16 @@ class Expressions:
         arguments = Table(seen, table.rows)
         memo = self._memo.setdefault((text, names), _Memo())
         distinct, places = _distinct(arguments)
-        known, missing = memo.look_up(distinct)
+        results, missing = memo.look_up(distinct)
         if missing.size:
             values = self._compute(text, names, distinct.take(missing), clock)
-            known[missing] = values
+            results[missing] = values
             memo.remember(distinct.take(missing), values)
-        return known[places]
+        return results[places]
 
     def _compute(self, text: str, names: tuple[str, ...], arguments: Table, clock: Clock) -> Keys:
         """Evaluate an expression for each row, whatever was remembered."""
-        found = np.full(arguments.rows, ERROR, np.int64)
+        results = np.full(arguments.rows, ERROR, np.int64)
         blank = np.zeros(arguments.rows, bool)
         for column in arguments.columns.values():
             blank |= self._dictionary.may_have_blanks(column)
@@ -233,10 +233,10 @@ class Expressions:
             for begin in range(0, rows.size, _BATCH):
                 clock.check()
                 chosen = rows[begin : begin + _BATCH]
-                evaluate(text, names, arguments.take(chosen), chosen, found)
-        return found
+                evaluate(text, names, arguments.take(chosen), chosen, results)
+        return results
 
-    def _batch(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, found: Keys) -> None:
+    def _batch(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, results: Keys) -> None:
         """Evaluate an expression for rows without blank nodes, by one query."""
         spelt = [
             [spelling or b"UNDEF" for spelling in self._dictionary.spellings(arguments.columns[name])] for name in names
@@ -245,9 +245,9 @@ class Expressions:
         numbers = [b"%d" % number for number in range(arguments.rows)]
         lines = b"\n".join(b"(%s)" % b" ".join(row) for row in zip(numbers, *spelt, strict=True))
         query = f"SELECT ?kg_row ?kg_value {{ VALUES ({shown}) {{\n{lines.decode()}\n}} BIND({text} AS ?kg_value) }}"
-        self._read(self._store.query(query), rows, found)
+        self._read(self._store.query(query), rows, results)
 
-    def _with_blanks(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, found: Keys) -> None:
+    def _with_blanks(self, text: str, names: tuple[str, ...], arguments: Table, rows: Keys, results: Keys) -> None:
         """Evaluate an expression for rows with blank nodes, which cannot be in `VALUES`: they go into a store."""
         store = Store()
         for row in range(arguments.rows):
@@ -262,9 +262,9 @@ class Expressions:
             f"OPTIONAL {{ ?kg_subject <urn:kg:argument:{index}> {_shown(name)} }}" for index, name in enumerate(names)
         )
         query = f"SELECT ?kg_row ?kg_value {{ ?kg_subject <urn:kg:row> ?kg_row {optional} BIND({text} AS ?kg_value) }}"
-        self._read(store.query(query), rows, found)
+        self._read(store.query(query), rows, results)
 
-    def _read(self, solutions: object, rows: Keys, found: Keys) -> None:
+    def _read(self, solutions: object, rows: Keys, results: Keys) -> None:
         """Put the values of a query's solutions in the places of their rows."""
         values: dict[object, int] = {}
         for solution in cast("QuerySolutions", solutions):
@@ -273,7 +273,7 @@ class Expressions:
                 identifier = values.get(value)
                 if identifier is None:
                     identifier = values[value] = self._dictionary.intern_term(value)
-                found[rows[int(solution["kg_row"].value)]] = identifier
+                results[rows[int(solution["kg_row"].value)]] = identifier
 
 
 def _distinct(arguments: Table) -> tuple[Table, Keys]:
@@ -304,14 +304,14 @@ class _Memo:
     def look_up(self, arguments: Table) -> tuple[Keys, Keys]:
         """Return the values of distinct arguments, `ERROR` for those not known, and the places of the latter."""
         if len(arguments.columns) > _PACKABLE:
-            found = [self._rows.get(row, -1) for row in _tuples(arguments)]
-            values = np.array(found, np.int64)
+            numbers = [self._rows.get(row, -1) for row in _tuples(arguments)]
+            values = np.array(numbers, np.int64)
             return np.maximum(values, ERROR), np.flatnonzero(values < 0)
         keys = arguments.packed(list(arguments.columns))
-        known = among(keys, self._keys)
+        cached = among(keys, self._keys)
         values = np.full(keys.size, ERROR, np.int64)
-        values[known] = self._values[np.searchsorted(self._keys, keys[known])]
-        return values, np.flatnonzero(~known)
+        values[cached] = self._values[np.searchsorted(self._keys, keys[cached])]
+        return values, np.flatnonzero(~cached)
 
     def remember(self, arguments: Table, values: Keys) -> None:
         """Keep the values of distinct arguments that were not known."""

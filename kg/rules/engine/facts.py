@@ -55,19 +55,19 @@ def union(*pieces: Keys) -> Keys:
 def _each_once(ordered: Keys) -> Keys:
     if ordered.size < 2:  # noqa: PLR2004 - nothing to compare
         return ordered
-    kept = np.empty(ordered.size, bool)
-    kept[0] = True
-    np.not_equal(ordered[1:], ordered[:-1], out=kept[1:])
-    return ordered if kept.all() else ordered[kept]
+    first = np.empty(ordered.size, bool)
+    first[0] = True
+    np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
+    return ordered if first.all() else ordered[first]
 
 
-def found_in(keys: Keys, others: Keys) -> NDArray[np.bool_]:
+def in_sorted(keys: Keys, others: Keys) -> NDArray[np.bool_]:
     """Return for each key whether the sorted `others` have it, by binary search."""
     if not others.size:
         return np.zeros(keys.size, bool)
-    found = np.searchsorted(others, keys)
-    found[found == others.size] = 0
-    same: NDArray[np.bool_] = others[found] == keys
+    places = np.searchsorted(others, keys)
+    places[places == others.size] = 0
+    same: NDArray[np.bool_] = others[places] == keys
     return same
 
 
@@ -75,12 +75,12 @@ def difference(keys: Keys, others: Keys) -> Keys:
     """Return the sorted `keys` that the sorted `others` lack."""
     if keys is others:
         return EMPTY
-    return keys if not others.size or not keys.size else keys[~found_in(keys, others)]
+    return keys if not others.size or not keys.size else keys[~in_sorted(keys, others)]
 
 
 def intersection(keys: Keys, others: Keys) -> Keys:
     """Return the sorted `keys` that the sorted `others` have too."""
-    return keys[found_in(keys, others)]
+    return keys[in_sorted(keys, others)]
 
 
 def merged(keys: Keys, others: Keys) -> Keys:
@@ -110,9 +110,9 @@ def parted(keys: Keys, gone: Keys) -> Keys:
 
 def starts(keys: Keys, terms: int) -> NDArray[np.int32]:
     """Return where the pairs of each first term begin in sorted keys; those of `t` end where those of `t + 1` begin."""
-    found = np.zeros(terms + 1, np.int32)
-    np.cumsum(np.bincount(keys >> 32, minlength=terms), out=found[1:])
-    return found
+    result = np.zeros(terms + 1, np.int32)
+    np.cumsum(np.bincount(keys >> 32, minlength=terms), out=result[1:])
+    return result
 
 
 def _fan_out(keys: Keys) -> float:
@@ -128,10 +128,10 @@ def _fan_out(keys: Keys) -> float:
 
 def gathered(columns: Mapping[int, Sequence[Keys]], pages: Pages | None = None) -> Facts:
     """Return the triples of columns in pieces, by predicate: in any order, and any number of times."""
-    found = Facts(pages=pages)
+    result = Facts(pages=pages)
     for predicate, pieces in columns.items():
-        found.replace(predicate, distinct(pieces[0] if len(pieces) == 1 else np.concatenate(pieces)))
-    return found
+        result.replace(predicate, distinct(pieces[0] if len(pieces) == 1 else np.concatenate(pieces)))
+    return result
 
 
 class Facts:
@@ -175,14 +175,14 @@ class Facts:
         """Return the pairs of a predicate as `object << 32 | subject`, sorted."""
         if predicate in self._runs:
             self._merge_runs(predicate)
-        found = self._flipped.get(predicate)
-        if found is None:
-            found = self._flipped[predicate] = self.held(flipped(self.keys(predicate)))
-        return found
+        cached = self._flipped.get(predicate)
+        if cached is None:
+            cached = self._flipped[predicate] = self.paged(flipped(self.keys(predicate)))
+        return cached
 
-    def held(self, array: Keys) -> Keys:
-        """Return an array as it is held here: in memory, or in pages."""
-        return array if self.pages is None else self.pages.keep(array)
+    def paged(self, array: Keys) -> Keys:
+        """Return an array as stored here: in memory, or in pages."""
+        return array if self.pages is None else self.pages.store(array)
 
     def pairs_of(self, predicate: int, term: int, *, by_object: bool) -> Keys:
         """Return the pairs of a predicate that have a subject, or an object; as `keys` or `by_object` has them."""
@@ -207,27 +207,27 @@ class Facts:
     def starts(self, predicate: int, terms: int, *, by_object: bool = False) -> NDArray[np.int32]:
         """Return `starts` of the pairs of a predicate, for identifiers below `terms`; kept until the pairs change."""
         keys = self.by_object(predicate) if by_object else self.keys(predicate)
-        found = self._starts.get((predicate, by_object))
-        if found is None or found.size <= terms:
-            found = starts(keys, terms)
+        result = self._starts.get((predicate, by_object))
+        if result is None or result.size <= terms:
+            result = starts(keys, terms)
             if self.pages is not None:
-                found = self.pages.keep(found)
-            self._starts[predicate, by_object] = found
-        return found
+                result = self.pages.store(result)
+            self._starts[predicate, by_object] = result
+        return result
 
     def has_starts(self, predicate: int, terms: int, *, by_object: bool = False) -> bool:
         """Return whether `starts` for that many terms exists already."""
-        found = self._starts.get((predicate, by_object))
-        return found is not None and found.size > terms and predicate not in self._runs
+        cached = self._starts.get((predicate, by_object))
+        return cached is not None and cached.size > terms and predicate not in self._runs
 
     def fan_out(self, predicate: int, *, by_object: bool) -> float:
         """Estimate how many pairs a term has; an estimate serves until the pairs are twice, or half, as many."""
         keys = self.by_object(predicate) if by_object else self.keys(predicate)
-        size, found = self._fan_outs.get((predicate, by_object), (0, 0.0))
+        size, average = self._fan_outs.get((predicate, by_object), (0, 0.0))
         if not size <= 2 * keys.size <= 4 * size:
-            found = _fan_out(keys)
-            self._fan_outs[predicate, by_object] = keys.size, found
-        return found
+            average = _fan_out(keys)
+            self._fan_outs[predicate, by_object] = keys.size, average
+        return average
 
     def replace(self, predicate: int, keys: Keys) -> None:
         """Give a predicate other pairs: sorted, each once."""
@@ -235,7 +235,7 @@ class Facts:
         self._forget(predicate)
         self._flipped.pop(predicate, None)
         if keys.size:
-            self._keys[predicate] = self.held(keys)
+            self._keys[predicate] = self.paged(keys)
         else:
             self._keys.pop(predicate, None)
 
@@ -266,10 +266,10 @@ class Facts:
         """Merge the waiting runs into the array; an existing order by object is updated."""
         runs = self._runs.pop(predicate)
         new = runs[0] if len(runs) == 1 else np.sort(np.concatenate(runs), kind="stable")
-        self._keys[predicate] = self.held(merged(self._keys.get(predicate, EMPTY), new))
+        self._keys[predicate] = self.paged(merged(self._keys.get(predicate, EMPTY), new))
         other = self._flipped.get(predicate)
         if other is not None:
-            self._flipped[predicate] = self.held(merged(other, flipped(new)))
+            self._flipped[predicate] = self.paged(merged(other, flipped(new)))
         self._forget(predicate)
 
     def remove(self, predicate: int, keys: Keys) -> Keys:
@@ -286,7 +286,7 @@ class Facts:
         other = self._flipped.get(predicate)
         self.replace(predicate, parted(keys, gone))
         if other is not None and predicate in self._keys:
-            self._flipped[predicate] = self.held(parted(other, flipped(gone)))
+            self._flipped[predicate] = self.paged(parted(other, flipped(gone)))
 
     def take_over(self, predicate: int, other: Facts) -> None:
         """Give a predicate the pairs that another set has, sharing its arrays."""
@@ -307,18 +307,18 @@ class Facts:
 
 def common(facts: Facts, others: Facts) -> Facts:
     """Return the intersection."""
-    found = Facts()
+    result = Facts()
     for predicate, keys in facts:
-        found.replace(predicate, intersection(keys, others.keys(predicate)))
-    return found
+        result.replace(predicate, intersection(keys, others.keys(predicate)))
+    return result
 
 
 def lacking(facts: Facts, others: Facts) -> Facts:
     """Return the triples of `facts` that are not in `others`."""
-    found = Facts()
+    result = Facts()
     for predicate, keys in facts:
-        found.replace(predicate, others.missing(predicate, keys))
-    return found
+        result.replace(predicate, others.missing(predicate, keys))
+    return result
 
 
 def absorb(facts: Facts, others: Facts) -> None:

@@ -39,11 +39,11 @@ def grouped(step: Grouped, table: Table, dictionary: Dictionary, expressions: Ex
     groups, first, member = np.unique(packed, return_index=True, return_inverse=True)
     if not names:
         groups, member = np.zeros(1, np.int64), np.zeros(table.rows, np.int64)
-    found = {outer[name]: column[first] for name, column in keys.columns.items()}
+    result = {outer[name]: column[first] for name, column in keys.columns.items()}
     columns = _Columns(step, table, member, groups.size, dictionary)
     for column, name in step.columns:
-        found[name] = columns.value(column, expressions, clock)
-    return Table(found, groups.size)
+        result[name] = columns.value(column, expressions, clock)
+    return Table(result, groups.size)
 
 
 class _Columns:
@@ -82,9 +82,9 @@ class _Columns:
     def _whole(self, values: Keys) -> Keys | None:
         """Return the numbers that the values are, None when one of them is not an integer of a few digits."""
         different = distinct(values)
-        found = [_WHOLE.fullmatch(spelling) for spelling in self._dictionary.spellings(different)]
-        numbers = [int(part[1]) for part in found if part]
-        if len(numbers) < len(found):
+        matches = [_WHOLE.fullmatch(spelling) for spelling in self._dictionary.spellings(different)]
+        numbers = [int(part[1]) for part in matches if part]
+        if len(numbers) < len(matches):
             return None
         return np.array(numbers, np.int64)[np.searchsorted(different, values)]
 
@@ -111,9 +111,9 @@ class _Columns:
 
     def _sample(self, member: Keys, values: Keys) -> Keys:
         member, values = self._in_order(member[values != 0], values[values != 0])
-        found = np.zeros(self._groups, np.int64)
-        found[member[::-1]] = values[::-1]
-        return found
+        result = np.zeros(self._groups, np.int64)
+        result[member[::-1]] = values[::-1]
+        return result
 
     def _by_engine(self, column: Column, member: Keys, values: Keys, clock: Clock) -> Keys:
         """Compute an aggregate by queries over the values, some groups in each."""
@@ -125,45 +125,45 @@ class _Columns:
             member, values = member[keep], values[keep]
         else:
             values = np.where(keep, values, 0)
-        found = np.zeros(self._groups, np.int64)
+        results = np.zeros(self._groups, np.int64)
         begin = 0
         while begin < member.size:
             clock.check()
             # A batch ends where a group does; one group may be larger than a batch.
             last = member[min(begin + _BATCH, member.size) - 1]
             end = int(np.searchsorted(member, last, side="right"))
-            self._batch(column, member[begin:end], values[begin:end], found)
+            self._batch(column, member[begin:end], values[begin:end], results)
             begin = end
         empty = np.bincount(member, minlength=self._groups) == 0
         if column.function in {"SUM", "AVG", "GROUP_CONCAT"} and empty.any():
-            self._empty(column, empty, found)
-        return np.where(least != 0, least, found)
+            self._empty(column, empty, results)
+        return np.where(least != 0, least, results)
 
     def _blank_minima(self, column: Column, member: Keys, values: Keys) -> Keys:
         """Return the least blank node of each group, or 0, for MIN and for MAX of groups that have nothing else."""
-        found = np.zeros(self._groups, np.int64)
+        minima = np.zeros(self._groups, np.int64)
         if column.function not in {"MIN", "MAX"}:
-            return found
+            return minima
         blank = self._dictionary.kinds(values) == BLANK
-        found[member[blank][::-1]] = values[blank][::-1]
+        minima[member[blank][::-1]] = values[blank][::-1]
         if column.function == "MAX":
-            found[member[~blank]] = 0
-        return found
+            minima[member[~blank]] = 0
+        return minima
 
-    def _batch(self, column: Column, member: Keys, values: Keys, found: Keys) -> None:
+    def _batch(self, column: Column, member: Keys, values: Keys, results: Keys) -> None:
         spelt = [spelling or b"UNDEF" for spelling in self._dictionary.spellings(values)]
         rows = b"\n".join(b"(%d %s)" % pair for pair in zip(member.tolist(), spelt, strict=True)).decode()
         text = f"SELECT ?g ({_call(column)} AS ?v) {{ VALUES (?g ?x) {{\n{rows}\n}} }} GROUP BY ?g"
         for solution in ox.Store().query(text):  # type: ignore[union-attr]  # a SELECT gives solutions
             value = solution["v"]
             if value is not None:
-                found[int(solution["g"].value)] = self._dictionary.intern_term(value)
+                results[int(solution["g"].value)] = self._dictionary.intern_term(value)
 
-    def _empty(self, column: Column, empty: Keys, found: Keys) -> None:
+    def _empty(self, column: Column, empty: Keys, results: Keys) -> None:
         """Give groups without a value the aggregate of the empty set: zero, or the empty string."""
         for solution in ox.Store().query(f"SELECT ({_call(column)} AS ?v) {{ VALUES ?x {{}} }}"):  # type: ignore[union-attr]  # a SELECT
             if solution["v"] is not None:
-                found[empty] = self._dictionary.intern_term(solution["v"])
+                results[empty] = self._dictionary.intern_term(solution["v"])
 
 
 def _call(column: Column) -> str:

@@ -40,13 +40,13 @@ class Collector:
         kinds = self._dictionary.kinds
         for head in heads:
             subjects, predicates, objects = (self._column(node, table) for node in head.nodes)
-            kept = objects != 0
+            valid = objects != 0
             if head.subject not in self._plan.resources:
-                kept &= _SUBJECTS[kinds(subjects)]
+                valid &= _SUBJECTS[kinds(subjects)]
             if not isinstance(head.predicate, int):
-                kept &= kinds(predicates) == IRI
-            if not kept.all():
-                subjects, predicates, objects = subjects[kept], predicates[kept], objects[kept]
+                valid &= kinds(predicates) == IRI
+            if not valid.all():
+                subjects, predicates, objects = subjects[valid], predicates[valid], objects[valid]
             self._put(head, subjects, predicates, objects)
 
     def _put(self, head: Head, subjects: Keys, predicates: Keys, objects: Keys) -> None:
@@ -95,7 +95,7 @@ class Collector:
         good = _SUBJECTS[kinds(subjects)] & (kinds(predicates) == IRI) & (objects != 0)
         rows = zip(subjects.tolist(), predicates.tolist(), objects.tolist(), strict=True)
         intern = self._dictionary.intern_triple
-        return np.array([intern(*row) if kept else 0 for row, kept in zip(rows, good.tolist(), strict=True)], np.int64)
+        return np.array([intern(*row) if ok else 0 for row, ok in zip(rows, good.tolist(), strict=True)], np.int64)
 
     def __len__(self) -> int:
         """Return how many triples were gathered, those that came in several pieces counted in each."""
@@ -103,13 +103,13 @@ class Collector:
 
     def facts(self) -> Facts:
         """Return the triples gathered."""
-        found = Facts()
+        result = Facts()
         for predicate, parts in self._keys.items():
-            found.replace(predicate, union(*parts))
-        return found
+            result.replace(predicate, union(*parts))
+        return result
 
 
-def made_node(rule: Rule, label: str, names: Sequence[str], solution: Mapping[str, Term]) -> BlankNode:
+def new_node(rule: Rule, label: str, names: Sequence[str], solution: Mapping[str, Term]) -> BlankNode:
     """Return the node for a blank node of a rule's head in a solution; `names`: the variables that the body binds."""
     ordered = sorted(names)
     values = [spell(solution[name]) if name in solution else b"" for name in ordered]

@@ -94,15 +94,15 @@ def _by_predicate(table: Table, atom: Match, reading: Reading) -> Iterator[Table
             part = table.take(order[begin:end])
         pairs = reading.pairs(predicate)
         if probe is not None and pairs.keys(by_object=False).size < _DENSE * table.rows:
-            found = probe.joined(pairs)
-            found = found.plus({name: np.full(found.rows, predicate, np.int64)})
+            result = probe.joined(pairs)
+            result = result.plus({name: np.full(result.rows, predicate, np.int64)})
         else:
             if bound is None:
                 part = table.plus({name: np.full(table.rows, predicate, np.int64)})
-            found = _pairs(part, atom.subject, atom.object, pairs, reading.needed)
+            result = _pairs(part, atom.subject, atom.object, pairs, reading.needed)
         if bound is None and name not in reading.needed:
-            found = found.keeping(found.columns.keys() - {name})
-        yield found
+            result = result.keeping(result.columns.keys() - {name})
+        yield result
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,14 +123,14 @@ class _Probe:
     def of(cls, table: Table, atom: Match, reading: Reading) -> Self | None:
         """Return the table prepared for an atom; None where not exactly one end is a column of the table."""
         ends = (atom.subject, atom.object)
-        known = [isinstance(end, str) and end in table.columns for end in ends]
-        if sum(known) != 1 or not all(isinstance(end, str) for end in ends) or atom.predicate in ends:
+        bound = [isinstance(end, str) and end in table.columns for end in ends]
+        if sum(bound) != 1 or not all(isinstance(end, str) for end in ends) or atom.predicate in ends:
             return None
-        column = table.columns[str(ends[known.index(True)])]
+        column = table.columns[str(ends[bound.index(True)])]
         order = np.argsort(column, kind="stable")
         present = np.zeros(reading.terms, bool)
         present[column] = True
-        return cls(table, order, column[order], present, known[1], str(ends[known.index(False)]))
+        return cls(table, order, column[order], present, bound[1], str(ends[bound.index(False)]))
 
     def joined(self, pairs: Pairs) -> Table:
         """Return the join with the pairs of a predicate, with a column for the other end."""
@@ -162,24 +162,24 @@ def _pairs(table: Table, subject: Node, value: Node, pairs: Pairs, needed: froze
 
 def _cross(table: Table, columns: dict[str, Keys], size: int, needed: frozenset[str]) -> Table:
     """Return each row of the table with each row of the columns; those without a needed column count once."""
-    kept = {name: column for name, column in columns.items() if name in needed}
-    if not kept:
+    selected = {name: column for name, column in columns.items() if name in needed}
+    if not selected:
         return table if size else table.take(slice(0, 0))
     if table.rows == 1 and not table.columns:
-        return Table(kept, size)
+        return Table(selected, size)
     if table.rows > 1 and table.rows * size > 2 * CHUNK:
         raise TooManyRowsError(table.rows * size)
     source = np.repeat(np.arange(table.rows), size)
-    return table.take(source).plus({name: np.tile(column, table.rows) for name, column in kept.items()})
+    return table.take(source).plus({name: np.tile(column, table.rows) for name, column in selected.items()})
 
 
 def _one_free(table: Table, ends: tuple[Node, str], pairs: Pairs, needed: frozenset[str], *, by_object: bool) -> Table:
     """Join where one end is known and the other is a new column."""
-    known, free = ends
-    if isinstance(known, int):
-        found = pairs.slice(known, by_object=by_object)
-        return _cross(table, {free: found}, found.size, needed)
-    begin, end = pairs.ranges(table.columns[known], by_object=by_object)
+    bound, free = ends
+    if isinstance(bound, int):
+        values = pairs.slice(bound, by_object=by_object)
+        return _cross(table, {free: values}, values.size, needed)
+    begin, end = pairs.ranges(table.columns[bound], by_object=by_object)
     if free not in needed:
         return table.take(end > begin)
     places, source = positions(begin, end)
@@ -208,8 +208,8 @@ def joined(table: Table, atom: Match, reading: Reading) -> tuple[str, NDArray[np
     subjects, objects = table.columns.get(atom.subject), table.columns.get(atom.object)
     if (subjects is None) == (objects is None):
         return None
-    known, free, by_object = (objects, atom.subject, True) if subjects is None else (subjects, atom.object, False)
-    begin, end = reading.pairs(atom.predicate).ranges(known, by_object=by_object)  # type: ignore[arg-type]  # one is known
+    bound, free, by_object = (objects, atom.subject, True) if subjects is None else (subjects, atom.object, False)
+    begin, end = reading.pairs(atom.predicate).ranges(bound, by_object=by_object)  # type: ignore[arg-type]  # one is known
     return free, end - begin
 
 
@@ -228,7 +228,7 @@ def spread(atom: Match, facts: Facts, *, subject: bool, value: bool, predicate: 
         return 0.5, total * 0.5
     if not subject and not value:
         return float(total), inf
-    known = atom.subject if subject else atom.object
-    if isinstance(known, int):
-        return float(facts.pairs_of(atom.predicate, known, by_object=value).size), inf
+    bound = atom.subject if subject else atom.object
+    if isinstance(bound, int):
+        return float(facts.pairs_of(atom.predicate, bound, by_object=value).size), inf
     return facts.fan_out(atom.predicate, by_object=value), inf

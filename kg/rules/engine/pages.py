@@ -49,7 +49,7 @@ class Pages:
         self._free: dict[int, list[tuple[mmap.mmap, int, int]]] = {}
         """Places that arrays no longer need, by size: a mapped piece, the place in it, the place in the file."""
 
-    def keep(self, array: _Array) -> _Array:
+    def store(self, array: _Array) -> _Array:
         """Return an array as it is in the file, to be read; one that is there already, or is small, as it is."""
         if array.nbytes < SMALL_BYTES or not array.flags.writeable:
             return array
@@ -71,9 +71,9 @@ class Pages:
                 while rest:
                     written = os.pwrite(self._file.fileno(), rest, offset)
                     rest, offset = rest[written:], offset + written
-        found = np.frombuffer(piece, kind, size // kind.itemsize, begin)
-        finalize(found, places.append, place)  # views of it keep it
-        return found
+        view = np.frombuffer(piece, kind, size // kind.itemsize, begin)
+        finalize(view, places.append, place)  # views of it keep it
+        return view
 
     def release(self) -> None:
         """Take the pages out of this process, until they are read again."""

@@ -209,6 +209,6 @@ class RulePlan:
     resources: frozenset[HeadNode] = field(default_factory=frozenset)
     """Nodes of heads that may stand as subjects for certain: columns that are subjects of atoms, and blank nodes."""
 
-    def inputs(self, asserted: Facts, known: Facts) -> list[Facts]:
+    def inputs(self, asserted: Facts, facts: Facts) -> list[Facts]:
         """Return what each source reads: all known triples, or only those asserted."""
-        return [asserted if source.asserted else known for source in self.sources]
+        return [asserted if source.asserted else facts for source in self.sources]

@@ -118,28 +118,28 @@ class _Planner:
 
     def steps(self, body: Sequence[Element], within: _Within) -> list[Step]:
         """Return the steps of a body; `within.scope` has what they bind afterwards."""
-        found: list[Step] = []
+        result: list[Step] = []
         for index, part in enumerate(body):
             here = within if within.element is not None else replace(within, element=index)
             element = here.element or 0
             if isinstance(part, Atom):
-                found += self._atom(part, here, element)
+                result += self._atom(part, here, element)
             elif isinstance(part, Exists) and not part.negated and not within.bag:
-                found += self.steps(part.body, replace(here, scope=dict(here.scope), inner=True))
+                result += self.steps(part.body, replace(here, scope=dict(here.scope), inner=True))
             elif isinstance(part, Exists):
-                found.append(self._nested(part, here, element))
+                result.append(self._nested(part, here, element))
             elif isinstance(part, Filter):
-                found.append(Test(part.expression, _seen(part.expression, here.scope), element))
+                result.append(Test(part.expression, _seen(part.expression, here.scope), element))
             elif isinstance(part, Assignment):
                 seen = _seen(part.expression, here.scope)
-                found.append(Assign(self._name(part.variable, here), part.expression, seen, element))
+                result.append(Assign(self._name(part.variable, here), part.expression, seen, element))
             elif isinstance(part, Values):
-                found.append(self._rows(part, here, element))
+                result.append(self._rows(part, here, element))
             elif isinstance(part, Aggregate):
-                found.append(self._grouped(part, here, element))
+                result.append(self._grouped(part, here, element))
             else:
-                found.append(self._block(part, here, element))
-        return found
+                result.append(self._block(part, here, element))
+        return result
 
     def _name(self, variable: Variable, within: _Within) -> str:
         """Return the column of a variable, a new one when it is not bound yet."""
@@ -214,18 +214,18 @@ def _seen(expression: Expression, scope: dict[str, str]) -> tuple[tuple[str, str
 
 def _mentioned(body: Sequence[Element]) -> set[str]:
     """Return the names of the variables that a body mentions, inner bodies of EXISTS too."""
-    found: set[str] = set()
+    names: set[str] = set()
     for part in body:
         if isinstance(part, Atom):
-            found |= {variable.name for position in part.positions for variable in variables_of(position)}
+            names |= {variable.name for position in part.positions for variable in variables_of(position)}
         elif isinstance(part, Filter | Assignment):
-            found |= set(part.expression.variables)
+            names |= set(part.expression.variables)
         elif isinstance(part, Exists):
-            found |= _mentioned(part.body)
+            names |= _mentioned(part.body)
         elif isinstance(part, Values | EngineBlock):
-            found |= {variable.name for variable in part.variables}
+            names |= {variable.name for variable in part.variables}
         else:
-            found |= {key.name for key in part.keys} | {column.variable.name for column in part.columns}
+            names |= {key.name for key in part.keys} | {column.variable.name for column in part.columns}
         if isinstance(part, Assignment):
-            found.add(part.variable.name)
-    return found
+            names.add(part.variable.name)
+    return names

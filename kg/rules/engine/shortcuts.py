@@ -70,54 +70,54 @@ def shortcut(expression: Expression, table: Table, columns: Mapping[str, str], d
     rows = _Rows(table, columns, dictionary)
     text = bare(expression.text)
     for form, decide in _FORMS:
-        found = form.fullmatch(text)
-        if found:
-            return decide(found, rows)
+        match = form.fullmatch(text)
+        if match:
+            return decide(match, rows)
     return None
 
 
-def _compared(found: re.Match[str], rows: _Rows) -> Mask | None:
+def _compared(match: re.Match[str], rows: _Rows) -> Mask | None:
     """Compare by `=` or `!=`; two literals may be equal though they are different terms, so they are left out."""
-    left, right = rows.operand(found[1]), rows.operand(found[3])
+    left, right = rows.operand(match[1]), rows.operand(match[3])
     if left is None or right is None:
         return None
     kinds = rows.dictionary.kinds
     plain = (kinds(left) <= BLANK) | (kinds(right) <= BLANK)
-    return rows.same(left, right, wanted=found[2] == "=") if plain.all() else None
+    return rows.same(left, right, wanted=match[2] == "=") if plain.all() else None
 
 
-def _same_term(found: re.Match[str], rows: _Rows) -> Mask | None:
-    left, right = rows.operand(found[2]), rows.operand(found[3])
-    return None if left is None or right is None else rows.same(left, right, wanted=not found[1])
+def _same_term(match: re.Match[str], rows: _Rows) -> Mask | None:
+    left, right = rows.operand(match[2]), rows.operand(match[3])
+    return None if left is None or right is None else rows.same(left, right, wanted=not match[1])
 
 
-def _of_kind(found: re.Match[str], rows: _Rows) -> Mask | None:
-    values = rows.operand(found[3])
+def _of_kind(match: re.Match[str], rows: _Rows) -> Mask | None:
+    values = rows.operand(match[3])
     if values is None:
         return None
-    mask: Mask = (rows.dictionary.kinds(values) == _KINDS[found[2].lower()]) != bool(found[1])
+    mask: Mask = (rows.dictionary.kinds(values) == _KINDS[match[2].lower()]) != bool(match[1])
     return mask
 
 
-def _is_bound(found: re.Match[str], rows: _Rows) -> Mask:
-    column = rows.columns.get(found[2][1:])
+def _is_bound(match: re.Match[str], rows: _Rows) -> Mask:
+    column = rows.columns.get(match[2][1:])
     bound = np.zeros(rows.table.rows, bool) if column is None else rows.table.columns[column] != 0
-    return ~bound if found[1] else bound
+    return ~bound if match[1] else bound
 
 
-def _is_among(found: re.Match[str], rows: _Rows) -> Mask | None:
+def _is_among(match: re.Match[str], rows: _Rows) -> Mask | None:
     """Compare with a list of IRIs, which no literal is equal to."""
-    values = rows.operand(found[1])
+    values = rows.operand(match[1])
     if values is None:
         return None
-    listed = [rows.dictionary.intern(iri.encode()) for iri in re.findall(_IRI, found[3])]
-    mask: Mask = np.isin(values, np.array(listed, np.int64)) != bool(found[2])
+    listed = [rows.dictionary.intern(iri.encode()) for iri in re.findall(_IRI, match[3])]
+    mask: Mask = np.isin(values, np.array(listed, np.int64)) != bool(match[2])
     return mask
 
 
-def _is_typed(found: re.Match[str], rows: _Rows) -> Mask | None:
+def _is_typed(match: re.Match[str], rows: _Rows) -> Mask | None:
     """Compare the type of literals with an IRI; of another term it is an error."""
-    values, wanted = rows.operand(found[1]), rows.operand(found[3])
+    values, wanted = rows.operand(match[1]), rows.operand(match[3])
     if values is None or wanted is None:
         return None
     dictionary = rows.dictionary
@@ -127,7 +127,7 @@ def _is_typed(found: re.Match[str], rows: _Rows) -> Mask | None:
     different = distinct(values[mask])
     types = dictionary.intern_all(map(datatype, dictionary.spellings(different)))
     chosen = wanted if wanted.size == 1 and values.size != 1 else wanted[mask]
-    mask[mask] = (types[np.searchsorted(different, values[mask])] == chosen) == (found[2] == "=")
+    mask[mask] = (types[np.searchsorted(different, values[mask])] == chosen) == (match[2] == "=")
     return mask
 
 

@@ -113,15 +113,15 @@ class Solver:
     def _after(self, table: Table, step: Step, rest: tuple[Step, ...], outputs: frozenset[str], *, bag: bool) -> Table:
         """Return the table after a step, without the columns that no step of the rest needs."""
         needed = outputs.union(*map(_reads, rest))
-        found = self._apply(table, step, needed)
-        self.matched[step.element] = self.matched.get(step.element, 0) + found.rows
+        result = self._apply(table, step, needed)
+        self.matched[step.element] = self.matched.get(step.element, 0) + result.rows
         if bag:
-            return found
-        kept = found.keeping(needed)
-        lost = len(kept.columns) < len(table.columns.keys() | binds(step))
-        if lost and kept.rows > _DEDUPLICATE and any(isinstance(other, Match) for other in rest):
-            return distinct_rows(kept)
-        return kept if kept.columns else Table({}, min(kept.rows, 1))
+            return result
+        projected = result.keeping(needed)
+        lost = len(projected.columns) < len(table.columns.keys() | binds(step))
+        if lost and projected.rows > _DEDUPLICATE and any(isinstance(other, Match) for other in rest):
+            return distinct_rows(projected)
+        return projected if projected.columns else Table({}, min(projected.rows, 1))
 
     def _next(self, table: Table, steps: tuple[Step, ...]) -> list[tuple[Table, Step]]:
         """Return the step to run next: the one after which the fewest rows are expected.
@@ -147,9 +147,9 @@ class Solver:
         if best[1] <= table.rows or table.rows < _COUNTED:
             return [(table, best[0])]
         joins = {
-            step: found
+            step: candidate
             for step, _ in sizes
-            if isinstance(step, Match) and (found := joined(table, step, self._reading(step, frozenset())))
+            if isinstance(step, Match) and (candidate := joined(table, step, self._reading(step, frozenset())))
         }
         counted = [(step, size) for step, size in sizes if not isinstance(step, Match) or step not in joins]
         counted += [(step, float(counts.sum(dtype=np.int64))) for step, (_, counts) in joins.items()]
@@ -196,11 +196,11 @@ class Solver:
         subject = step.subject in columns or isinstance(step.subject, int)
         value = step.object in columns or isinstance(step.object, int)
         key = step.number, subject, value, step.predicate in columns
-        found = self.spreads.get(key)
-        if found is None:
-            found = spread(step, self.sources[step.number], subject=subject, value=value, predicate=key[3])
-            self.spreads[key] = found
-        return found
+        estimate = self.spreads.get(key)
+        if estimate is None:
+            estimate = spread(step, self.sources[step.number], subject=subject, value=value, predicate=key[3])
+            self.spreads[key] = estimate
+        return estimate
 
     def _apply(self, table: Table, step: Step, needed: frozenset[str]) -> Table:
         if isinstance(step, Match):
@@ -218,8 +218,8 @@ class Solver:
             return join(table, Table(dict(step.columns), step.size))
         if isinstance(step, Block):
             state = self.state
-            found = state.blocks.solutions(step, self.sources[step.number], state.clock, state.hidden)
-            return _compatible(table, found)
+            solutions = state.blocks.solutions(step, self.sources[step.number], state.clock, state.hidden)
+            return _compatible(table, solutions)
         return self._grouped(table, step)
 
     def _assign(self, table: Table, step: Assign) -> Table:
@@ -227,8 +227,8 @@ class Solver:
         bound = table.columns.get(step.name)
         if bound is not None:
             return table.take((values == bound) & (values != 0))
-        found = table.plus({step.name: values})
-        return found if values.all() else found.take(values != 0)
+        result = table.plus({step.name: values})
+        return result if values.all() else result.take(values != 0)
 
     def _structure(self, table: Table, step: Structure) -> Table:
         dictionary = self.state.dictionary
@@ -236,12 +236,12 @@ class Solver:
         parts = np.array([dictionary.parts(term) for term in table.columns[step.term].tolist()], np.int64)
         for index, node in enumerate(step.parts):
             column = parts.reshape(-1, 3)[:, index]
-            known = node if isinstance(node, int) else table.columns.get(node)
-            if known is None:
+            fixed = node if isinstance(node, int) else table.columns.get(node)
+            if fixed is None:
                 table = table.plus({str(node): column.copy()})
             else:
-                kept = column == known
-                table, parts = table.take(kept), parts.reshape(-1, 3)[kept]
+                same = column == fixed
+                table, parts = table.take(same), parts.reshape(-1, 3)[same]
         return table
 
     def _has_solution(self, table: Table, step: Nested) -> NDArray[np.bool_]:
@@ -252,15 +252,15 @@ class Solver:
             return np.full(table.rows, there)
         if len(step.shared) > 1:
             seeds = seeds.plus({".row": np.arange(table.rows)})
-            found = np.zeros(table.rows, bool)
+            result = np.zeros(table.rows, bool)
             for part in self._inner().solutions(step.body, frozenset({".row"}), seeds):
-                found[part.columns[".row"]] = True
-            return found
+                result[part.columns[".row"]] = True
+            return result
         (name,) = step.shared
-        found = np.zeros(len(self.state.dictionary), bool)
+        result = np.zeros(len(self.state.dictionary), bool)
         for part in self._inner().solutions(step.body, step.shared, distinct_rows(seeds)):
-            found[part.columns[name]] = True
-        return found[table.columns[name]]
+            result[part.columns[name]] = True
+        return result[table.columns[name]]
 
     def _inner(self) -> Solver:
         """Return a solver whose rows are not counted."""
@@ -269,10 +269,10 @@ class Solver:
     def _grouped(self, table: Table, step: Grouped) -> Table:
         """Join with the groups; only with those needed, if these are known and few."""
         inner_of = {outer: inner for inner, outer in step.keys}
-        asked = sorted(table.columns.keys() & inner_of.keys())
+        shared = sorted(table.columns.keys() & inner_of.keys())
         seeds = UNIT
-        if asked and table.rows <= _SEED:
-            few = distinct_rows(table.keeping(asked))
+        if shared and table.rows <= _SEED:
+            few = distinct_rows(table.keeping(shared))
             seeds = Table({inner_of[name]: column for name, column in few.columns.items()}, few.rows)
         return _compatible(table, self._inner().groups(step, seeds))
 
@@ -293,13 +293,13 @@ def _by_unbound(table: Table, names: Iterable[str]) -> list[Table]:
     for name in names:
         apart = []
         for part in parts:
-            known = part.columns[name] != 0 if name in part.columns else np.ones(part.rows, bool)
-            if known.all():
+            bound = part.columns[name] != 0 if name in part.columns else np.ones(part.rows, bool)
+            if bound.all():
                 apart.append(part)
                 continue
-            apart.append(part.take(~known).keeping(part.columns.keys() - {name}))
-            if known.any():
-                apart.append(part.take(known))
+            apart.append(part.take(~bound).keeping(part.columns.keys() - {name}))
+            if bound.any():
+                apart.append(part.take(bound))
         parts = apart
     return parts
 

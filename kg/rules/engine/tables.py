@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from kg.rules.engine.facts import EMPTY, Keys, distinct, found_in, pack
+from kg.rules.engine.facts import EMPTY, Keys, distinct, in_sorted, pack
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -48,8 +48,8 @@ class Table:
 
     def keeping(self, names: Iterable[str]) -> Table:
         """Return the table with these of its columns only."""
-        kept = set(names)
-        return Table({name: column for name, column in self.columns.items() if name in kept}, self.rows)
+        chosen = set(names)
+        return Table({name: column for name, column in self.columns.items() if name in chosen}, self.rows)
 
     def plus(self, added: Mapping[str, Keys]) -> Table:
         """Return the table with further columns of the same length."""
@@ -62,10 +62,10 @@ class Table:
         """
         if not names:
             return np.zeros(self.rows, np.int64)
-        found = self.columns[names[0]]
+        keys = self.columns[names[0]]
         for count, name in enumerate(names[1:]):
-            found = pack(ranks(found) if count else found, self.columns[name])
-        return found
+            keys = pack(ranks(keys) if count else keys, self.columns[name])
+        return keys
 
 
 UNIT: Final = Table({}, 1)
@@ -83,8 +83,8 @@ def distinct_rows(table: Table) -> Table:
     if not names:
         return Table({}, min(table.rows, 1))
     if len(names) == 1:
-        found = distinct(table.columns[names[0]])
-        return Table({names[0]: found}, found.size)
+        values = distinct(table.columns[names[0]])
+        return Table({names[0]: values}, values.size)
     if len(names) == 2:  # noqa: PLR2004 - two columns are one key
         keys = distinct(pack(table.columns[names[0]], table.columns[names[1]]))
         return Table({names[0]: keys >> 32, names[1]: keys & 0xFFFFFFFF}, keys.size)
@@ -113,10 +113,10 @@ def among(values: Keys, ordered: Keys) -> NDArray[np.bool_]:
         bits = ordered.size.bit_length() + 4
         seen = np.zeros(1 << bits, bool)
         seen[_hashes(ordered, bits)] = True
-        found = seen[_hashes(values, bits)]
-        found[found] = found_in(values[found], ordered)
-        return found
-    return found_in(values, ordered)
+        present = seen[_hashes(values, bits)]
+        present[present] = in_sorted(values[present], ordered)
+        return present
+    return in_sorted(values, ordered)
 
 
 def _hashes(keys: Keys, bits: int) -> NDArray[np.uint64]:

@@ -36,7 +36,7 @@ _RECENT: Final = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class Spellings:
     """The spellings of some terms as they are in a file, to be read one by one; their places count from 0."""
 
     text: memoryview
@@ -49,7 +49,7 @@ class Kept:
     """For each of these its place among the terms."""
 
     @classmethod
-    def of(cls, spellings: Sequence[bytes]) -> Kept:
+    def of(cls, spellings: Sequence[bytes]) -> Spellings:
         """Return distinct spellings."""
         ends = np.zeros(len(spellings) + 1, np.int64)
         np.cumsum(np.fromiter(map(len, spellings), np.int64, len(spellings)), out=ends[1:])
@@ -57,19 +57,19 @@ class Kept:
         order = np.argsort(sums, kind="stable").astype(np.uint32)
         return cls(memoryview(b"".join(spellings)), ends, sums[order], order)
 
-    def within(self, pages: Pages) -> Kept:
+    def within(self, pages: Pages) -> Spellings:
         """Return the same in a file."""
         text = pages.join([np.frombuffer(self.text, np.uint8)])
-        return Kept(text.data, pages.keep(self.ends), pages.keep(self.sums), pages.keep(self.order))
+        return Spellings(text.data, pages.store(self.ends), pages.store(self.sums), pages.store(self.order))
 
-    def and_then(self, other: Kept, pages: Pages) -> Kept:
+    def and_then(self, other: Spellings, pages: Pages) -> Spellings:
         """Return these spellings, and those of `other` behind them, in a file."""
         text = pages.join([np.frombuffer(one.text, np.uint8) for one in (self, other)])
         ends = pages.join([self.ends, other.ends[1:] + self.ends[-1]])
         sums = np.concatenate([self.sums, other.sums])
         merged = np.argsort(sums, kind="stable")  # of two that are sorted, in one pass
         order = np.concatenate([self.order, other.order + np.uint32(len(self))])[merged]
-        return Kept(text.data, ends, pages.keep(sums[merged]), pages.keep(order))
+        return Spellings(text.data, ends, pages.store(sums[merged]), pages.store(order))
 
     def __len__(self) -> int:
         return self.order.size
@@ -100,31 +100,31 @@ class Kept:
 
     def find_all(self, spellings: Sequence[bytes], sums: NDArray[np.uint32]) -> NDArray[np.int64]:
         """Return the place of each spelling, -1 for those that are not there; `sums` are their CRC-32."""
-        found = np.full(len(spellings), -1, np.int64)
+        result = np.full(len(spellings), -1, np.int64)
         numbers = self.sums.searchsorted(sums)
         numbers[numbers == self.sums.size] = 0
         like = np.flatnonzero(self.sums[numbers] == sums)
         places = self.order[numbers[like]].astype(np.int64)
         for at, place, text in zip(like.tolist(), places.tolist(), self.spellings(places), strict=True):
             if text == spellings[at]:
-                found[at] = place
+                result[at] = place
             elif (other := self.find(spellings[at])) is not None:
-                found[at] = other
-        return found
+                result[at] = other
+        return result
 
 
 class _Identifiers(dict[bytes, int]):
     """Gives a spelling that it does not have the next identifier; looking up stays in C for those that it has.
 
     It has those of `recent` terms, the first of which has the identifier `first`, and of others that were looked for,
-    which are in files: `kept` are these, by identifier, each with its first one.
+    which are in files: `stored` are these, by identifier, each with its first one.
     """
 
-    def __init__(self, kept: Kept | None = None) -> None:
+    def __init__(self, stored: Spellings | None = None) -> None:
         super().__init__()
-        self.kept = [(1, kept)] if kept else []
-        self.first = 1 + len(kept) if kept else 0
-        self.recent = [] if kept else [b""]
+        self.stored = [(1, stored)] if stored else []
+        self.first = 1 + len(stored) if stored else 0
+        self.recent = [] if stored else [b""]
 
     def __missing__(self, spelling: bytes) -> int:
         identifier = self.find(spelling)
@@ -136,18 +136,18 @@ class _Identifiers(dict[bytes, int]):
 
     def find(self, spelling: bytes) -> int | None:
         """Return the identifier of a spelling that is known."""
-        found = self.get(spelling)
-        for first, kept in self.kept if found is None else ():
-            if (place := kept.find(spelling)) is not None:
+        identifier = self.get(spelling)
+        for first, part in self.stored if identifier is None else ():
+            if (place := part.find(spelling)) is not None:
                 return first + place
-        return found
+        return identifier
 
     def look_up(self, spellings: Iterable[bytes]) -> None:
         """Learn the identifiers of those spellings that are in files, all together."""
-        unknown = [one for one in dict.fromkeys(spellings) if one not in self] if self.kept else []
+        unknown = [one for one in dict.fromkeys(spellings) if one not in self] if self.stored else []
         sums = np.fromiter(map(crc32, unknown), np.uint32, len(unknown))
-        for first, kept in self.kept:
-            for one, place in zip(unknown, kept.find_all(unknown, sums).tolist(), strict=True):
+        for first, part in self.stored:
+            for one, place in zip(unknown, part.find_all(unknown, sums).tolist(), strict=True):
                 if place >= 0:
                     self[one] = first + place
 
@@ -156,12 +156,12 @@ class _Identifiers(dict[bytes, int]):
         if self.first == 0:
             self.first, self.recent = 1, self.recent[1:]
         if self.recent:
-            first, last = self.first, Kept.of(self.recent).within(pages)
+            first, last = self.first, Spellings.of(self.recent).within(pages)
             self.first, self.recent = first + len(last), []
-            while self.kept and len(self.kept[-1][1]) <= 2 * len(last):
-                first, before = self.kept.pop()
+            while self.stored and len(self.stored[-1][1]) <= 2 * len(last):
+                first, before = self.stored.pop()
                 last = before.and_then(last, pages)
-            self.kept.append((first, last))
+            self.stored.append((first, last))
         self.clear()
         pages.release()
 
@@ -169,20 +169,20 @@ class _Identifiers(dict[bytes, int]):
 class Dictionary:
     """Spellings to identifiers and back. Identifiers count from 1; 0 stands for "unbound"."""
 
-    def __init__(self, kept: Kept | None = None, pages: Pages | None = None) -> None:
-        """With `kept`, its terms are known, and read on use. With `pages`, only those met last stay in memory."""
+    def __init__(self, stored: Spellings | None = None, pages: Pages | None = None) -> None:
+        """With `stored`, its terms are known, and read on use. With `pages`, only those met last stay in memory."""
         self.pages = pages
-        self._identifiers = _Identifiers(kept)
+        self._identifiers = _Identifiers(stored)
         self._kinds = np.zeros(1, np.int8)
         self._parts: dict[int, tuple[int, int, int]] = {}
 
     @classmethod
     def of(cls, spellings: Sequence[bytes]) -> Dictionary:
         """Return a dictionary of different terms, with identifiers in their order."""
-        made = cls()
-        made._identifiers.recent += spellings
-        made._identifiers.update(zip(spellings, range(1, len(spellings) + 1), strict=True))
-        return made
+        dictionary = cls()
+        dictionary._identifiers.recent += spellings
+        dictionary._identifiers.update(zip(spellings, range(1, len(spellings) + 1), strict=True))
+        return dictionary
 
     def __len__(self) -> int:
         return self._identifiers.first + len(self._identifiers.recent)
@@ -199,7 +199,7 @@ class Dictionary:
     def intern_all(self, spellings: Iterable[bytes]) -> NDArray[np.int64]:
         """Return the identifiers of many terms, in their order."""
         self._make_room()
-        if self._identifiers.kept:
+        if self._identifiers.stored:
             spellings = spellings if isinstance(spellings, list) else list(spellings)
             self._identifiers.look_up(spellings)
         return np.fromiter(map(self._identifiers.__getitem__, spellings), np.int64)
@@ -218,34 +218,34 @@ class Dictionary:
 
     def spellings(self, identifiers: NDArray[np.int64] | Sequence[int]) -> list[bytes]:
         """Return the spellings of many terms, in their order."""
-        known = self._identifiers
-        if not known.kept:
-            every = known.recent
+        terms = self._identifiers
+        if not terms.stored:
+            every = terms.recent
             numbers = identifiers.tolist() if isinstance(identifiers, np.ndarray) else identifiers
             return [every[identifier] for identifier in numbers]
         wanted = np.asarray(identifiers, np.int64)
-        found = [b""] * wanted.size
-        for first, kept in known.kept:
-            places = np.flatnonzero((wanted >= first) & (wanted < first + len(kept)))
-            for at, spelling in zip(places.tolist(), kept.spellings(wanted[places] - first), strict=True):
-                found[at] = spelling
-        for at in np.flatnonzero(wanted >= known.first).tolist():
-            found[at] = known.recent[wanted[at] - known.first]
-        return found
+        result = [b""] * wanted.size
+        for first, part in terms.stored:
+            places = np.flatnonzero((wanted >= first) & (wanted < first + len(part)))
+            for at, spelling in zip(places.tolist(), part.spellings(wanted[places] - first), strict=True):
+                result[at] = spelling
+        for at in np.flatnonzero(wanted >= terms.first).tolist():
+            result[at] = terms.recent[wanted[at] - terms.first]
+        return result
 
-    def whole(self) -> tuple[Kept, list[memoryview]]:
+    def whole(self) -> tuple[Spellings, list[memoryview]]:
         """Return all terms as they are to be written to a file: without a text, and the parts of the text."""
-        known = self._identifiers
-        recent = Kept.of(known.recent if known.kept else known.recent[1:])
-        every = [*(kept for _, kept in known.kept), recent]
-        begins = np.cumsum([0, *(kept.ends[-1] for kept in every)])
-        ends = [kept.ends[1:] + begin for kept, begin in zip(every, begins, strict=False)]
+        terms = self._identifiers
+        recent = Spellings.of(terms.recent if terms.stored else terms.recent[1:])
+        every = [*(part for _, part in terms.stored), recent]
+        begins = np.cumsum([0, *(part.ends[-1] for part in every)])
+        ends = [part.ends[1:] + begin for part, begin in zip(every, begins, strict=False)]
         places = np.cumsum([0, *map(len, every)]).astype(np.uint32)
-        sums = np.concatenate([kept.sums for kept in every])
+        sums = np.concatenate([part.sums for part in every])
         merged = np.argsort(sums, kind="stable")
-        order = np.concatenate([kept.order + first for kept, first in zip(every, places, strict=False)])
-        whole = Kept(memoryview(b""), np.concatenate([[0], *ends]), sums[merged], order[merged])
-        return whole, [kept.text for kept in every]
+        order = np.concatenate([part.order + first for part, first in zip(every, places, strict=False)])
+        whole = Spellings(memoryview(b""), np.concatenate([[0], *ends]), sums[merged], order[merged])
+        return whole, [part.text for part in every]
 
     def term(self, identifier: int) -> Term:
         """Return a term as one of pyoxigraph's."""
@@ -258,52 +258,52 @@ class Dictionary:
             grown = np.zeros(len(self) * 5 // 4, np.int8)
             grown[: self._kinds.size] = self._kinds
             self._kinds = grown
-        found: NDArray[np.int8] = self._kinds[identifiers]
-        if not found.all():
-            missing = distinct(identifiers[found == 0])
+        result: NDArray[np.int8] = self._kinds[identifiers]
+        if not result.all():
+            missing = distinct(identifiers[result == 0])
             self._kinds[missing] = _KINDS[self._beginnings(missing)]
-            found = self._kinds[identifiers]
-        return found
+            result = self._kinds[identifiers]
+        return result
 
     def may_have_blanks(self, identifiers: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return whether each term is a blank node, or a triple term that may have one in it: False is certain."""
         kinds = self.kinds(identifiers)
-        found: NDArray[np.bool_] = kinds == BLANK
+        result: NDArray[np.bool_] = kinds == BLANK
         triples = np.flatnonzero(kinds == TRIPLE)
-        found[triples] = [b"_:" in spelling for spelling in self.spellings(identifiers[triples])]
-        return found
+        result[triples] = [b"_:" in spelling for spelling in self.spellings(identifiers[triples])]
+        return result
 
     def _beginnings(self, identifiers: NDArray[np.int64]) -> NDArray[np.uint16]:
         """Return the first two bytes of the spelling of each term, as a little-endian number."""
-        known = self._identifiers
-        found = np.zeros(identifiers.size, np.uint16)
-        for first, kept in known.kept:
-            places = np.flatnonzero((identifiers >= first) & (identifiers < first + len(kept)))
+        terms = self._identifiers
+        result = np.zeros(identifiers.size, np.uint16)
+        for first, part in terms.stored:
+            places = np.flatnonzero((identifiers >= first) & (identifiers < first + len(part)))
             if places.size:
-                found[places] = kept.beginnings(identifiers[places] - first)
-        places = np.flatnonzero(identifiers >= known.first)
-        numbers = (identifiers[places] - known.first).tolist()
-        text = b"".join([known.recent[number][:2] or b"\0\0" for number in numbers])
-        found[places] = np.frombuffer(text, "<u2")
-        return found
+                result[places] = part.beginnings(identifiers[places] - first)
+        places = np.flatnonzero(identifiers >= terms.first)
+        numbers = (identifiers[places] - terms.first).tolist()
+        text = b"".join([terms.recent[number][:2] or b"\0\0" for number in numbers])
+        result[places] = np.frombuffer(text, "<u2")
+        return result
 
     def intern_triple(self, subject: int, predicate: int, value: int) -> int:
         """Return the identifier of the triple term of three terms."""
-        found = self.intern(b"<<( %s %s %s )>>" % tuple(self.spellings((subject, predicate, value))))
-        self._parts[found] = (subject, predicate, value)
-        return found
+        identifier = self.intern(b"<<( %s %s %s )>>" % tuple(self.spellings((subject, predicate, value))))
+        self._parts[identifier] = (subject, predicate, value)
+        return identifier
 
     def parts(self, identifier: int) -> tuple[int, int, int]:
         """Return subject, predicate and object of a triple term; interns those that are not known."""
-        found = self._parts.get(identifier)
-        if found is None:
+        result = self._parts.get(identifier)
+        if result is None:
             triple = self.term(identifier)
             if not isinstance(triple, Triple):
                 raise TypeError(self.spelling(identifier))
-            found = (
+            result = (
                 self.intern_term(triple.subject),
                 self.intern_term(triple.predicate),
                 self.intern_term(triple.object),
             )
-            self._parts[identifier] = found
-        return found
+            self._parts[identifier] = result
+        return result

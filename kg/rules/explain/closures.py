@@ -34,14 +34,14 @@ class Closures:
     @classmethod
     def of(cls, rules: Iterable[Rule]) -> Closures:
         """Return those that some rules derive."""
-        found: dict[str, dict[tuple[Element, ...], None]] = {}
+        by_name: dict[str, dict[tuple[Element, ...], None]] = {}
         for rule in rules:
             for head in rule.head:
                 if is_auxiliary(head.predicate):
-                    bodies = found.setdefault(head.predicate.value, {})
+                    bodies = by_name.setdefault(head.predicate.value, {})
                     if all(atom.predicate != head.predicate for atom in rule.body if isinstance(atom, Atom)):
                         bodies[rule.body] = None
-        return cls({name: tuple(bodies) for name, bodies in found.items()})
+        return cls({name: tuple(bodies) for name, bodies in by_name.items()})
 
     def written(self, body: Sequence[Element]) -> tuple[Element, ...]:
         """Return a body with each auxiliary atom as a path of SPARQL."""
@@ -98,9 +98,9 @@ class Closures:
                         waiting.append(there)
             if end in came:
                 here, facts = came[end]
-                found = [facts]
+                path = [facts]
                 while here != start:
                     here, facts = came[here]
-                    found.append(facts)
-                return tuple(fact for part in reversed(found) for fact in part)
+                    path.append(facts)
+                return tuple(fact for part in reversed(path) for fact in part)
         return ()

@@ -27,17 +27,17 @@ def bound_by(body: Sequence[Element]) -> list[str]:
 
 def derivations(view: View, rules: tuple[Rule, ...], fact: Triple, limit: int) -> list[Derivation]:
     """Return applications of rules that derive `fact`, up to `limit` for each rule; those closest to asserted first."""
-    found: dict[tuple[str, tuple[Triple, ...]], Derivation] = {}
+    unique: dict[tuple[str, tuple[Triple, ...]], Derivation] = {}
     for rule, bindings in heads(rules, fact):
         for solution in view.solutions(rule.body, bound_by(rule.body), bindings, limit):
             derivation = derivation_of(view, rule, solution)
             if derivation and fact not in derivation.facts:
-                found.setdefault((str(rule), derivation.facts), derivation)
+                unique.setdefault((str(rule), derivation.facts), derivation)
 
     def order(one: Derivation) -> tuple[int, int, str]:
         return sum(not view.asserted(fact) for fact in one.facts), len(one.facts), str(one.rule)
 
-    return sorted(found.values(), key=order)
+    return sorted(unique.values(), key=order)
 
 
 def derivation_of(view: View, rule: Rule, solution: dict[str, Term]) -> Derivation | None:

@@ -28,10 +28,10 @@ def proof_object(proof: Proof, view: View) -> dict[str, object]:
 
 
 def _fact_object(proof: Proof, order: Mapping[Triple, int], view: View) -> dict[str, object]:
-    found = _triple(proof.fact, view)
+    result = _triple(proof.fact, view)
     if proof.derivation is None:
         evidence = proof.evidence
-        return found | {
+        return result | {
             "graphs": list(proof.graphs),
             "file": evidence.path if evidence else None,
             "line": evidence.line if evidence else None,
@@ -43,7 +43,7 @@ def _fact_object(proof: Proof, order: Mapping[Triple, int], view: View) -> dict[
         if condition.count is not None:
             facts = [_triple(fact, view) for fact in condition.facts]
             conditions[-1] |= {"count": condition.count, "facts": facts}
-    return found | {
+    return result | {
         "rule": rule.name,
         **_rule_place(rule.place),
         "bindings": _terms(proof.derivation.bindings),
@@ -83,7 +83,7 @@ def _attempt_object(attempt: Attempt, view: View) -> dict[str, object]:
         "rule": attempt.rule.name,
         **_rule_place(attempt.rule.place),
         "bound": _terms(attempt.bound),
-        "held": [_triple(fact, view) for fact in attempt.held],
+        "held": [_triple(fact, view) for fact in attempt.matched],
         "fails": attempt.text if attempt.failing else None,
         "nearest": list(attempt.nearest),
         "deeper": why_not_object(attempt.deeper, view) if attempt.deeper else None,

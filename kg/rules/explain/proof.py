@@ -75,7 +75,7 @@ Premise: TypeAlias = Proof | Condition
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """How far one rule comes towards a fact: `held` matched, `failing` did not, with what was `bound` by then.
+    """How far one rule comes towards a fact: `matched` facts hold, `failing` does not, with what was `bound` by then.
 
     `failing` is None when the whole body matches: then rules have not been run since the data changed. `nearest` are
     sentences about what the store has instead; `deeper` explains why a premise that rules could derive is missing.
@@ -83,7 +83,7 @@ class Attempt:
 
     rule: Rule
     bound: Mapping[str, Term]
-    held: tuple[Triple, ...]
+    matched: tuple[Triple, ...]
     failing: Element | None
     text: str
     nearest: tuple[str, ...] = ()

@@ -69,19 +69,19 @@ def why_row(view: View, rules: tuple[Rule, ...], text: str, row: Mapping[str, Te
         RuleError: KG201 for a query that is not a SELECT, KG226 when the row cannot be traced back.
     """
     text = _WHOLE.sub("", normalise(text))
-    found = list(tokens(text))
-    check(found, text)
-    start = next((index for index, token in enumerate(found) if token.text.upper() == "SELECT"), None)
+    lexed = list(tokens(text))
+    check(lexed, text)
+    start = next((index for index, token in enumerate(lexed) if token.text.upper() == "SELECT"), None)
     if start is None:
         raise RuleError("KG201", "only rows of SELECT queries can be explained", place=Place(_NAME), hint=_HINT)
     where = parse_query(text, _NAME).group.span
-    outside = (token.text.upper() for token in found[start:] if not where.start <= token.start < where.end)
+    outside = (token.text.upper() for token in lexed[start:] if not where.start <= token.start < where.end)
     merged = not _MERGING.isdisjoint(outside)
     derivation, solutions = None, 0
-    for part in _parts(text[: found[start].start], text[where.start : where.end]):
+    for part in _parts(text[: lexed[start].start], text[where.start : where.end]):
         names = bound_by(part.body)
-        known = {name: term for name, term in row.items() if name in names}
-        for solution in view.solutions(part.body, names, known, _MOST if merged else 1):
+        bound = {name: term for name, term in row.items() if name in names}
+        for solution in view.solutions(part.body, names, bound, _MOST if merged else 1):
             derivation = derivation or derivation_of(view, part, solution)
             solutions += 1
         if derivation is not None and not merged:

@@ -49,7 +49,7 @@ def _from_here(name: str) -> str:
 
 def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
     """Yield a proof as a tree; each fact is explained once."""
-    told: set[Triple] = set()
+    printed: set[Triple] = set()
     # A stack instead of a recursion: a proof may be thousands of steps high.
     waiting: list[tuple[Premise, str, str]] = [(proof, "", "")]
     while waiting:
@@ -58,11 +58,11 @@ def proof_lines(proof: Proof, view: View) -> Iterator[Line]:
             yield from _condition(premise, view, branch, below)
             continue
         derivation = premise.derivation
-        again = derivation is not None and premise.fact in told
+        again = derivation is not None and premise.fact in printed
         yield Line(branch, view.sentence(premise.fact) + (" (as above)" if again else ""), "fact", premise.evidence)
         if derivation is None or again:
             continue
-        told.add(premise.fact)
+        printed.add(premise.fact)
         inner = below + ("│ " if premise.premises else "  ")
         yield Line(inner, f"by rule {derivation.rule.name}", "rule", place=derivation.rule.place)
         if derivation.bindings:
@@ -91,7 +91,7 @@ def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
     started = [
         attempt
         for attempt in answer.attempts
-        if attempt.held or not any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
+        if attempt.matched or not any(isinstance(atom.predicate, Variable) for atom in attempt.rule.head)
     ]
     if not started:
         yield Line(f"{below}  ", f"no rule derives {view.spelt(answer.fact.predicate)} facts of this form", "failure")
@@ -104,7 +104,7 @@ def _absent(answer: WhyNot, view: View, below: str) -> Iterator[Line]:
 def _attempt(attempt: Attempt, view: View, below: str, *, last: bool) -> Iterator[Line]:
     yield Line(below + ("└─ " if last else "├─ "), f"rule {attempt.rule.name}", "rule", place=attempt.rule.place)
     inner = below + ("   " if last else "│  ")
-    for fact in attempt.held:
+    for fact in attempt.matched:
         yield Line(inner, f"holds: {view.sentence(fact)}", "condition", view.evidence(fact))
     yield Line(inner, f"fails: {attempt.text}", "failure", place=place_of(attempt.failing) if attempt.failing else None)
     if attempt.deeper and attempt.deeper.attempts:

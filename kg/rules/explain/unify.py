@@ -58,8 +58,8 @@ def instance(atom: Atom, bindings: Mapping[str, Term]) -> Triple | None:
 
 def instances(body: Iterable[Element], bindings: Mapping[str, Term]) -> tuple[Triple, ...]:
     """Return the facts of the atoms of a body under `bindings`."""
-    found = (instance(element, bindings) for element in body if isinstance(element, Atom))
-    return tuple(fact for fact in found if fact is not None)
+    facts = (instance(element, bindings) for element in body if isinstance(element, Atom))
+    return tuple(fact for fact in facts if fact is not None)
 
 
 def filled(pattern: Pattern, bindings: Mapping[str, Term]) -> Term | None:

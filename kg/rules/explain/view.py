@@ -84,14 +84,14 @@ class View:
 
     def graphs(self, fact: Triple) -> tuple[str, ...]:
         """Return the graphs that hold a fact and that rules read; the default graph is the empty string."""
-        found = self._graphs.get(fact)
-        if found is None:
+        result = self._graphs.get(fact)
+        if result is None:
             terms = {"s": fact.subject, "p": fact.predicate, "o": fact.object}
             named = [cast("NamedNode", row["g"]).value for row in self._rows(_GRAPHS, terms, union=False)]
             plain = [""] if any(self._rows(_DEFAULT, terms, union=False)) else []
-            found = tuple(graph for graph in (*plain, *named) if graph not in self._ignored)
-            self._graphs[fact] = found
-        return found
+            result = tuple(graph for graph in (*plain, *named) if graph not in self._ignored)
+            self._graphs[fact] = result
+        return result
 
     def asserted(self, fact: Triple) -> tuple[str, ...]:
         """Return the graphs in which a fact is asserted."""
@@ -143,9 +143,9 @@ class View:
         An object that is on a line of its own (an interface of a node) is more exact than the subject.
         """
         for thing in (fact.object, fact.subject):
-            found = self._place(cast("Term", thing)) if not isinstance(thing, Literal) else None
-            if found:
-                return found
+            result = self._place(cast("Term", thing)) if not isinstance(thing, Literal) else None
+            if result:
+                return result
         return self._vocabulary.documents(fact) if self._vocabulary.documents else None
 
     def _place(self, thing: Term) -> Evidence | None:
@@ -162,27 +162,27 @@ class View:
         return Evidence(f"{peer}, seen since {since}", thing=named) if peer and since else None
 
     def _value(self, thing: Term, predicate: NamedNode | None) -> str | None:
-        found = self.objects(thing, predicate, 1) if predicate else []
-        return found[0].value if found and isinstance(found[0], Literal) else None
+        values = self.objects(thing, predicate, 1) if predicate else []
+        return values[0].value if values and isinstance(values[0], Literal) else None
 
     def label(self, term: Term) -> str:
         """Return a term as people call it: its label, else its short form."""
-        known = self._labels.get(term)
-        if known is None:
-            known = self._labels[term] = self._called(term) or self.spelt(term)
-        return known
+        cached = self._labels.get(term)
+        if cached is None:
+            cached = self._labels[term] = self._called(term) or self.spelt(term)
+        return cached
 
     def _called(self, term: Term) -> str | None:
         """Return the label of a thing, or that of its whole with the name of the part."""
         if isinstance(term, Literal):
             return f'"{term.value}"' if term.datatype.value == _STRING else term.value
-        if (found := self._value(term, _LABEL)) is not None or not isinstance(term, NamedNode):
-            return found
+        if (label := self._value(term, _LABEL)) is not None or not isinstance(term, NamedNode):
+            return label
         whole = term.value
         while "#" in whole:
             whole = whole[: max(whole.rfind("/", whole.index("#")), whole.index("#"))]
-            if (found := self._value(NamedNode(whole), _LABEL)) is not None:
-                return f"{found}#{term.value[len(whole) + 1 :]}"
+            if (label := self._value(NamedNode(whole), _LABEL)) is not None:
+                return f"{label}#{term.value[len(whole) + 1 :]}"
         return None
 
     def sentence(self, fact: Triple) -> str:

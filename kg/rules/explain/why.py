@@ -76,8 +76,8 @@ class _Search:
         missing: dict[int, int] = {}
         order = itertools.count()
         queue: list[_Step] = [(1, next(order), fact, None) for fact in self.asserted]
-        for fact, found in self.opened.items():
-            for each in found:
+        for fact, ways in self.opened.items():
+            for each in ways:
                 missing[id(each)] = len(each.facts)
                 if not each.facts:
                     queue.append((1, next(order), fact, each))
@@ -130,11 +130,11 @@ def why_all(view: View, rules: tuple[Rule, ...], fact: Triple) -> tuple[Proof, .
     best = search.cheapest(without=fact)
     ways = [each for each in search.opened[fact] if all(premise in best for premise in each.facts)]
     ways.sort(key=lambda each: sum(best[premise][0] for premise in each.facts))
-    found = []
+    proofs = []
     for each in ways:
         premises: list[Premise] = [_proof(search, premise, best) for premise in each.facts]
-        found.append(Proof(fact, (), None, each, (*premises, *each.conditions)))
-    return tuple(found)
+        proofs.append(Proof(fact, (), None, each, (*premises, *each.conditions)))
+    return tuple(proofs)
 
 
 def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bool) -> _Search:
@@ -143,10 +143,10 @@ def _searched(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bo
         raise RuleError("KG226", message, hint="`kg why-not` shows what is missing.")
     for width in _WIDTHS:
         search = _Search(view, rules, width)
-        found = search.explore(fact, _MOST_FACTS)
-        if found and shortest:
+        result = search.explore(fact, _MOST_FACTS)
+        if result and shortest:
             search.explore(fact, _SHORTEST_FACTS, whole=True)
-        if found:
+        if result:
             return search
     message = f"no active rule derives {_spelt(view, fact)}, although the graph of inferred facts contains it"
     raise RuleError("KG226", message, hint="Run `kg rules run`: rules have changed since it was inferred.")

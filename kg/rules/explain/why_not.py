@@ -107,7 +107,7 @@ class _Inquiry:
     def about(self, fact: Triple, depth: int) -> WhyNot:
         attempts = [self._attempt(rule, bindings, depth) for rule, bindings in heads(self.rules, fact)]
         unique = {(str(each.rule), each.text): each for each in attempts}
-        ordered = sorted(unique.values(), key=lambda each: (-len(each.held), str(each.rule)))
+        ordered = sorted(unique.values(), key=lambda each: (-len(each.matched), str(each.rule)))
         return WhyNot(fact, tuple(ordered), instead(self.view, fact))
 
     def _attempt(self, rule: form.Rule, bindings: dict[str, form.Term], depth: int) -> Attempt:
@@ -151,8 +151,8 @@ class _Inquiry:
         if isinstance(element, form.Atom):
             subject, predicate, value = (self._shown(position, solution) for position in element.positions)
             return f"no {subject} {predicate} {value}"
-        known = [each for each in sorted(form.mentions(element), key=str) if each.name in solution]
-        values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in known)
+        bound = [each for each in sorted(form.mentions(element), key=str) if each.name in solution]
+        values = ", ".join(f"{each} = {self.view.label(solution[each.name])}" for each in bound)
         suffix = f" where {values}" if values else ""
         if isinstance(element, form.Filter):
             return f"{self.view.brief(element)} is not true{suffix}"
@@ -174,25 +174,25 @@ def _ordered(body: Sequence[form.Element], bindings: Mapping[str, form.Term]) ->
 
     Everything else keeps its place behind what binds its variables.
     """
-    waiting, known = list(body), {form.Variable(name) for name in bindings}
+    waiting, bound = list(body), {form.Variable(name) for name in bindings}
     order: list[form.Element] = []
 
     def free(element: form.Element) -> int:
-        return len(form.binds(element) - known) if isinstance(element, form.Atom) else _LATE
+        return len(form.binds(element) - bound) if isinstance(element, form.Atom) else _LATE
 
     while waiting:
-        ready = [element for element in waiting if _ready(element, waiting, known)]
+        ready = [element for element in waiting if _ready(element, waiting, bound)]
         chosen = min(ready or waiting[:1], key=free)
         waiting.remove(chosen)
         order.append(chosen)
-        known |= form.binds(chosen)
+        bound |= form.binds(chosen)
     return order
 
 
-def _ready(element: form.Element, waiting: Sequence[form.Element], known: set[form.Variable]) -> bool:
+def _ready(element: form.Element, waiting: Sequence[form.Element], bound: set[form.Variable]) -> bool:
     """Return whether nothing that is before an element and is still waiting binds what it needs."""
     if isinstance(element, form.Atom | form.Values | form.Aggregate):
         return True
     before = waiting[: waiting.index(element)]
-    later = {variable for other in before for variable in form.binds(other)} - known
+    later = {variable for other in before for variable in form.binds(other)} - bound
     return not later & form.mentions(element)

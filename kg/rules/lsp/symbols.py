@@ -86,7 +86,7 @@ class Terms:
     @classmethod
     def of(cls, files: Iterable[Path], uses: Mapping[str, int] | None = None) -> Terms:
         """Read the terms of files in Turtle; `uses` has how often a store uses terms, those of no ontology too."""
-        found: dict[str, DefinedTerm] = {}
+        terms: dict[str, DefinedTerm] = {}
         counted = uses or {}
         for path in files:
             store = pyoxigraph.Store()
@@ -99,10 +99,10 @@ class Terms:
                     place = Place(str(path), stated[iri].line, 1) if iri in stated else None
                     label, *comments = (_text(store, quad.subject, each) for each in (_LABEL, *_COMMENTS))
                     comment = next(filter(None, comments), "")
-                    found.setdefault(iri, DefinedTerm(iri, kind, label, comment, place, counted.get(iri)))
+                    terms.setdefault(iri, DefinedTerm(iri, kind, label, comment, place, counted.get(iri)))
         for iri, number in counted.items():
-            found.setdefault(iri, DefinedTerm(iri, "property", uses=number))
-        return cls(found)
+            terms.setdefault(iri, DefinedTerm(iri, "property", uses=number))
+        return cls(terms)
 
     def in_namespace(self, namespace: str) -> list[DefinedTerm]:
         """Return the terms of a namespace, sorted by name."""
@@ -158,10 +158,10 @@ def symbol_at(text: str, offset: int, path: Path, name: str, rules: Collection[s
     if name in rules and first.startswith("#") and offset <= len(first):
         return Symbol("rule", name, "", 0, len(first.rstrip()))
     # The sign of a variable belongs to it.
-    found = [each for each in _symbols(text, path) if each.start - (each.kind == "variable") <= offset <= each.end]
-    found = [each for each in found if each.kind != "rule" or each.name in rules]
+    candidates = [each for each in _symbols(text, path) if each.start - (each.kind == "variable") <= offset <= each.end]
+    candidates = [each for each in candidates if each.kind != "rule" or each.name in rules]
     # Where two touch, as a prefix and its name do, the one that begins at the offset is meant.
-    return max(found, key=lambda each: each.start, default=None)
+    return max(candidates, key=lambda each: each.start, default=None)
 
 
 def occurrences(symbol: Symbol, text: str, path: Path) -> Iterator[Occurrence]:
@@ -224,8 +224,8 @@ def _refused(message: str, hint: str) -> UsageError:
 
 
 def _local_of(iri: str) -> str:
-    found = _LOCAL.search(iri)
-    return found.group() if found else ""
+    match = _LOCAL.search(iri)
+    return match.group() if match else ""
 
 
 def _imports(text: str, path: Path) -> Iterator[Occurrence]:
@@ -243,9 +243,9 @@ def _imports(text: str, path: Path) -> Iterator[Occurrence]:
 def _symbols(text: str, path: Path) -> tuple[Symbol, ...]:
     """Return all symbols of a text; every quoted text counts as the name of a rule."""
     if path.suffix == ".toml":
-        return tuple(Symbol("rule", found[2], "", found.start(2), found.end(2)) for found in _QUOTED.finditer(text))
+        return tuple(Symbol("rule", match[2], "", match.start(2), match.end(2)) for match in _QUOTED.finditer(text))
     if path.suffix == ".md":
-        blocks = ((found.start(1), found[1]) for found in _BLOCK.finditer(text))
+        blocks = ((match.start(1), match[1]) for match in _BLOCK.finditer(text))
         inner = ((start, each) for start, block in blocks for each in _symbols(block, Path("block.ttl")))
         return tuple(
             each._replace(start=start + each.start, end=start + each.end)
@@ -280,23 +280,23 @@ def _read(text: str, path: Path) -> Iterator[Symbol]:
 def _words(text: str, path: Path) -> Iterator[_Word]:
     built_in = {} if path.suffix == ".srl" else PREFIXES
     prefixes = {**built_in, **declared(text)}
-    found = list(tokens(text))
+    lexed = list(tokens(text))
     if path.suffix == ".ttl":
-        yield from _turtle(found, prefixes)
+        yield from _turtle(lexed, prefixes)
         return
     number = depth = 0
-    for token in found:
+    for token in lexed:
         depth += (token.text == "{") - (token.text == "}")
         if path.suffix == ".srl" and depth == 0 and token.kind is Kind.WORD and token.text.upper() in {"RULE", "DATA"}:
             number += text[: token.start].rstrip()[-5:].upper() != "WHERE"  # `WHERE DATA` begins no statement
         yield _Word(token, f"rule {number}", "", prefixes)
 
 
-def _turtle(found: Sequence[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
+def _turtle(lexed: Sequence[Token], prefixes: Mapping[str, str]) -> Iterator[_Word]:
     """Yield the tokens of Turtle, and those of the queries in its strings."""
-    known = {**PREFIXES, **dict(_declared(found, prefixes))}
+    declared = {**PREFIXES, **dict(_declared(lexed, prefixes))}
     predicate = ""
-    for token in found:
+    for token in lexed:
         if is_name(token):
             predicate = iri_of(token, prefixes) or ""
         if token.kind is Kind.STRING and predicate in _QUERIES:
@@ -304,15 +304,15 @@ def _turtle(found: Sequence[Token], prefixes: Mapping[str, str]) -> Iterator[_Wo
             with suppress(ValueError):  # an escape that is no character
                 for inner in tokens(unescape(written.written)):
                     start, end = written.offset(inner.start), written.offset(inner.end)
-                    yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, known)
+                    yield _Word(inner._replace(start=start, end=end), f"{_QUERY} {token.start}", _QUERY, declared)
         else:
             yield _Word(token, "sh:prefix" if predicate == PREFIXES["sh"] + "prefix" else "", _TURTLE, prefixes)
 
 
-def _declared(found: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[tuple[str, str]]:
+def _declared(lexed: Iterable[Token], prefixes: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     """Yield the prefixes that `sh:declare` has for queries."""
     predicate, prefix = "", None
-    for token in found:
+    for token in lexed:
         if is_name(token):
             predicate = iri_of(token, prefixes) or ""
         elif token.kind is Kind.STRING and predicate == PREFIXES["sh"] + "prefix":

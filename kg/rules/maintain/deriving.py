@@ -85,22 +85,22 @@ class Join:
         """Return whether a solution, before or after, may have a triple of the changes; True if unknown."""
         if any(not self._others.isdisjoint(change.patterns) for change in changes):
             return True
-        parts = [part for change in changes for part in (change.known, change.asserted)]
+        parts = [part for change in changes for part in (change.facts, change.asserted)]
         if sum(map(len, parts)) > _FEW:
             return True
         triples: dict[int, set[int]] = {}
         for part in parts:
             for predicate, keys in part:
                 triples.setdefault(predicate, set()).update(keys.tolist())
-        known = [world.known for world in worlds]
+        facts = [world.facts for world in worlds]
         for atom, scope in self._places:
             for key in triples.get(atom.predicate, ()):
-                if self._joined(atom, scope, divmod(key, 1 << 32), known):
+                if self._joined(atom, scope, divmod(key, 1 << 32), facts):
                     return True
         return False
 
     def _joined(
-        self, atom: _Atom, scope: frozenset[str] | None, triple: tuple[int, int], known: Sequence[Facts]
+        self, atom: _Atom, scope: frozenset[str] | None, triple: tuple[int, int], facts: Sequence[Facts]
     ) -> bool:
         """Return whether each other atom of the outer body has triples where `atom` matches a triple."""
         bound: dict[int | str, int] = {}
@@ -111,7 +111,7 @@ class Join:
             bound = {name: term for name, term in bound.items() if name in scope}
         for other in self._outer:
             subject, value = _term(other.subject, bound), _term(other.object, bound)
-            if other is not atom and not any(one.has(other.predicate, subject, value) for one in known):
+            if other is not atom and not any(one.has(other.predicate, subject, value) for one in facts):
                 return False
         return True
 
@@ -146,8 +146,8 @@ class MaintainedRule:
     def writes(self) -> frozenset[int] | None:
         """The predicates of derived triples, None for any."""
         written = {head.predicate for head in self.plan.heads}
-        known = frozenset(predicate for predicate in written if isinstance(predicate, int))
-        return known if len(known) == len(written) else None
+        predicates = frozenset(predicate for predicate in written if isinstance(predicate, int))
+        return predicates if len(predicates) == len(written) else None
 
     @cached_property
     def _pivots(self) -> tuple[Pivot, ...]:
@@ -183,13 +183,13 @@ class MaintainedRule:
 
     def supported(self, candidates: Facts, world: World) -> Facts:
         """Return the triples derived in a world, restricted to those of the candidates; sometimes a superset."""
-        found = Facts()
+        result = Facts()
         sources = self._sources(world)
         for head in self.plan.heads:
             for seeds in _seeds(head, candidates, self._state.hidden):
-                known = seeds.keeping(seeds.columns.keys() - self._open)
-                absorb(found, self._derived(sources, distinct_rows(known) if known.columns else UNIT))
-        return found
+                bound = seeds.keeping(seeds.columns.keys() - self._open)
+                absorb(result, self._derived(sources, distinct_rows(bound) if bound.columns else UNIT))
+        return result
 
     def consequences(
         self, came: Delta | None, gone: Delta | None, worlds: tuple[World, World], *, after: bool
@@ -198,22 +198,22 @@ class MaintainedRule:
 
         Removed triples of the outer body are joined in the world before, added ones in the world after.
         """
-        found = Facts()
+        result = Facts()
         # Once the pivots are computed, checking the text of the rule first saves nothing.
         planned = "_pivots" in self.__dict__
         if not (planned or self._join.possible([delta for delta in (came, gone) if delta], worlds)):
-            return found
+            return result
         for pivot in self._pivots:
             for delta, readings in ((came, pivot.coming), (gone, pivot.going)):
                 if delta is None or pivot.patterns.isdisjoint(delta.patterns):
                     continue
                 if pivot.block:
                     return self._derived(self._sources(worlds[after]), UNIT)  # a block of SPARQL cannot be restricted
-                change = delta.asserted if pivot.asserted else delta.known
+                change = delta.asserted if pivot.asserted else delta.facts
                 for reading in readings:
                     if reading[0] == after:
-                        absorb(found, self._reached(pivot, change, reading, worlds))
-        return found
+                        absorb(result, self._reached(pivot, change, reading, worlds))
+        return result
 
     def _reached(self, pivot: Pivot, change: Facts, reading: Reading, worlds: tuple[World, World]) -> Facts:
         """Return the triples derived in the outer world of the reading, restricted by the inner bodies of the chain."""
@@ -239,7 +239,7 @@ class MaintainedRule:
         return self._derived(outer, seeds)
 
     def _sources(self, world: World) -> list[Facts]:
-        return [world.asserted if asserted else world.known for asserted in self._asserted]
+        return [world.asserted if asserted else world.facts for asserted in self._asserted]
 
     def _derived(self, sources: Sequence[Facts], seeds: Table) -> Facts:
         if not self._possible(sources):
@@ -288,10 +288,10 @@ def _patterns(elements: Iterable[Element], dictionary: Dictionary, *, head: bool
         if isinstance(element, Atom):
             predicate, value = element.predicate, element.object
             # A blank node of a body is a term of the data, one of a head is a new node.
-            made = head and isinstance(value, BlankNode)
+            fresh = head and isinstance(value, BlankNode)
             yield pattern(
                 dictionary.intern_term(predicate) if isinstance(predicate, NamedNode) else None,
-                None if made or isinstance(value, Variable | TripleTerm) else dictionary.intern_term(value),
+                None if fresh or isinstance(value, Variable | TripleTerm) else dictionary.intern_term(value),
             )
         elif isinstance(element, EngineBlock):
             for read in element.reads or (None,):
@@ -326,11 +326,11 @@ def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Ta
 
 def _named(table: Table, columns: dict[str, str], head: Head, predicate: int) -> Table:
     """Rename columns as in the head, and drop duplicate rows."""
-    found = Table({node: table.columns[name] for node, name in columns.items()}, table.rows)
+    result = Table({node: table.columns[name] for node, name in columns.items()}, table.rows)
     if isinstance(head.predicate, str):
         if head.predicate in columns:
-            found = found.take(found.columns[head.predicate] == predicate)
-        found = found.plus(
-            {head.predicate: (found.columns.get(head.predicate, table.columns[".subject"]) * 0) + predicate}
+            result = result.take(result.columns[head.predicate] == predicate)
+        result = result.plus(
+            {head.predicate: (result.columns.get(head.predicate, table.columns[".subject"]) * 0) + predicate}
         )
-    return distinct_rows(found)
+    return distinct_rows(result)

@@ -83,8 +83,8 @@ class Strata:
         self._strata: list[_Stratum] = []
         for stratum in program.strata:
             rules = [MaintainedRule(rule, plans, state) for rule in stratum.rules]
-            found = equalities(stratum.rules) if stratum.recursive else ()
-            equal = [dictionary.intern_term(equality.predicate) for equality in found]
+            relations = equalities(stratum.rules) if stratum.recursive else ()
+            equal = [dictionary.intern_term(equality.predicate) for equality in relations]
             self._strata.append(_Stratum(len(self._rules), rules, equal, stratum.recursive))
             for number, rule in enumerate(rules, len(self._rules)):
                 for one in rule.derives:
@@ -106,8 +106,8 @@ class Strata:
 
     def earlier(self, stratum: _Stratum, patterns: Iterable[int]) -> list[MaintainedRule]:
         """Return the rules of the strata before one that derive triples of any of the patterns."""
-        found = {number for one in patterns for number in self._deriving.get(one, ()) if number < stratum.begin}
-        return [self._rules[number] for number in sorted(found)]
+        numbers = {number for one in patterns for number in self._deriving.get(one, ()) if number < stratum.begin}
+        return [self._rules[number] for number in sorted(numbers)]
 
 
 class _Stratum:
@@ -162,10 +162,10 @@ class _Work:
         """Remove triples that may have lost all derivations."""
         progress = self.progress
         if self.recursive:
-            stays = self._supported(self._removed_here(progress.gone.known))
-            take_out(progress.gone.known, stays)
+            stays = self._supported(self._removed_here(progress.gone.facts))
+            take_out(progress.gone.facts, stays)
             for predicate, keys in stays:
-                progress.after.known.extend(predicate, keys)
+                progress.after.facts.extend(predicate, keys)
         frontier = self._record_lost(self._consequences(progress.came, progress.gone, after=False))
         while self.recursive and len(frontier):
             frontier = self._record_lost(self._consequences(None, self._delta(frontier), after=False))
@@ -180,12 +180,12 @@ class _Work:
         for rule in (*self.strata.earlier(self.stratum, lost), *self._deriving(lost)):
             self._put_back(self.lost, rule, back)
         for rule in self._deriving(progress.gone.patterns):
-            self._put_back(progress.gone.known, rule, back)
-        missing = back if self.recursive else common(back, progress.gone.known)
+            self._put_back(progress.gone.facts, rule, back)
+        missing = back if self.recursive else common(back, progress.gone.facts)
         take_out(self.lost, back)
-        take_out(progress.gone.known, back)
+        take_out(progress.gone.facts, back)
         for predicate, keys in missing:
-            progress.after.known.extend(predicate, keys)
+            progress.after.facts.extend(predicate, keys)
         if not self.recursive:
             # Not recursive: only triples that stay lost have to be taken from the columns.
             self._discard_lost()
@@ -205,53 +205,53 @@ class _Work:
 
     def _discard_lost(self) -> None:
         for predicate, keys in self.lost:
-            self.progress.after.known.discard(predicate, keys)
+            self.progress.after.facts.discard(predicate, keys)
 
     def add(self, back: Facts) -> None:
         """Add the triples that follow from those added and from those put back."""
         progress = self.progress
         came = progress.came
         if self.recursive and len(back):
-            came = Delta(came.asserted, came.known.copy(), came.patterns | progress.patterns.of(back))
-            absorb(came.known, back)
+            came = Delta(came.asserted, came.facts.copy(), came.patterns | progress.patterns.of(back))
+            absorb(came.facts, back)
         frontier = self._gain(self._consequences(came, progress.gone, after=True))
         while self.recursive and len(frontier):
             frontier = self._gain(self._consequences(self._delta(frontier), None, after=True))
-        absorb(progress.gone.known, self.lost)
+        absorb(progress.gone.facts, self.lost)
         progress.gone.patterns |= progress.patterns.of(self.lost)
 
     def _consequences(self, came: Delta | None, gone: Delta | None, *, after: bool) -> Facts:
-        found = Facts()
-        self._weigh([delta.known for delta in (came, gone) if delta], self.progress.worlds[after])
+        result = Facts()
+        self._weigh([delta.facts for delta in (came, gone) if delta], self.progress.worlds[after])
         changed = (came.patterns if came else set()) | (gone.patterns if gone else set())
         for rule in self.rules:
             if rule.reads.isdisjoint(changed):
                 continue
             self._watch(rule)
-            absorb(found, rule.consequences(came, gone, self.progress.worlds, after=after))
-        return found
+            absorb(result, rule.consequences(came, gone, self.progress.worlds, after=after))
+        return result
 
     def _weigh(self, changes: Iterable[Facts], world: World) -> None:
         """Raise `LargeChangeError` where transitivity would join more rows than evaluating everything again costs."""
         for predicate in self.stratum.equal:
-            pairs = world.known.keys(predicate)
+            pairs = world.facts.keys(predicate)
             for change in changes:
                 middle = unpack(change.keys(predicate))[1]
                 begin, end = np.searchsorted(pairs, middle << 32), np.searchsorted(pairs, (middle + 1) << 32)
                 self._rows += int((end - begin).sum())
-        if self._rows > _FEW_ROWS + _ROWS_PER_TRIPLE * len(world.known):
+        if self._rows > _FEW_ROWS + _ROWS_PER_TRIPLE * len(world.facts):
             raise LargeChangeError
 
     def _watch(self, rule: MaintainedRule) -> None:
         self.progress.clock.rule = rule.name
         self.progress.clock.check(self.progress.added)
 
-    def _record_lost(self, found: Facts) -> Facts:
+    def _record_lost(self, facts: Facts) -> Facts:
         """Record the triples to remove, all but those asserted, and return them.
 
         Triples derived in the world before are already in it, which saves a search.
         """
-        going = lacking(lacking(lacking(found, self.progress.after.asserted), self.progress.gone.known), self.lost)
+        going = lacking(lacking(lacking(facts, self.progress.after.asserted), self.progress.gone.facts), self.lost)
         if self.recursive and len(going) > self._size:
             going = lacking(going, self._supported(going))
         self._size = len(going)
@@ -262,52 +262,52 @@ class _Work:
     def _removed_here(self, gone: Facts) -> Facts:
         """Return the removed triples that this stratum may derive; earlier strata have put theirs back."""
         written = _written(self.rules)
-        found = Facts()
+        result = Facts()
         for predicate, keys in gone:
             if written is None or predicate in written:
-                found.replace(predicate, keys)
-        return found
+                result.replace(predicate, keys)
+        return result
 
     def _supported(self, candidates: Facts) -> Facts:
         """Return the candidates that follow in one step from asserted triples and those of other strata."""
-        found = Facts()
+        result = Facts()
         written = _written(self.rules)
         patterns = self.progress.patterns.of(candidates)
         for rule in self.strata.earlier(self.stratum, patterns):
-            absorb(found, common(rule.supported(candidates, self.progress.after), candidates))
+            absorb(result, common(rule.supported(candidates, self.progress.after), candidates))
         for rule in self._deriving(patterns):
             if rule.grows(written):
                 self._watch(rule)
-                absorb(found, common(rule.supported(candidates, self._foundation(written)), candidates))
-        return found
+                absorb(result, common(rule.supported(candidates, self._foundation(written)), candidates))
+        return result
 
     def _foundation(self, written: frozenset[int] | None) -> World:
         """Return the world after without what this stratum may have derived."""
         if self._base is None:
             after = self.progress.after
-            known = after.asserted if written is None else after.known.copy()
+            facts = after.asserted if written is None else after.facts.copy()
             for predicate in written or ():
-                known.take_over(predicate, after.asserted)
-            self._base = World(after.asserted, known)
+                facts.take_over(predicate, after.asserted)
+            self._base = World(after.asserted, facts)
         return self._base
 
-    def _gain(self, found: Facts) -> Facts:
+    def _gain(self, facts: Facts) -> Facts:
         """Add the triples that are missing, and return them."""
         progress = self.progress
-        new = lacking(found, progress.after.known)
+        new = lacking(facts, progress.after.facts)
         progress.came.patterns |= progress.patterns.of(new)
         for predicate, keys in new:
-            progress.after.known.extend(predicate, keys)
+            progress.after.facts.extend(predicate, keys)
             progress.added += keys.size
-            again = union(self.lost.remove(predicate, keys), progress.gone.known.remove(predicate, keys))
-            progress.came.known.extend(predicate, difference(keys, again))
+            again = union(self.lost.remove(predicate, keys), progress.gone.facts.remove(predicate, keys))
+            progress.came.facts.extend(predicate, difference(keys, again))
         return new
 
 
 def _written(rules: Sequence[MaintainedRule]) -> frozenset[int] | None:
     """Return the predicates that rules derive, None for any."""
     written = [rule.writes for rule in rules]
-    return None if None in written else frozenset[int]().union(*(known for known in written if known))
+    return None if None in written else frozenset[int]().union(*(predicates for predicates in written if predicates))
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,7 +330,7 @@ class Maintained:
         self._program = program
         self._dictionary = dictionary
         self._mints_safely = False
-        self._known = _together(asserted, inferred)
+        self._facts = _together(asserted, inferred)
         self._state = program.state(dictionary)
         self._strata = Strata(program, dictionary, self._state)
 
@@ -354,7 +354,7 @@ class Maintained:
         except LargeChangeError:
             return self._evaluate_again(progress.after.asserted, limits)
         change = _change(progress)
-        self.asserted, self._known = progress.after.asserted, progress.after.known
+        self.asserted, self._facts = progress.after.asserted, progress.after.facts
         self.inferred = self._inferred(change)
         return change
 
@@ -365,54 +365,54 @@ class Maintained:
         inferred = evaluate(self._program, self._dictionary, asserted, limits=wider).inferred
         change = Change(lacking(inferred, self.inferred), lacking(self.inferred, inferred))
         self._state.clock.check(len(change.added))
-        self.asserted, self.inferred, self._known = asserted, inferred, _together(asserted, inferred)
+        self.asserted, self.inferred, self._facts = asserted, inferred, _together(asserted, inferred)
         return change
 
     def _inferred(self, change: Change) -> Facts:
         """Return the inferred triples after a change; predicates without asserted triples share their arrays."""
-        found = self.inferred.copy()
+        result = self.inferred.copy()
         for predicate in {*change.removed.predicates, *change.added.predicates}:
             if self.asserted.keys(predicate).size:
-                found.discard(predicate, change.removed.keys(predicate))
-                found.extend(predicate, change.added.keys(predicate))
+                result.discard(predicate, change.removed.keys(predicate))
+                result.extend(predicate, change.added.keys(predicate))
             else:
-                found.take_over(predicate, self._known)
-        return found
+                result.take_over(predicate, self._facts)
+        return result
 
     def _asserting(self, inserted: Facts, deleted: Facts) -> Progress:
         """Start with the change of asserted triples, without those already inferred."""
-        before = World(self.asserted, self._known)
+        before = World(self.asserted, self._facts)
         after = before.copy()
-        came = lacking(inserted, self._known)
+        came = lacking(inserted, self._facts)
         gone = deleted.copy()
         for predicate in {*deleted.predicates, *inserted.predicates}:
             after.asserted.discard(predicate, deleted.keys(predicate))
             after.asserted.extend(predicate, inserted.keys(predicate))
             if self.inferred.keys(predicate).size:
-                after.known.discard(predicate, deleted.keys(predicate))
-                after.known.extend(predicate, came.keys(predicate))
+                after.facts.discard(predicate, deleted.keys(predicate))
+                after.facts.extend(predicate, came.keys(predicate))
             else:
-                after.known.take_over(predicate, after.asserted)
+                after.facts.take_over(predicate, after.asserted)
         patterns = self._strata.patterns
-        arrived, left = (Delta(one, known, patterns.of(one)) for one, known in ((inserted, came), (deleted, gone)))
+        arrived, left = (Delta(one, facts, patterns.of(one)) for one, facts in ((inserted, came), (deleted, gone)))
         return Progress(before, after, arrived, left, patterns, self._state.clock)
 
 
 def _change(progress: Progress) -> Change:
     """Return the inferred triples added and removed: the change of all triples without the asserted ones."""
-    added = lacking(progress.came.known, progress.after.asserted)
-    absorb(added, common(progress.gone.asserted, progress.after.known))
-    removed = lacking(progress.gone.known, progress.gone.asserted)
-    absorb(removed, lacking(progress.came.asserted, progress.came.known))
+    added = lacking(progress.came.facts, progress.after.asserted)
+    absorb(added, common(progress.gone.asserted, progress.after.facts))
+    removed = lacking(progress.gone.facts, progress.gone.asserted)
+    absorb(removed, lacking(progress.came.asserted, progress.came.facts))
     return Change(added, removed)
 
 
 def _together(asserted: Facts, inferred: Facts) -> Facts:
     """Return the union of two disjoint sets; predicates of only one share its arrays."""
-    found = asserted.copy()
+    result = asserted.copy()
     for predicate, keys in inferred:
-        if found.keys(predicate).size:
-            found.replace(predicate, merged(found.keys(predicate), keys))
+        if result.keys(predicate).size:
+            result.replace(predicate, merged(result.keys(predicate), keys))
         else:
-            found.take_over(predicate, inferred)
-    return found
+            result.take_over(predicate, inferred)
+    return result

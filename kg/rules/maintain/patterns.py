@@ -30,11 +30,11 @@ class World:
     """The data at one moment: the asserted triples, and all triples."""
 
     asserted: Facts
-    known: Facts
+    facts: Facts
 
     def copy(self) -> World:
         """Return a world that can be changed by itself."""
-        return World(self.asserted.copy(), self.known.copy())
+        return World(self.asserted.copy(), self.facts.copy())
 
 
 @dataclass(slots=True)
@@ -42,7 +42,7 @@ class Delta:
     """Triples added or removed: among the asserted ones, and among all; `patterns` has those of all."""
 
     asserted: Facts
-    known: Facts
+    facts: Facts
     patterns: set[int]
 
 
@@ -65,11 +65,11 @@ class Patterns:
 
     def of(self, facts: Facts) -> set[int]:
         """Return the patterns of some triples, with objects only where rules distinguish them."""
-        found: set[int] = set()
+        result: set[int] = set()
         for predicate, keys in facts:
-            found.update((ANY, predicate << 32))
+            result.update((ANY, predicate << 32))
             named = self._objects.get(predicate)
             if named is not None:
                 there = named[among(named, distinct(keys & _LOW))]
-                found.update(((predicate << 32) | there).tolist())
-        return found
+                result.update(((predicate << 32) | there).tolist())
+        return result

@@ -101,18 +101,18 @@ def _readings(chain: Sequence[Link], *, after: bool) -> Iterator[Reading]:
 def _chain(around: Sequence[_Inner], source: Match | Block) -> tuple[Link, ...]:
     """Return the bodies around a source, the outermost first."""
     chain: list[Link] = []
-    kept: tuple[Step, ...] = (source,)
+    carried: tuple[Step, ...] = (source,)
     names = source.names
     for inner in reversed(around):
-        link = _link(inner, kept, names)
+        link = _link(inner, carried, names)
         chain.insert(0, link)
-        kept, names = (), frozenset(outer for _, outer in link.shared)
+        carried, names = (), frozenset(outer for _, outer in link.shared)
     return tuple(chain)
 
 
-def _link(inner: _Inner, kept: tuple[Step, ...], names: frozenset[str]) -> Link:
+def _link(inner: _Inner, carried: tuple[Step, ...], names: frozenset[str]) -> Link:
     """Return the restriction of the body around an inner one, if some columns have few known values."""
-    steps, names = _connected(_solvable(inner.body), kept, names)
+    steps, names = _connected(_solvable(inner.body), carried, names)
     pairs = inner.keys if isinstance(inner, Grouped) else tuple((name, name) for name in sorted(inner.shared))
     shared = tuple(pair for pair in pairs if pair[0] in names)
     negated = isinstance(inner, Nested) and inner.negated
@@ -120,18 +120,18 @@ def _link(inner: _Inner, kept: tuple[Step, ...], names: frozenset[str]) -> Link:
 
 
 def _connected(
-    steps: Sequence[Step], kept: tuple[Step, ...], names: frozenset[str]
+    steps: Sequence[Step], carried: tuple[Step, ...], names: frozenset[str]
 ) -> tuple[tuple[Step, ...], frozenset[str]]:
-    """Return the steps that join with those `kept` or with the columns `names`, and all their columns.
+    """Return the steps that join with those `carried` or with the columns `names`, and all their columns.
 
     A step that shares only a filter with them would form a Cartesian product with the change.
     """
-    waiting = [step for step in steps if not any(step is other for other in kept)]
+    waiting = [step for step in steps if not any(step is other for other in carried)]
     while joined := [step for step in waiting if binds(step) and (_needs(step) | binds(step)) & names]:
-        kept += tuple(joined)
+        carried += tuple(joined)
         waiting = [step for step in waiting if not any(step is other for other in joined)]
         names = names.union(*(_needs(step) | binds(step) for step in joined))
-    return (*kept, *(step for step in waiting if not binds(step) and _needs(step) <= names)), names
+    return (*carried, *(step for step in waiting if not binds(step) and _needs(step) <= names)), names
 
 
 def _solvable(body: Body) -> tuple[Step, ...]:
@@ -140,13 +140,13 @@ def _solvable(body: Body) -> tuple[Step, ...]:
     The other steps only drop rows, or bind columns that none of these steps needs.
     """
     names: set[str] = set()
-    kept: list[Step] = []
+    solvable: list[Step] = []
     waiting = list(body.steps)
     while ready := [step for step in waiting if _needs(step) <= names]:
-        kept += ready
+        solvable += ready
         waiting = [step for step in waiting if not any(step is other for other in ready)]
         names = names.union(*map(binds, ready))
-    return tuple(kept)
+    return tuple(solvable)
 
 
 def _needs(step: Step) -> frozenset[str]:

@@ -39,15 +39,15 @@ def rules(unit: RuleUnit, name: str, path: str, text: str, *, first: int = 1) ->
     Raises RuleError: KG203 for what is not well-formed, KG209 for a head whose subject is a literal, KG201 and KG209
     for calls of functions that rules cannot call.
     """
-    found: list[Rule] = []
+    result: list[Rule] = []
     written = normalise(text)
     for part, stated in enumerate(unit.rules, first):
         _check(stated, path, written)
         rule = prepared(stated, lambda span: place_at(written, span.start, path))
         reader = _Reader(rule, path, written)
         if rule.template:
-            found.append(Rule(name, reader.head(), reader.body(), reader.place(rule.span), part))
-    return tuple(found)
+            result.append(Rule(name, reader.head(), reader.body(), reader.place(rule.span), part))
+    return tuple(result)
 
 
 def data(unit: RuleUnit, path: str, text: str) -> tuple[Triple, ...]:
@@ -56,13 +56,13 @@ def data(unit: RuleUnit, path: str, text: str) -> tuple[Triple, ...]:
     Raises RuleError KG209 for a triple that a store cannot hold: RDF 1.2 has no literal as subject.
     """
     stem = sha256(text.encode()).hexdigest()[:_DIGITS]
-    found: list[Triple] = []
+    triples: list[Triple] = []
     for pattern in unit.data:
         triple = _stored(TripleTerm(pattern.subject, _predicate(pattern), pattern.object), stem)
         if not isinstance(triple, Triple):
             raise _literal_subject(place_at(normalise(text), pattern.span.start, path))
-        found.append(triple)
-    return tuple(found)
+        triples.append(triple)
+    return tuple(triples)
 
 
 def _predicate(pattern: TriplePattern) -> NamedNode | Variable:
@@ -164,9 +164,9 @@ def imported(unit: RuleUnit, path: Path, text: str) -> Iterator[tuple[Path, str,
                 continue
             seen.add(file)
             inner = _imported_text(file, target, source, written)
-            found = (file, inner, parse_srl(inner, str(file)))
-            yield found
-            waiting.append((found[2], file, inner))
+            item = (file, inner, parse_srl(inner, str(file)))
+            yield item
+            waiting.append((item[2], file, inner))
 
 
 def _imported_file(target: NamedNode, source: Path, text: str) -> Path:

@@ -30,9 +30,9 @@ def _lines(rule: Rule, strata: Sequence[int]) -> Iterator[str]:
         yield f"  {'strata ' if len(strata) > 1 else 'stratum'}       {', '.join(map(str, strata))}"
     if rule.order:
         yield f"  order         {rule.order:g}"
-    found = list(reads(rule))
-    without = [read.atom for read in found if read.negated]
-    yield from _listed("reads", (read.atom for read in found if not read.negated))
+    inputs = list(reads(rule))
+    without = [read.atom for read in inputs if read.negated]
+    yield from _listed("reads", (read.atom for read in inputs if not read.negated))
     yield from _listed("reads negated", without)
     yield from _listed("writes", rule.head)
     yield "  head"
@@ -59,8 +59,8 @@ def _element(element: Element) -> str:
     if isinstance(element, Filter):
         return f"filter {bare(element.expression.text)}"
     if isinstance(element, Assignment):
-        told = " (mints)" if element.expression.mints else ""
-        return f"{sparql.spelling(element.variable)} := {element.expression.text}{told}"
+        note = " (mints)" if element.expression.mints else ""
+        return f"{sparql.spelling(element.variable)} := {element.expression.text}{note}"
     if isinstance(element, Exists):
         return _below("not exists" if element.negated else "exists", element.body)
     if isinstance(element, Aggregate):

@@ -45,10 +45,10 @@ def _rule(rule: form.Rule) -> str:
 
 def _only_asserted(rule: form.Rule, body: tuple[form.Element, ...]) -> bool:
     """Return whether the triples of a body are asserted ones."""
-    found = {element.asserted for element in body if isinstance(element, form.Atom)}
-    if len(found) > 1:
+    kinds = {element.asserted for element in body if isinstance(element, form.Atom)}
+    if len(kinds) > 1:
         raise refusal(rule, _MIXED, "SPARQL RL has DATA for a whole body or NOT.")
-    return found == {True}
+    return kinds == {True}
 
 
 def _elements(

@@ -40,8 +40,8 @@ def together(rules: Sequence[Rule]) -> list[Rule] | None:
     if len(groups) > 1:
         names = Names(variable.name for rule in rules for variable in variables_of(rule))
         groups = [_apart(group, number, names) for number, group in enumerate(groups, 1)]
-    found = [rule for group in groups for rule in group]
-    return found if _fit(found) else None
+    ordered = [rule for group in groups for rule in group]
+    return ordered if _fit(ordered) else None
 
 
 def of_data(file: RuleFile) -> Iterator[Rule]:
@@ -71,14 +71,14 @@ def _apart(group: Sequence[Rule], number: int, names: Names) -> list[Rule]:
     """Return rules with variables and labels of their own."""
     own = sorted(frozenset().union(*map(variables_of, group)), key=str)
     new = {variable: names.like(variable) for variable in own}
-    found = []
+    result = []
     for rule in (called(rule, new) for rule in group):
         labelled = (
             replace(atom, subject=_label(atom.subject, number), object=_label(atom.object, number))
             for atom in rule.head
         )
-        found.append(replace(rule, head=tuple(labelled)))
-    return found
+        result.append(replace(rule, head=tuple(labelled)))
+    return result
 
 
 def _label(pattern: Pattern, number: int) -> Pattern:

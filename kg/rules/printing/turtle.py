@@ -51,9 +51,9 @@ def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> 
     a block of SPARQL, which SHACL excludes.
     """
     text = "\n\n".join(_path_rule(rule) or _query_rule(rule, prefixes) for rule in rules)
-    known = {**prefixes, "sh": _SH}
-    short, used = shortened(text, known)
-    declared = "".join(f"@prefix {prefix}: <{known[prefix]}> .\n" for prefix in sorted({*used, "sh"}))
+    all_prefixes = {**prefixes, "sh": _SH}
+    short, used = shortened(text, all_prefixes)
+    declared = "".join(f"@prefix {prefix}: <{all_prefixes[prefix]}> .\n" for prefix in sorted({*used, "sh"}))
     return f"{declared}\n{short}"
 
 
@@ -73,13 +73,13 @@ def _query_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:
     return _shape(rule, "", "sh:SPARQLRule", [f'sh:construct """\n{escaped}\n"""'])
 
 
-def _without_values(rule: Rule, body: Sequence[Element], known: frozenset[Variable], names: Names) -> Iterator[Element]:
-    """Yield a body without VALUES, which SHACL excludes; `known` are the variables bound before it."""
+def _without_values(rule: Rule, body: Sequence[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+    """Yield a body without VALUES, which SHACL excludes; `bound` are the variables bound before it."""
     for element in body:
         if isinstance(element, Values):
-            yield from _alternatives(element, known, names)
+            yield from _alternatives(element, bound, names)
         elif isinstance(element, Exists | Aggregate):
-            seen = known if isinstance(element, Exists) else frozenset[Variable]()
+            seen = bound if isinstance(element, Exists) else frozenset[Variable]()
             yield replace(element, body=tuple(_without_values(rule, element.body, seen, names)))
         else:
             words = tokens_of(element.text) if isinstance(element, EngineBlock) else ()
@@ -88,15 +88,15 @@ def _without_values(rule: Rule, body: Sequence[Element], known: frozenset[Variab
                 what = f"has {excluded.text.upper()} in a part that SHACL cannot express"
                 raise refusal(rule, what, "Print it as .rq.")
             yield element
-        known |= binds(element)
+        bound |= binds(element)
 
 
-def _alternatives(element: Values, known: frozenset[Variable], names: Names) -> Iterator[Element]:
+def _alternatives(element: Values, bound: frozenset[Variable], names: Names) -> Iterator[Element]:
     """Yield the rows of VALUES as a union of assignments, to new variables that are compared with those known."""
     if not element.rows:
         yield Filter(expression("false"))
         return
-    new = {variable: names.like(variable) for variable in element.variables if variable in known}
+    new = {variable: names.like(variable) for variable in element.variables if variable in bound}
     columns = tuple(new.get(variable, variable) for variable in element.variables)
     spelt = [sparql.spelling(column) for column in columns]
     groups = (

@@ -23,13 +23,13 @@ def to_rq(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
     RuleError KG209 for atoms that match asserted triples only, for blank nodes of the data, and for rules whose heads
     have no variable in common with their bodies, of which a query can have only one.
     """
-    found = together(rules)
-    if found is None:
+    merged = together(rules)
+    if merged is None:
         hint = "Print them as .srl or .ttl, or put each into a file of its own."
         raise refusal(rules[0], "and others of its file have heads that one CONSTRUCT cannot tell apart", hint)
     closures = Closures.of(rules)
-    bodies = list(dict.fromkeys(_body(rule, closures) for rule in found))
-    template = head(dict.fromkeys(atom for rule in found for atom in rule.head))
+    bodies = list(dict.fromkeys(_body(rule, closures) for rule in merged))
+    template = head(dict.fromkeys(atom for rule in merged for atom in rule.head))
     return with_prefixes(_query(template, bodies), prefixes)
 
 
@@ -56,11 +56,11 @@ def shortened(text: str, prefixes: Mapping[str, str] = PREFIXES) -> tuple[str, t
     used: set[str] = set()
 
     def spelling(token: Token) -> str | None:
-        found = prefixed(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
-        if found is None:
+        short = prefixed(token.text[1:-1], prefixes) if token.kind is Kind.IRI else None
+        if short is None:
             return None
-        used.add(found[0])
-        return ":".join(found)
+        used.add(short[0])
+        return ":".join(short)
 
     return respelt(text, spelling), tuple(sorted(used))
 

@@ -107,8 +107,8 @@ class Graphs:
     @property
     def temporary(self) -> list[NamedNode]:
         """All temporary graphs of the run."""
-        made = [graph for each in self.channels for graph in (each.derived, each.new, each.delta)]
-        return [*made, self.stated, NamedNode(self.prefix + "asserted")]
+        graphs = [graph for each in self.channels for graph in (each.derived, each.new, each.delta)]
+        return [*graphs, self.stated, NamedNode(self.prefix + "asserted")]
 
 
 def first_update(rule: Rule, graphs: Graphs) -> str:
@@ -145,17 +145,17 @@ def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -
 
 def _placed(body: Sequence[Element], graphs: Graphs) -> tuple[Element, ...]:
     """Return a body whose atoms on asserted data and auxiliary predicates name their graphs."""
-    found: list[Element] = []
+    result: list[Element] = []
     for element in body:
         if isinstance(element, Exists | Aggregate):
-            found.append(replace(element, body=_placed(element.body, graphs)))
+            result.append(replace(element, body=_placed(element.body, graphs)))
         elif not isinstance(element, Atom) or isinstance(element, Placed):
-            found.append(element)
+            result.append(element)
         elif is_auxiliary(element.predicate):
-            found.append(_at(element, graphs.auxiliary.derived))
+            result.append(_at(element, graphs.auxiliary.derived))
         else:
-            found.append(_at(element, graphs.asserted) if element.asserted else element)
-    return tuple(found)
+            result.append(_at(element, graphs.asserted) if element.asserted else element)
+    return tuple(result)
 
 
 def _at(atom: Atom, graph: NamedNode) -> Placed:
@@ -210,8 +210,8 @@ class Sources:
         left = ", ".join([str(inferred), builds, *map(str, SYSTEM_GRAPHS)])
         condition = f'?g NOT IN ({left}) && !STRSTARTS(STR(?g), "{inferred.value}/")'
         # Grouped, since Virtuoso 7 needs seconds for SELECT DISTINCT.
-        asked = f"SELECT ?g WHERE {{ GRAPH ?g {{ {_ANY} }} FILTER({condition}) }} GROUP BY ?g"
-        named = (row["g"] for row in snapshot.rows(asked))
+        query = f"SELECT ?g WHERE {{ GRAPH ?g {{ {_ANY} }} FILTER({condition}) }} GROUP BY ?g"
+        named = (row["g"] for row in snapshot.rows(query))
         return cls(tuple(graph for graph in named if isinstance(graph, NamedNode)), condition, default=True)
 
 
@@ -399,11 +399,11 @@ def _advance(channel: Channel, graphs: Graphs) -> str:
     new, delta, derived, asserted = (
         f"GRAPH {graph} {{ ?s ?p ?o }}" for graph in (channel.new, channel.delta, channel.derived, graphs.asserted)
     )
-    known = f"FILTER NOT EXISTS {{ {asserted} }} FILTER NOT EXISTS {{ {derived} }}"
+    absent = f"FILTER NOT EXISTS {{ {asserted} }} FILTER NOT EXISTS {{ {derived} }}"
     return " ;\n".join(
         [
             f"DROP SILENT GRAPH {channel.delta}",
-            f"INSERT {{ {delta} }} WHERE {{ {new} {known} }}",
+            f"INSERT {{ {delta} }} WHERE {{ {new} {absent} }}",
             f"INSERT {{ {derived} }} WHERE {{ {delta} }}",
             f"DROP SILENT GRAPH {channel.new}",
         ]

@@ -1,8 +1,8 @@
-// The list that says what a picture shows: each thing with what it leads to, for keyboards and screen readers.
+// The list for a picture: each thing with its targets, for keyboards and screen readers.
 
 import { element } from "./table.js";
 
-/** Return the list of a graph; `onSelect(id)` is told when the marked button of a thing is used. */
+/** Return the list of a graph; `onSelect(id)` is called for the marked button of a thing. */
 export function listed(data, { open, onSelect }) {
   const labels = new Map(data.nodes.map((node) => [node.id, node.label]));
   const leads = new Map();

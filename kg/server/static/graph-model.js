@@ -1,4 +1,4 @@
-// What of a graph is visible, without anything of a screen: groups that are closed stand for what is in them.
+// The visible part of a graph, independent of a screen: closed groups represent their content.
 
 /** Return the data with everything in an order that does not depend on how they came, and without dangling edges. */
 export function ordered({ nodes = [], edges = [], groups = [] }) {
@@ -14,7 +14,7 @@ export function ordered({ nodes = [], edges = [], groups = [] }) {
   };
 }
 
-/** Return { nodes, edges, groups, within }: what is drawn while the groups of the set `collapsed` are closed. */
+/** Return { nodes, edges, groups, within }: the drawn part while the groups of the set `collapsed` are closed. */
 export function visible(data, collapsed) {
   const parents = new Map(data.groups.map((group) => [group.id, group.group]));
   const owner = new Map(data.nodes.map((node) => [node.id, node.group]));
@@ -40,7 +40,7 @@ export function visible(data, collapsed) {
   };
 }
 
-/** Return the edges between what is drawn; those that fall together become one, with how many they are. */
+/** Return the edges between drawn nodes; parallel ones become one, with their number. */
 function joined(edges, within) {
   const found = new Map();
   for (const edge of edges) {
@@ -80,7 +80,7 @@ export function loose({ nodes, edges }, direction) {
   });
 }
 
-const EDGE = 3; // an edge with both its ends says more than a node more
+const EDGE = 3; // an edge with both its ends is worth more than another node
 
 /**
  * Return the ids of the boxes, { id, x1, y1, x2, y2 }, that are seen whole together where most is to be seen, of them and

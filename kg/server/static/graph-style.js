@@ -15,7 +15,7 @@ const LONGEST = 44;
 const PADDING = 18;
 const measure = document.createElement("canvas").getContext("2d");
 
-/** Return the colours of the page as texts that a canvas understands, by the names that kg.css gives them. */
+/** Return the colours of the page in a form for a canvas, by their names in kg.css. */
 export function palette(host) {
   const probe = document.createElement("span");
   host.append(probe);
@@ -30,7 +30,7 @@ export function palette(host) {
   return found;
 }
 
-/** Return the text that a node shows, and its width and height for it. */
+/** Return the text of a node, and its width and height. */
 export function sized(node, font) {
   const text = node.label.length > LONGEST ? `${node.label.slice(0, LONGEST / 2 - 1)}…${node.label.slice(-LONGEST / 2)}` : node.label;
   measure.font = MONO.has(node.kind) ? "12px monospace" : `12px ${font}`;

@@ -1,9 +1,9 @@
-// Pictures of graphs, for every page that has one.
+// Pictures of graphs, for all pages.
 //
 //   import { draw } from "/static/graph.js";
 //   const picture = await draw(host, data, { name: "bringup", direction: "LR" });
 //
-// `host` is an empty element; it gets the tools, the picture and a list that says the same. `data` is
+// `host` is an empty element; it receives the tools, the picture and an equivalent list. `data` is
 //
 //   { nodes:  [{ id, label, kind, href?, group?, detail?, inferred?, marked? }],
 //     edges:  [{ source, target, kind?, label?, inferred?, marked? }],
@@ -14,7 +14,7 @@
 // node's page is, `detail` a line more about it. `inferred` is drawn dashed, `marked` (a finding) in the colour of errors.
 //
 // Options: `direction` is "LR" or "TB"; `collapsed` lists groups that are closed at first (or is true: all of them);
-// `note` is a sentence that stands below the picture while nothing is selected; `name` names exported files; `height` is a length of CSS; `onSelect(node or null)` is told of what is selected.
+// `note` is a sentence below the picture while nothing is selected; `name` names exported files; `height` is a length of CSS; `onSelect(node or null)` receives the selection.
 //
 // The returned picture has fit(), zoom(factor), select(id or null), collapse(ids), replace(data), save(kind) with kind
 // "png", "svg" or "json", and `cy`, the cytoscape instance: null where the libraries are not installed; the list is then
@@ -60,7 +60,7 @@ async function library() {
   }
 }
 
-/** Draw a graph into an empty element; what it takes and returns stands at the head of this file. */
+/** Draw a graph into an empty element; the head of this file describes parameters and result. */
 export async function draw(host, data, options = {}) {
   host.setAttribute("aria-busy", "true");
   const picture = new Picture(host, data, options);
@@ -80,11 +80,11 @@ class Picture {
     this.size = {};
     this.moved = false; // by somebody, since all was laid out
     this.left = new AbortController();
-    this.away = new Set(); // ids of nodes that somebody has hidden
+    this.away = new Set(); // ids of hidden nodes
   }
 
-  /** Return the data without what somebody has hidden. */
-  get kept() {
+  /** Return the data without hidden nodes. */
+  get remaining() {
     if (!this.away.size) return this.data;
     const nodes = this.data.nodes.filter((node) => !this.away.has(node.id));
     return ordered({ ...this.data, nodes });
@@ -122,9 +122,9 @@ class Picture {
     this.show();
   }
 
-  /** Draw what is visible now and lay it out. */
+  /** Draw and lay out the visible part. */
   show() {
-    const shown = visible(this.kept, this.collapsed);
+    const shown = visible(this.remaining, this.collapsed);
     const font = getComputedStyle(this.host).fontFamily;
     this.cy.elements().remove();
     this.cy.add(shown.groups.map((group) => ({ group: "nodes", data: { ...group, parent: group.group }, classes: "group" })));
@@ -141,9 +141,9 @@ class Picture {
     this.tell(null);
   }
 
-  /** Lay out what is shown, and look at it. */
+  /** Lay out the visible part, and fit the view. */
   place(shown) {
-    // Rows of what is joined to nothing, by edges that hold them together while they are laid out.
+    // Rows of unconnected nodes, by temporary edges between them during the layout.
     const rows = this.cy.add(loose(shown, this.options.direction).map(([source, target]) => ({ group: "edges", data: { source, target } })));
     const options = {
       name: "dagre", rankDir: this.options.direction, nodeSep: 14, rankSep: shown.edges.some((edge) => edge.label) ? 130 : 56, edgeSep: 8,
@@ -154,7 +154,7 @@ class Picture {
     this.look();
   }
 
-  /** Look at all that is shown; where that is too much to be read, at the part that has most of what is connected. */
+  /** Fit the view to the graph; if that is too small to read, to its largest connected part. */
   look() {
     this.moved = false;
     this.near(this.cy.elements());
@@ -168,7 +168,7 @@ class Picture {
     this.near(nodes.filter((node) => found.has(node.id())));
   }
 
-  /** Look at elements as large as they fit, and not larger than is of use. */
+  /** Fit the view to elements, up to a useful zoom. */
   near(elements) {
     this.cy.fit(elements, MARGIN);
     if (this.cy.zoom() > LARGEST) this.cy.zoom(LARGEST).center(elements);
@@ -192,14 +192,14 @@ class Picture {
     drawn.add(this);
   }
 
-  /** Hold nothing of the page any more, which has taken the picture away. */
+  /** Release the page, which has removed the picture. */
   leave() {
     drawn.delete(this);
     this.left.abort();
     this.cy.destroy();
   }
 
-  /** Take the size that the element has now; who has moved the picture keeps looking at the same. */
+  /** Adopt the current size of the element; a view moved by the user stays the same. */
   resized() {
     const { width, height } = this.size;
     this.size = { width: this.canvas.clientWidth, height: this.canvas.clientHeight };
@@ -245,7 +245,7 @@ class Picture {
     this.cy?.zoom({ level: this.cy.zoom() * factor, renderedPosition: { x: this.cy.width() / 2, y: this.cy.height() / 2 } });
   }
 
-  /** Mark a node and what it is joined to; null marks nothing. */
+  /** Mark a node and its neighbours; null marks nothing. */
   select(id) {
     if (!this.cy) return;
     this.cy.elements().removeClass("faded chosen");
@@ -263,7 +263,7 @@ class Picture {
 
   /** Return the id of a node, or of the closed group that it is drawn within. */
   within(id) {
-    return visible(this.kept, this.collapsed).within(id);
+    return visible(this.remaining, this.collapsed).within(id);
   }
 
   tell(node) {
@@ -289,7 +289,7 @@ class Picture {
   /** Select the next node whose name has a text; its groups are opened. */
   find(text) {
     const wanted = text.trim().toLowerCase();
-    const found = this.kept.nodes.filter((node) => `${node.id} ${node.label}`.toLowerCase().includes(wanted)).map((node) => node.id);
+    const found = this.remaining.nodes.filter((node) => `${node.id} ${node.label}`.toLowerCase().includes(wanted)).map((node) => node.id);
     if (!wanted || !found.length) return void this.select(null);
     this.found = found[(found.indexOf(this.found) + 1) % found.length];
     for (let at = this.within(this.found); at !== this.found; at = this.within(this.found)) this.collapsed.delete(at);
@@ -322,10 +322,10 @@ class Picture {
 
   tools() {
     const button = (text, label, work) => {
-      const made = element("button", { type: "button", title: label }, text);
-      if (text.length < 2) made.setAttribute("aria-label", label);
-      made.addEventListener("click", work);
-      return made;
+      const node = element("button", { type: "button", title: label }, text);
+      if (text.length < 2) node.setAttribute("aria-label", label);
+      node.addEventListener("click", work);
+      return node;
     };
     const turn = () => {
       this.options.direction = this.options.direction === "LR" ? "TB" : "LR";

@@ -1,4 +1,4 @@
-// A link `/login#token=...` logs in. What stands behind the # is never sent, so no log of a server or proxy has it.
+// A link `/login#token=...` logs in. The part after the # is never sent, so no log of a server or proxy contains it.
 
 const given = new URLSearchParams(location.hash.slice(1)).get("token");
 if (given) {

@@ -1,4 +1,4 @@
-// The picture of a node: itself, its topics, services and actions, and who is at their other side.
+// The picture of a node: itself, its topics, services and actions, and the nodes at their other side.
 
 import { draw } from "./graph.js";
 

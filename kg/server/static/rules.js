@@ -3,7 +3,7 @@
 import { url } from "./address.js";
 import { draw } from "./graph.js";
 
-/** Return rules and who feeds whom as graph.js takes them; `own` is marked by its group being left out. */
+/** Return rules and their dependencies as data of graph.js; `own` is marked by its missing group. */
 function asGraph({ nodes, edges }) {
   const families = [...new Set(nodes.map((node) => node.family))];
   return {
@@ -37,7 +37,7 @@ async function picture(host, graph) {
   if (rule) drawn.select(rule);
 }
 
-/** Request all rules and draw them; computing who feeds whom takes a second or two after a start of the server. */
+/** Request all rules and draw them; computing their dependencies takes a second or two after a start of the server. */
 async function request(host) {
   host.setAttribute("aria-busy", "true");
   host.textContent = "Computing which rules feed which …";

@@ -1,10 +1,10 @@
-// What every page does: the theme switch, keys, dialogs, and tables that can be sorted.
+// Common to all pages: the theme switch, keys, dialogs, and sortable tables.
 
 import { enhance } from "./table.js";
 
 const THEMES = ["system", "light", "dark"];
 
-/** Show the switch of the theme and keep what is chosen. */
+/** Show the switch of the theme and store the choice. */
 function themeSwitch(button) {
   const root = document.documentElement;
   const shown = () => root.dataset.theme ?? "system";
@@ -48,17 +48,17 @@ function keys(event) {
 }
 
 const panel = document.getElementById("why");
-let asked = 0;
+let latest = 0;
 
 /** Open the proof of a derived fact in its panel; without why.js the link leads to the page that shows it. */
 async function why(event) {
   const link = event.target.closest?.("a[data-why]");
   if (!link || event.ctrlKey || event.metaKey || event.shiftKey) return;
   event.preventDefault();
-  const turn = ++asked;
+  const turn = ++latest;
   const { open } = panel;
-  // That the panel was closed is told a little later than it was.
-  const wanted = () => turn === asked && (panel.open || !open);
+  // The close event comes a little after the panel is closed.
+  const wanted = () => turn === latest && (panel.open || !open);
   panel.setAttribute("aria-busy", "true");
   try {
     const { show } = await import("./why.js");
@@ -72,7 +72,7 @@ async function why(event) {
 document.addEventListener("keydown", keys);
 document.addEventListener("click", why);
 panel.addEventListener("close", () => {
-  asked += 1; // what is still asked for is wanted no more
+  latest += 1; // drop a pending answer
   panel.setAttribute("aria-busy", "false");
 });
 themeSwitch(document.getElementById("theme"));

@@ -1,4 +1,4 @@
-// The start page: launch configurations with findings, which take a while to count, are filled in when they are known.
+// The start page: launch configurations with findings, which take a while to count, are filled in later.
 
 import { url } from "./address.js";
 import { element } from "./table.js";

@@ -1,4 +1,4 @@
-// The picture of a system: switches for what it shows, and findings that point into it.
+// The picture of a system: switches for its parts, and findings that link into it.
 
 import { draw } from "./graph.js";
 import { ordered, visible } from "./graph-model.js";
@@ -32,7 +32,7 @@ function around(data, node) {
   return found;
 }
 
-/** Return the part of a graph that is shown: `hidden` names what is left out, by flag or kind. */
+/** Return the visible part of a graph: `hidden` names the omitted parts, by flag or kind. */
 function part(data, hidden) {
   const nodes = data.nodes.filter((node) => !hidden.some((what) => node[what] || node.kind === what));
   return { ...data, nodes };
@@ -107,7 +107,7 @@ async function picture(host, switches) {
   }
 }
 
-/** Put a table that is on a page of its own in the place of the link to it; where it does not come the link stays. */
+/** Replace the link to a table on its own page by the table; if it cannot be loaded the link stays. */
 export async function load(details) {
   if (details.getAttribute("aria-busy") === "true") return;
   details.setAttribute("aria-busy", "true");
@@ -115,10 +115,10 @@ export async function load(details) {
   details.setAttribute("aria-busy", "false");
   const found = new DOMParser().parseFromString(text, "text/html").getElementById("part");
   if (!found) return;
-  const held = details.lastElementChild.contains(document.activeElement);
+  const focused = details.lastElementChild.contains(document.activeElement);
   details.lastElementChild.replaceWith(...document.adoptNode(found).children);
   for (const table of details.querySelectorAll("table[data-table]")) enhance(table);
-  if (held) details.querySelector("summary").focus();
+  if (focused) details.querySelector("summary").focus();
   delete details.dataset.part;
 }
 

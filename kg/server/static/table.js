@@ -1,7 +1,7 @@
-// Tables that can be sorted, filtered and paged.
+// Sortable, filterable and paged tables.
 //
 //   enhance(table, { page: 50 })            a table that the server wrote; `data-table` on it does the same
-//   const made = build({ columns, rows })   a table from data; put `made.element` into the page
+//   const built = build({ columns, rows })   a table from data; put `built.element` into the page
 //
 // A column is { name, label?, number?, cell? }; `cell(value, row)` returns a text or a node. Data are shown as text.
 // Tables of fewer than ten rows, and those with data-tools="none", get no filter and no pages. Cells sort by `data-sort` where they have it, else by their text.
@@ -11,9 +11,9 @@ const FEW = 10;
 
 /** Return an element with properties and children; children that are texts stay texts. */
 export function element(name, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(name), properties);
-  made.append(...children.filter((child) => child !== null && child !== undefined));
-  return made;
+  const created = Object.assign(document.createElement(name), properties);
+  created.append(...children.filter((child) => child !== null && child !== undefined));
+  return created;
 }
 
 const key = (row, column) => row.cells[column]?.dataset.sort ?? row.cells[column]?.textContent.trim() ?? "";

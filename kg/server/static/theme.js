@@ -1,4 +1,4 @@
-// Sets the theme before anything is drawn: "light" or "dark" as chosen, else as the system says.
+// Sets the theme before anything is drawn: "light" or "dark" as chosen, else that of the system.
 (() => {
   try {
     const chosen = localStorage.getItem("kg-theme");

@@ -1,11 +1,11 @@
-// The panel with the proof of a fact or of a row: what the page /why shows, in the dialog of any page.
+// The panel with the proof of a fact or of a row: the content of the page /why, in a dialog of any page.
 
 import { url } from "./address.js";
 
 const STYLE = url("/static/why.css");
 const LONGEST_ADDRESS = 7000;
 
-/** Load the style of proofs once, so that the panel does not flash without it. */
+/** Load the style of proofs once, or the panel flashes without it. */
 function styled() {
   if (document.querySelector(`link[href="${STYLE}"]`)) return Promise.resolve();
   return new Promise((resolve) => {
@@ -16,8 +16,8 @@ function styled() {
   });
 }
 
-/** Ask for the page of a proof; what is too long for an address is sent as a form. */
-function asked(address) {
+/** Ask for the page of a proof; one too long for an address is sent as a form. */
+function request(address) {
   const headers = { Accept: "text/html" };
   const [, values] = address.split("?", 2);
   if (address.length < LONGEST_ADDRESS) return fetch(url(`/why?${values}`), { headers });
@@ -29,7 +29,7 @@ function asked(address) {
  * where there is none to be had.
  */
 export async function show(address, dialog, body, wanted) {
-  const answer = await asked(address);
+  const answer = await request(address);
   const found = new DOMParser().parseFromString(await answer.text(), "text/html");
   const proof = found.getElementById("proof");
   if (!proof) throw new Error(`${answer.status}`);
@@ -43,6 +43,6 @@ export async function show(address, dialog, body, wanted) {
   const title = dialog.querySelector("h2");
   title.textContent = found.querySelector("h1")?.textContent ?? "Why";
   if (!dialog.open) dialog.showModal();
-  if (inside) title.focus(); // what had the focus is gone
+  if (inside) title.focus(); // the focused element was replaced
   dialog.scrollTop = 0;
 }

@@ -17,12 +17,12 @@ from kg.resources import folder
 from kg.rules.blocks.read import read
 from kg.rules.blocks.tree import (
     Absent,
+    Bound,
     Compare,
     Either,
     Fact,
     Is,
     Join,
-    Known,
     Let,
     Logic,
     Match,
@@ -41,7 +41,7 @@ from kg.rules.blocks.tree import (
     Truth,
 )
 from kg.rules.blocks.write import write
-from kg.rules.checks.run import beside, check_file
+from kg.rules.checks.run import check_file, with_rules
 from kg.rules.files import RuleSet
 from kg.rules.reading import read_text
 from kg.settings import load
@@ -112,7 +112,7 @@ def _tests(draw: DrawFn, bound: list[str], depth: int = 2) -> Test:
     leaves: list[Any] = [
         st.builds(Compare, operator=st.sampled_from(["=", "!=", "<", "<=", ">", ">="]), left=thing, right=value),
         st.builds(Match, how=st.sampled_from(["CONTAINS", "STRSTARTS", "STRENDS", "REGEX"]), value=thing, text=value),
-        st.builds(Known, name=st.sampled_from(bound)),
+        st.builds(Bound, name=st.sampled_from(bound)),
     ]
     if depth:
         inner = _tests(bound, depth - 1)
@@ -190,7 +190,7 @@ def test_what_blocks_say_passes_the_check(rule: Rule) -> None:
     text = write(rule).text
     file = read_text(text, Path("rules/rule.rq"), rule.name)
     assume(file.rules)  # a filter that never holds gives no solution: it is reported, as below
-    found = [one for one in check_file(file, beside(RuleSet((file,)), _context())) if one.code != "KG219"]
+    found = [one for one in check_file(file, with_rules(RuleSet((file,)), _context())) if one.code != "KG219"]
     assert found == [], text
 
 
@@ -199,7 +199,7 @@ def test_a_test_that_never_holds_is_told() -> None:
     text = """CONSTRUCT { ?node rnkg:usesHardware hardware:lidar }
     WHERE { ?node rnkg:publishes ?_topic FILTER(!BOUND(?node)) }"""
     file = read_text(text, Path("rules/rule.rq"), "mine/rule")
-    found = next(one for one in check_file(file, beside(RuleSet((file,)), _context())) if one.code == "KG201")
+    found = next(one for one in check_file(file, with_rules(RuleSet((file,)), _context())) if one.code == "KG201")
     assert found.message == "no rule here can infer anything"
     assert "filters that can hold" in str(found.hint)
 
@@ -229,7 +229,7 @@ def test_the_examples_have_blocks_throughout(path: Path) -> None:
     """The starting rules have no part in SPARQL, and are written unchanged."""
     name = f"{path.parent.name}/{path.stem}"
     rule = read(path.read_text("utf-8"), name)
-    assert not any(sign in repr(rule) for sign in ("Other(", "Formula(", "Says("))
+    assert not any(sign in repr(rule) for sign in ("Other(", "Formula(", "RawTest("))
     assert write(rule).text == path.read_text("utf-8")
 
 

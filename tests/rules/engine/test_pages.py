@@ -25,7 +25,7 @@ def numbers(first: int) -> np.ndarray:
 
 def test_an_array_is_the_same_in_the_file(tmp_path: Path) -> None:
     """The stored array is equal, and read-only."""
-    kept = Pages(tmp_path).keep(numbers(5))
+    kept = Pages(tmp_path).store(numbers(5))
     assert np.array_equal(kept, numbers(5))
     assert not kept.flags.writeable
 
@@ -33,7 +33,7 @@ def test_an_array_is_the_same_in_the_file(tmp_path: Path) -> None:
 def test_an_array_stays_when_its_pages_are_released(tmp_path: Path) -> None:
     """Released pages are read again."""
     pages = Pages(tmp_path)
-    kept = pages.keep(numbers(5))
+    kept = pages.store(numbers(5))
     pages.release()
     assert np.array_equal(kept, numbers(5))
 
@@ -41,8 +41,8 @@ def test_an_array_stays_when_its_pages_are_released(tmp_path: Path) -> None:
 def test_a_view_keeps_its_place(tmp_path: Path) -> None:
     """The space of an array is reused only when it has no views left."""
     pages = Pages(tmp_path)
-    view = pages.keep(numbers(0))[10:]
-    others = [pages.keep(numbers(7 * one)) for one in range(1, 20)]
+    view = pages.store(numbers(0))[10:]
+    others = [pages.store(numbers(7 * one)) for one in range(1, 20)]
     assert np.array_equal(view, numbers(0)[10:])
     assert all(np.array_equal(kept, numbers(7 * one)) for one, kept in enumerate(others, 1))
 
@@ -50,20 +50,20 @@ def test_a_view_keeps_its_place(tmp_path: Path) -> None:
 def test_a_place_is_used_again(tmp_path: Path) -> None:
     """Space of freed arrays is reused."""
     pages = Pages(tmp_path)
-    first = pages.keep(numbers(1)).__array_interface__["data"]
-    assert pages.keep(numbers(2)).__array_interface__["data"] == first
+    first = pages.store(numbers(1)).__array_interface__["data"]
+    assert pages.store(numbers(2)).__array_interface__["data"] == first
 
 
 def test_a_small_array_stays_in_memory(tmp_path: Path) -> None:
     """It is returned as it is."""
     small = np.arange(3)
-    assert Pages(tmp_path).keep(small) is small
+    assert Pages(tmp_path).store(small) is small
 
 
 def test_the_file_has_no_name(tmp_path: Path) -> None:
     """It disappears however the process exits."""
     pages = Pages(tmp_path)
-    kept = pages.keep(numbers(1))
+    kept = pages.store(numbers(1))
     assert not list(tmp_path.iterdir())
     assert kept.size == LARGE
 

@@ -11,7 +11,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from kg.rules.engine import terms
 from kg.rules.engine.pages import Pages
-from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary, Kept
+from kg.rules.engine.terms import BLANK, IRI, LITERAL, TRIPLE, Dictionary, Spellings
 from kg.store.terms import spell
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def test_kinds_are_known_for_terms_that_come_later_too() -> None:
 
 def test_kinds_of_kept_terms_are_read_from_their_text() -> None:
     """Terms in a file and later terms have the same kinds as in memory."""
-    dictionary = Dictionary(Kept.of([spell(term) for term in TERMS[:4]]))
+    dictionary = Dictionary(Spellings.of([spell(term) for term in TERMS[:4]]))
     every = dictionary.intern_all([spell(term) for term in TERMS])
     assert dictionary.kinds(np.append(every, [0, every[1]])).tolist() == [*KINDS, 0, BLANK]
 
@@ -80,7 +80,7 @@ texts = st.lists(st.binary(max_size=3), unique=True, max_size=40)
 @given(texts, texts)
 def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[bytes]) -> None:
     """A dictionary that loads its terms on access gives the same identifiers."""
-    lazy, eager = Dictionary(Kept.of(kept)), Dictionary.of(kept)
+    lazy, eager = Dictionary(Spellings.of(kept)), Dictionary.of(kept)
     assert [lazy.find(one) for one in asked] == [eager.find(one) for one in asked]
     assert lazy.intern_all(asked).tolist() == eager.intern_all(asked).tolist()
     numbers = range(len(eager))
@@ -89,7 +89,7 @@ def test_kept_terms_are_those_that_were_kept(kept: list[bytes], asked: list[byte
 
 def test_kept_terms_with_one_checksum_are_told_apart() -> None:
     """These two spellings have the same CRC-32."""
-    kept = Kept.of([b"plumless", b"buckeroo"])
+    kept = Spellings.of([b"plumless", b"buckeroo"])
     assert [kept.find(one) for one in (b"plumless", b"buckeroo", b"other")] == [0, 1, None]
 
 

@@ -22,7 +22,7 @@ def test_the_nearest_match_is_named() -> None:
         == "no <https://example.org/viewer> <https://example.org/subscribes> <https://example.org/image_raw>"
     )
     assert "image_rwa" in attempt.nearest[0]
-    assert attempt.held == (fact("camera publishes image_raw"),)
+    assert attempt.matched == (fact("camera publishes image_raw"),)
 
 
 def test_labels_are_what_people_read() -> None:
@@ -69,7 +69,7 @@ def test_rules_that_have_not_run() -> None:
     """If all conditions hold, the explanation is that rules have not run."""
     world = World(":a :publishes :t . :b :subscribes :t .", ())
     (attempt,) = why_not(world.view, (HEARS,), fact("b hears a")).attempts
-    assert (attempt.failing, len(attempt.held)) == (None, 2)
+    assert (attempt.failing, len(attempt.matched)) == (None, 2)
 
 
 PAIRS = st.lists(st.tuples(st.sampled_from("abc"), st.sampled_from(["publishes", "subscribes"]), st.sampled_from("tu")))

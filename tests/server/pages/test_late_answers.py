@@ -254,7 +254,7 @@ def test_the_rule_asked_for_last_is_opened(browser: Chromium, site: str) -> None
         await _held(page, 3)
         await page.fill("#rule-title", "Edited")
         await _through(page, 2)
-        await page.locator("#said", has_text="was not opened").wait_for()
+        await page.locator("#message", has_text="was not opened").wait_for()
         return first, await page.input_value("#rule-name"), await page.input_value("#rule-title"), await _judged(page)
 
     first, name, title, _ = _composed(browser, site, choose)

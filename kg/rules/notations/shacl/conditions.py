@@ -143,14 +143,14 @@ def at_least(
     first = reach()
     if number > _FEW and term.startswith("?") and all(branch.matched for branch in first):
         return [[_counted(first, term, number, names, extra)]]
-    found: Cases = []
+    cases: Cases = []
     for chosen in product(*(reach() for _ in range(number))):
         pattern = " ".join(branch.pattern for branch in chosen if branch.pattern)
         different = [f"FILTER(!sameTerm({one.term}, {two.term}))" for one, two in combinations(chosen, 2)]
         tests = every(extra(branch.term) for branch in chosen) if extra else TRUE
         if len({branch.term for branch in chosen}) == number:
-            found += [[f"FILTER EXISTS {{ {' '.join([pattern, *different, *test])} }}"] for test in tests]
-    return found or FALSE
+            cases += [[f"FILTER EXISTS {{ {' '.join([pattern, *different, *test])} }}"] for test in tests]
+    return cases or FALSE
 
 
 def _counted(
@@ -199,10 +199,10 @@ class Conditions:
         self._around.append(shape)
         try:
             parts = [
-                found
+                cases
                 for predicate in self._graph.predicates(shape)
                 for value in self._graph.values(shape, predicate)
-                if (found := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None
+                if (cases := self._constraint(shape, predicate, value, term, wanted=wanted)) is not None
             ]
             return every(parts) if wanted else some(parts)
         except OverflowError:

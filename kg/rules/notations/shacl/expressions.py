@@ -78,12 +78,12 @@ class Expressions:
             "offset": self._cut,
             "orderBy": self._nodes,
         }
-        found = [name for name in kinds if name in has]
-        if len(found) > 1 and not set(found) <= {"limit", "offset", "orderBy"}:
+        present = [name for name in kinds if name in has]
+        if len(present) > 1 and not set(present) <= {"limit", "offset", "orderBy"}:
             raise self._graph.error(
-                f"a node expression has both sh:{found[0]} and sh:{found[1]}", node, hint="Nest them with sh:nodes."
+                f"a node expression has both sh:{present[0]} and sh:{present[1]}", node, hint="Nest them with sh:nodes."
             )
-        return kinds[found[0]] if found else self._function
+        return kinds[present[0]] if present else self._function
 
     def _nodes(self, node: Term, this: str) -> list[Branch]:
         return self.branches(self._graph.required(node, "nodes"), this)
@@ -118,10 +118,10 @@ class Expressions:
         return [branch for branches in self._list(node, "union", this) for branch in branches]
 
     def _intersection(self, node: Term, this: str) -> list[Branch]:
-        found, *others = self._list(node, "intersection", this)
+        result, *others = self._list(node, "intersection", this)
         for other in others:
-            found = [_both(left, right) for left, right in product(found, other)]
-        return found
+            result = [_both(left, right) for left, right in product(result, other)]
+        return result
 
     def _minus(self, node: Term, this: str) -> list[Branch]:
         taken = self.branches(self._graph.required(node, "minus"), this)
@@ -155,10 +155,10 @@ class Expressions:
 
         def read(node: Term, this: str) -> list[Branch]:
             branches = self.branches(self._graph.required(node, name), this)
-            found = [self._grouped(name.upper(), branches, this)]
+            result = [self._grouped(name.upper(), branches, this)]
             if zero and all(branch.pattern for branch in branches):
-                found.append(Branch(_all_none(branches), _ZERO))
-            return found
+                result.append(Branch(_all_none(branches), _ZERO))
+            return result
 
         return read
 
@@ -171,12 +171,12 @@ class Expressions:
 
     def _if(self, node: Term, this: str) -> list[Branch]:
         true = [_tested(branch) for branch in self.branches(self._graph.required(node, "if"), this)]
-        found = []
+        result = []
         for name, tests in (("then", [_some(branch) for branch in true]), ("else", [_all_none(true)])):
             chosen = self._graph.one(node, name)
             for branch, tested in product(self.branches(chosen, this) if chosen is not None else [], tests):
-                found.append(Branch(f"{tested} {branch.pattern}".strip(), branch.term))
-        return found
+                result.append(Branch(f"{tested} {branch.pattern}".strip(), branch.term))
+        return result
 
     def _function(self, node: Term, this: str) -> list[Branch]:
         """Return a call: the one triple of the node whose object is a list (SHACL-AF, section 6.4)."""
@@ -201,7 +201,7 @@ class Expressions:
             [*branches, Branch(_all_none(branches), "")] if number < len(optional) and optional[number] else branches
             for number, branches in enumerate(given)
         ]
-        return [found for chosen in product(*choices) for found in self._call(function, chosen, node)]
+        return [result for chosen in product(*choices) for result in self._call(function, chosen, node)]
 
     def _bound(self, pattern: str, expression: str) -> Branch:
         value = self._names.fresh()

@@ -64,17 +64,17 @@ class Functions:
     def __init__(self, graph: ShapesGraph) -> None:
         """Nothing is read before it is called."""
         self._graph = graph
-        self._known: dict[NamedNode, Function] = {}
+        self._cache: dict[NamedNode, Function] = {}
 
     def find(self, node: NamedNode, owner: Term) -> Function:
         """Return a declared function; KG201 for an unknown name."""
-        if node not in self._known:
+        if node not in self._cache:
             if not self._graph.is_instance(node, sh("SPARQLFunction")):
                 hint = "Declare it as a sh:SPARQLFunction in this file; functions in JavaScript are not supported."
                 raise self._graph.error(f"this file does not declare the function {node}", owner, hint=hint)
             parameters = self._parameters(node)
-            self._known[node] = Function(node, parameters, self._query(node, [name for name, _ in parameters]))
-        return self._known[node]
+            self._cache[node] = Function(node, parameters, self._query(node, [name for name, _ in parameters]))
+        return self._cache[node]
 
     def _query(self, node: NamedNode, parameters: Collection[str]) -> Query:
         forms = [name for name in ("select", "ask") if self._graph.values(node, sh(name))]
@@ -91,11 +91,11 @@ class Functions:
 
     def _parameters(self, node: NamedNode) -> tuple[tuple[str, bool], ...]:
         """Return the parameters by sh:order, or where none has one by the local names of their paths."""
-        found = self._graph.values(node, sh("parameter"))
-        names = {parameter: local_name(self._graph.required(parameter, "path")) for parameter in found}
-        ordered = any(self._graph.values(parameter, sh("order")) for parameter in found)
-        found.sort(key=self._graph.order if ordered else lambda parameter: names[parameter])
-        return tuple((names[parameter], self._graph.flag(parameter, "optional")) for parameter in found)
+        parameters = self._graph.values(node, sh("parameter"))
+        names = {parameter: local_name(self._graph.required(parameter, "path")) for parameter in parameters}
+        ordered = any(self._graph.values(parameter, sh("order")) for parameter in parameters)
+        parameters.sort(key=self._graph.order if ordered else lambda parameter: names[parameter])
+        return tuple((names[parameter], self._graph.flag(parameter, "optional")) for parameter in parameters)
 
     def arguments(
         self, function: Function, given: Sequence[str | None], owner: Term, offset: int | None = None
@@ -130,21 +130,21 @@ class Functions:
 
     def inside(self, words: Words, owner: Term, depth: int = 0) -> Words:
         """Return SPARQL with the calls of declared functions replaced; KG230 for one that is a pattern."""
-        found: list[Word] = []
+        result: list[Word] = []
         index = 0
         while index < len(words):
             word = words[index]
             call = word.kind is Kind.IRI and index + 1 < len(words) and words[index + 1].text == "("
             node = NamedNode(word.text[1:-1]) if call else None
             if node is None or not self._graph.is_instance(node, sh("SPARQLFunction")):
-                found.append(word)
+                result.append(word)
                 index += 1
                 continue
             end = closing(words, index + 1)
             given = [self.inside(part, owner, depth) for part in top_level(words[index + 2 : end], ",")]
-            found.append(self._call(word, node, given, owner, depth))
+            result.append(self._call(word, node, given, owner, depth))
             index = end + 1
-        return found
+        return result
 
     def _call(self, word: Word, node: NamedNode, given: list[Words], owner: Term, depth: int) -> Word:
         function = self.find(node, owner)
@@ -164,11 +164,11 @@ class Functions:
         bound: list[Word] = []
         index = 0
         while index < len(words):
-            asked = words[index].text.upper() == "BOUND" and index + 3 < len(words)
-            name = words[index + 2].text[1:] if asked else ""
-            if asked and name in dict(function.parameters):
-                known = given.get(name) not in {_ERROR, f"({_ERROR})"}
-                bound.append(Word(Kind.WORD, "true" if known else "false"))
+            tests_bound = words[index].text.upper() == "BOUND" and index + 3 < len(words)
+            name = words[index + 2].text[1:] if tests_bound else ""
+            if tests_bound and name in dict(function.parameters):
+                has_value = given.get(name) not in {_ERROR, f"({_ERROR})"}
+                bound.append(Word(Kind.WORD, "true" if has_value else "false"))
                 index += 4
             else:
                 bound.append(words[index])
@@ -198,7 +198,7 @@ def _computation(function: Function) -> list[tuple[str, Words]] | None:
 
 def _assignments(group: Words, keyword: str) -> list[Words] | None:
     """Return what is in brackets behind each keyword; None when the group has anything else."""
-    found: list[Words] = []
+    result: list[Words] = []
     index = 0
     while index < len(group):
         if group[index].text == ".":
@@ -210,6 +210,6 @@ def _assignments(group: Words, keyword: str) -> list[Words] | None:
         inside = group[index + 2 : end]
         if any(word.text == "{" for word in inside) or not (keyword == "FILTER" or variables(inside[-1:])):
             return None
-        found.append(inside)
+        result.append(inside)
         index = end + 1
-    return found
+    return result

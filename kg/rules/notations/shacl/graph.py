@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import Fix, RuleError
-from kg.rules.notations.shacl.vocabulary import FIRST, KNOWN, NIL, REST, SH, SUBCLASS, TYPE, sh
+from kg.rules.notations.shacl.vocabulary import FIRST, NIL, REST, SH, SUBCLASS, TERMS, TYPE, sh
 from kg.similar import similar, suggest
 from kg.syntax.cursor import declaring
 from kg.syntax.lexer import END, Kind, Token, normalise, quoted, token_at, unescape, unescape_local
@@ -88,8 +88,8 @@ class Places:
 
     def of_name(self, iri: str) -> int | None:
         """Return the offset of an IRI: as a subject if it is one, else its first occurrence."""
-        found = self.subjects.get(iri)
-        return found if found is not None else next(iter(self.names.get(iri, ())), None)
+        offset = self.subjects.get(iri)
+        return offset if offset is not None else next(iter(self.names.get(iri, ())), None)
 
 
 def prefixes(text: str) -> dict[str, str]:
@@ -130,9 +130,9 @@ class ShapesGraph:
     def _check_names(self) -> None:
         for triple in self._triples:
             name = triple.predicate.value.removeprefix(SH)
-            if triple.predicate.value.startswith(SH) and name not in KNOWN:
+            if triple.predicate.value.startswith(SH) and name not in TERMS:
                 offset = self.places.of_name(triple.predicate.value)
-                near = similar(f"sh:{name}", (f"sh:{known}" for known in KNOWN))
+                near = similar(f"sh:{name}", (f"sh:{known}" for known in TERMS))
                 fixes = [Fix(shorten(SH + each[3:], prefixes(self.text))) for each in near]
                 what = f"SHACL has no property `sh:{name}`"
                 raise self.error(what, triple.subject, hint=suggest(near), offset=offset, fixes=fixes)
@@ -148,7 +148,7 @@ class ShapesGraph:
     def subjects(self, predicate: NamedNode, value: Term | None = None) -> list[Term]:
         """Return the nodes that have a value (this value) for a predicate."""
         if value is not None:
-            return [subject for subject, found in self._by_object.get(value, ()) if found == predicate]
+            return [subject for subject, key in self._by_object.get(value, ()) if key == predicate]
         return [subject for subject, pairs in self._by_subject.items() if predicate in pairs]
 
     def one(self, node: Term, name: str) -> Term | None:
@@ -186,7 +186,7 @@ class ShapesGraph:
 
     def members(self, node: Term, owner: Term) -> list[Term]:
         """Return the members of a list; KG201 when it is not well-formed."""
-        found: list[Term] = []
+        result: list[Term] = []
         seen: set[Term] = set()
         while node != NIL:
             first, rest = self.values(node, FIRST), self.values(node, REST)
@@ -194,9 +194,9 @@ class ShapesGraph:
                 message = f"{self.called(owner)} has a value that must be a list and is none"
                 raise self.error(message, owner, hint="Write the members in brackets: ( ex:one ex:two ).")
             seen.add(node)
-            found.append(first[0])
+            result.append(first[0])
             node = rest[0]
-        return found
+        return result
 
     def is_list(self, node: Term) -> bool:
         """Return whether a node is a list."""
@@ -207,12 +207,12 @@ class ShapesGraph:
         open_classes = self.values(node, TYPE)
         seen: set[Term] = set()
         while open_classes:
-            found = open_classes.pop()
-            if found == kind:
+            current = open_classes.pop()
+            if current == kind:
                 return True
-            if found not in seen:
-                seen.add(found)
-                open_classes += self.values(found, SUBCLASS)
+            if current not in seen:
+                seen.add(current)
+                open_classes += self.values(current, SUBCLASS)
         return False
 
     def offset(self, node: Term) -> int:
@@ -220,9 +220,9 @@ class ShapesGraph:
         seen: set[Term] = set()
         while node not in seen:
             seen.add(node)
-            found = self._own_offset(node)
-            if found is not None:
-                return found
+            own = self._own_offset(node)
+            if own is not None:
+                return own
             node = next((subject for subject, _ in self._by_object.get(node, ())), node)
         return 0
 
@@ -235,8 +235,8 @@ class ShapesGraph:
                 if len(instances) == len(offsets):
                     return offsets[instances.index(node)]
         for text in (value for name in ("construct", "select", "ask") for value in self.values(node, sh(name))):
-            if isinstance(text, Literal) and (found := self.string(text, node)):
-                return found.start
+            if isinstance(text, Literal) and (place := self.string(text, node)):
+                return place.start
         return next((offset for name in self.predicates(node) if (offset := self._of_property(node, name))), None)
 
     def _of_property(self, node: Term, predicate: NamedNode) -> int | None:

@@ -25,22 +25,22 @@ FALSE: Final[Cases] = []
 
 def every(parts: Iterable[Cases]) -> Cases:
     """Return that all hold; `OverflowError` when that has more than `MAX_CASES` alternatives."""
-    found = TRUE
+    result = TRUE
     for part in parts:
-        if len(found) * len(part) > MAX_CASES:
+        if len(result) * len(part) > MAX_CASES:
             raise OverflowError
-        found = [[*left, *(one for one in right if one not in left)] for left, right in product(found, part)]
-    return found
+        result = [[*left, *(one for one in right if one not in left)] for left, right in product(result, part)]
+    return result
 
 
 def some(parts: Iterable[Cases]) -> Cases:
     """Return that one holds at least."""
-    found: Cases = []
+    result: Cases = []
     for part in parts:
         if [] in part:
             return TRUE
-        found += [case for case in part if case not in found]
-    return found
+        result += [case for case in part if case not in result]
+    return result
 
 
 def exists(pattern: str, cases: Cases) -> Cases:

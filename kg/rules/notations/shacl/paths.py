@@ -117,10 +117,10 @@ class _Paths:
         raise self._malformed()
 
     def _members(self, node: Term) -> list[Term]:
-        found = self._graph.members(node, self._owner)
-        if len(found) < 2:  # noqa: PLR2004 - the standard asks for two
+        members = self._graph.members(node, self._owner)
+        if len(members) < 2:  # noqa: PLR2004 - the standard asks for two
             raise self._malformed()
-        return found
+        return members
 
     def _malformed(self) -> Exception:
         return self._graph.error(

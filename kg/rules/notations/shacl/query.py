@@ -110,15 +110,15 @@ def variables(words: Words) -> set[str]:
 
 def rename(words: Words, names: Mapping[str, str]) -> Words:
     """Put texts in place of variables, by their names."""
-    found = []
+    result = []
     for word in words:
         text = names.get(word.text[1:]) if word.kind is Kind.VARIABLE else None
         if text is None:
-            found.append(word)
+            result.append(word)
         else:
             kind = Kind.VARIABLE if text.startswith("?") else Kind.SIGN
-            found.append(replace(word, text=text, kind=kind, joined=False))
-    return found
+            result.append(replace(word, text=text, kind=kind, joined=False))
+    return result
 
 
 def closing(words: Words, start: int) -> int:
@@ -163,12 +163,12 @@ class _Reader:
         return self._written.offset(token.start) if self._written else self._graph.offset(self._owner)
 
     def query(self, form: str) -> Query:
-        found = self._prologue(list(tokens(self._text)))
-        if not found or found[0].text.upper() != form:
-            offset = self._offset(found[0]) if found else None
+        lexed = self._prologue(list(tokens(self._text)))
+        if not lexed or lexed[0].text.upper() != form:
+            offset = self._offset(lexed[0]) if lexed else None
             hint = f"sh:{form.lower()} has a {form} query; only PREFIX declarations may precede it."
             raise self._error(f"expected a {form} query", offset, hint)
-        words = [self._word(number, found) for number in range(len(found))]
+        words = [self._word(number, lexed) for number in range(len(lexed))]
         opening = next((number for number, word in enumerate(words) if word.text == "{"), len(words))
         if form == "CONSTRUCT" and opening == 1:
             template_end = closing(words, opening)
@@ -179,21 +179,21 @@ class _Reader:
             raise self._error("a bracket of the query is not closed, or it has no group", words[-1].offset, hint)
         return Query(form, words[1:opening], words[opening + 1 : end], words[end + 1 :], self._owner)
 
-    def _prologue(self, found: list[Token]) -> list[Token]:
+    def _prologue(self, lexed: list[Token]) -> list[Token]:
         """Take the PREFIX declarations of the text itself."""
-        while found and found[0].text.upper() in {"PREFIX", "BASE", "VERSION"}:
-            size = 3 if found[0].text.upper() == "PREFIX" else 2
-            if size == 3 and len(found) > size:  # noqa: PLR2004 - PREFIX name: <iri>
-                self._prefixes[found[1].text.rstrip(":")] = found[2].text[1:-1]
-            elif found[0].text.upper() == "BASE":
-                raise self._error("BASE is not allowed in a query of a shapes graph", self._offset(found[0]))
-            found = found[size:]
-        return found
+        while lexed and lexed[0].text.upper() in {"PREFIX", "BASE", "VERSION"}:
+            size = 3 if lexed[0].text.upper() == "PREFIX" else 2
+            if size == 3 and len(lexed) > size:  # noqa: PLR2004 - PREFIX name: <iri>
+                self._prefixes[lexed[1].text.rstrip(":")] = lexed[2].text[1:-1]
+            elif lexed[0].text.upper() == "BASE":
+                raise self._error("BASE is not allowed in a query of a shapes graph", self._offset(lexed[0]))
+            lexed = lexed[size:]
+        return lexed
 
-    def _word(self, number: int, found: list[Token]) -> Word:
-        token = found[number]
+    def _word(self, number: int, lexed: list[Token]) -> Word:
+        token = lexed[number]
         offset = self._offset(token)
-        joined = number > 0 and found[number - 1].end == token.start
+        joined = number > 0 and lexed[number - 1].end == token.start
         text = token.text
         if token.kind is Kind.VARIABLE:
             text = f"?{text[1:]}"
@@ -220,7 +220,7 @@ class _Reader:
 
 def _prefixes(graph: ShapesGraph, owner: Term) -> dict[str, str]:
     """Return what sh:prefixes declares, also through owl:imports (SHACL, section 5.2.1)."""
-    found: dict[str, str] = {}
+    prefixes: dict[str, str] = {}
     open_nodes = graph.values(owner, sh("prefixes"))
     seen: set[Term] = set()
     while open_nodes:
@@ -234,8 +234,8 @@ def _prefixes(graph: ShapesGraph, owner: Term) -> dict[str, str]:
             if not isinstance(prefix, Literal) or not re.fullmatch(r"[\w.·-]*", prefix.value):
                 raise graph.error(f"{prefix} is not a valid prefix", node, hint='sh:prefix has a string such as "ex".')
             value = namespace.value if isinstance(namespace, Literal | NamedNode) else str(namespace)
-            if found.setdefault(prefix.value, value) != value:
+            if prefixes.setdefault(prefix.value, value) != value:
                 raise graph.error(
                     f"the prefix `{prefix.value}:` is declared for two namespaces", node, hint="Leave one of them."
                 )
-    return found
+    return prefixes

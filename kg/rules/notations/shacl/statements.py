@@ -63,11 +63,11 @@ def rules(text: str, name: str, path: Path | str) -> tuple[Rule, ...]:
     shapes that are ill-formed, KG230 for features that are not supported, with the node and the way out.
     """
     graph = ShapesGraph(text, str(path))
-    found: dict[tuple[object, ...], Rule] = {}
+    unique: dict[tuple[object, ...], Rule] = {}
     for statement in statements(graph):
         for rule in _compiled(graph, statement, name):
-            found.setdefault((rule.head, rule.body), rule)
-    return tuple(replace(rule, part=part) for part, rule in enumerate(found.values(), 1))
+            unique.setdefault((rule.head, rule.body), rule)
+    return tuple(replace(rule, part=part) for part, rule in enumerate(unique.values(), 1))
 
 
 def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule, ...]:
@@ -79,12 +79,12 @@ def _compiled(graph: ShapesGraph, statement: Statement, name: str) -> tuple[Rule
 
     try:
         unit = parse_rq(statement.text, graph.path)
-        found = decompose(unit.rules[0], name, graph.path, statement.text)
+        compiled = decompose(unit.rules[0], name, graph.path, statement.text)
     except RuleError as error:
         where = moved(error.place) if error.place else None
         fixes = [each for each in error.fixes if each.place is None]
         raise RuleError(error.code, error.message, place=where, hint=error.hint, fixes=fixes) from None
-    return tuple(replace(_with_places(rule, moved), order=statement.order) for rule in found)
+    return tuple(replace(_with_places(rule, moved), order=statement.order) for rule in compiled)
 
 
 def _with_places(part: Any, moved: Callable[[Place], Place]) -> Any:
@@ -115,24 +115,24 @@ class _Groups:
         """
         if words and words[0].text.upper() == "SELECT":
             return self._select(words)
-        found: Words = []
+        result: Words = []
         index = 0
         while index < len(words):
             if words[index].text != "{":
-                found.append(words[index])
+                result.append(words[index])
                 index += 1
                 continue
             end = closing(words, index)
             inner = words[index + 1 : end]
             before = words[index - 1].text.upper() if index else ""
-            found.append(words[index])
+            result.append(words[index])
             if before == "EXISTS":
-                found += inner
+                result += inner
             else:
-                found += [self._binder] * _needs(inner) + self.inside(inner)
-            found += words[end : end + 1]
+                result += [self._binder] * _needs(inner) + self.inside(inner)
+            result += words[end : end + 1]
             index = end + 1
-        return found
+        return result
 
     def _select(self, words: Words) -> Words:
         opening = next((index for index, word in enumerate(words) if word.text == "{"), len(words))
@@ -179,12 +179,12 @@ def entailed(graph: ShapesGraph) -> tuple[tuple[str, ...], int]:
         for regime in graph.values(node, sh("entailment")):
             if regime == sh("Rules"):
                 continue
-            found = graph.places.of_name(regime.value) if isinstance(regime, NamedNode) else None
+            place = graph.places.of_name(regime.value) if isinstance(regime, NamedNode) else None
             if regime != NamedNode(f"{_REGIME}RDFS"):
                 hint = f"There are sh:Rules and <{_REGIME}RDFS>; for OWL 2 RL put the rules of rules/owl in force."
                 what = f"the entailment regime {regime} is not supported"
-                raise graph.error(what, node, code="KG230", hint=hint, offset=found)
-            rules, offset = _RDFS, found or 0
+                raise graph.error(what, node, code="KG230", hint=hint, offset=place)
+            rules, offset = _RDFS, place or 0
     return rules, offset
 
 
@@ -212,18 +212,18 @@ def statements(graph: ShapesGraph) -> Iterator[Statement]:
     Raises `RuleError`: KG201 for what the standard calls ill-formed, KG209 for parts of SPARQL that rules cannot have,
     KG230 for what is not supported.
     """
-    found: list[Statement] = []
+    result: list[Statement] = []
     for shape in graph.subjects(sh("rule")):
         if not graph.flag(shape, "deactivated"):
             binders = targets(graph, shape)
             for rule in graph.values(shape, sh("rule")):
                 if not graph.flag(rule, "deactivated"):
-                    found += _Rule(graph, shape, rule).statements(binders)
+                    result += _Rule(graph, shape, rule).statements(binders)
     _check_orders(graph)
     queries, offset = entailed(graph)
-    before = min((one.order for one in found), default=0.0) - 1
+    before = min((one.order for one in result), default=0.0) - 1
     yield from (Statement(text, ((0, offset),), before) for text in queries)
-    yield from found
+    yield from result
 
 
 def _check_orders(graph: ShapesGraph) -> None:
@@ -261,12 +261,12 @@ class _Rule:
 
     def _conditions(self, names: Names, binder: str) -> tuple[Conditions, list[list[str]]]:
         conditions = Conditions(self._graph, self._functions, names, binder)
-        found: list[list[str]] = [[]]
+        cases: list[list[str]] = [[]]
         for value in self._graph.values(self._rule, sh("condition")):
             shapes = self._graph.members(value, self._rule) if self._graph.is_list(value) else [value]
             for shape in shapes:
-                found = [[*one, *two] for one, two in product(found, conditions.conforms(shape, "?this"))]
-        return conditions, found
+                cases = [[*one, *two] for one, two in product(cases, conditions.conforms(shape, "?this"))]
+        return conditions, cases
 
     def _triples(self, binder: str) -> Iterator[Statement]:
         names = Names({"this", "target"})

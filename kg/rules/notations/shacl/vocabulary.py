@@ -37,7 +37,7 @@ select separator severity shapesGraph shapesGraphWellFormed sourceConstraint sou
 sourceRule sourceShape sparql subject suggestedShapesGraph sum target targetClass targetNode targetObjectsOf
 targetSubjectsOf then this union uniqueLang update validator value values xone zeroOrMorePath zeroOrOnePath
 """
-KNOWN: Final = frozenset(_NAMES.split())
+TERMS: Final = frozenset(_NAMES.split())
 """The local names of SHACL's properties; any other one in its namespace is a slip of the pen. `nodeShape` is
 of a draft; the W3C's own tests have it."""
 

@@ -20,11 +20,11 @@ export const MEDIA = `${FOLDER}media/`;
 
 function script(name) {
   return new Promise((resolve, reject) => {
-    const made = document.createElement("script");
-    made.src = FOLDER + name;
-    made.addEventListener("load", resolve);
-    made.addEventListener("error", reject);
-    document.head.append(made);
+    const tag = document.createElement("script");
+    tag.src = FOLDER + name;
+    tag.addEventListener("load", resolve);
+    tag.addEventListener("error", reject);
+    document.head.append(tag);
   });
 }
 

@@ -10,7 +10,7 @@ const PARTS = {
   flyoutForegroundColour: "text", scrollbarColour: "line-strong", insertionMarkerColour: "text", cursorColour: "ring", selectedGlowColour: "ring",
 };
 
-/** Return the theme for the colours that the page has now. */
+/** Return the theme for the current colours of the page. */
 export function theme(Blockly) {
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
   const chosen = document.documentElement.dataset.theme ?? (dark ? "dark" : "light");

@@ -1,29 +1,29 @@
-// What every workspace of blocks does: tell of changes, mark blocks, go to one, show more or less, take back.
+// Common to all workspaces of blocks: report changes, mark blocks, go to one, zoom, undo.
 
 import { adoptStyles, MEDIA } from "./loading.js";
 import { theme, whenChanged } from "./look.js";
 
-// How near a block has to come to another to be joined to it: as near as Blockly wants it, people drop blocks beside the rest.
+// How near a block has to come to another to be joined to it: with Blockly's own values, people drop blocks next to the rest.
 const SNAPS = { snapRadius: 72, connectingSnapRadius: 88 };
 const QUIET = 150;
 
 /** Wait a moment. */
 export const pause = () => new Promise((resolve) => { setTimeout(resolve, QUIET); });
 
-/** Whoever extends this has `read()`, what the blocks say, and notes in `known` what is `told()` once it has shown something. */
+/** Subclasses define `read()`, the content of the blocks, and set `reported` to `snapshot()` after showing something. */
 export class Stage {
-  /** `changed` is called after edits, `loose` with how many pieces hang loose; `inject` comes when the blocks are defined. */
+  /** `changed` is called after edits, `loose` with the number of loose pieces; call `inject` once the blocks are defined. */
   constructor(Blockly, { changed, loose }) {
     Object.assign(this, { Blockly, changed, loose });
     this.inner = null;
-    this.known = "";
+    this.reported = "";
     this.waiting = 0;
     adoptStyles();
     Object.assign(Blockly.config, SNAPS);
     Blockly.ShortcutItems.registerNavigationShortcuts?.();
   }
 
-  /** Put Blockly's own workspace into `host`, with what checks connections and what blocks are offered. */
+  /** Put Blockly's own workspace into `host`, with a connection checker and a toolbox. */
   inject(host, checker, toolbox) {
     const { Blockly } = this;
     this.inner = Blockly.inject(host, {
@@ -32,45 +32,45 @@ export class Stage {
       zoom: { controls: false, wheel: false, pinch: true, startScale: 0.75, minScale: 0.4, maxScale: 1.5 }, move: { wheel: true },
     });
     this.inner.addChangeListener(Blockly.Events.disableOrphans);
-    this.inner.addChangeListener((event) => this.heard(event));
+    this.inner.addChangeListener((event) => this.onEvent(event));
     whenChanged(() => this.inner.setTheme(theme(Blockly)));
     new ResizeObserver(() => this.resized()).observe(host);
   }
 
-  heard(event) {
+  onEvent(event) {
     if (event.isUiEvent) return;
     clearTimeout(this.waiting);
     this.waiting = setTimeout(() => {
       this.loose(this.inner.getTopBlocks().length - 1);
-      this.settle();
+      this.flush();
     }, QUIET);
   }
 
-  /** Tell at once of an edit that was not told yet, before something else is shown or run in its place. */
-  settle() {
-    const now = this.told();
-    if (now === this.known) return;
-    this.known = now;
+  /** Report a pending edit at once, before something else is shown or run in its place. */
+  flush() {
+    const now = this.snapshot();
+    if (now === this.reported) return;
+    this.reported = now;
     this.changed();
   }
 
-  /** Wait until nobody has a block in the hand, a word of one included: what is shown anew would take it away. */
+  /** Wait until no block, or word of one, is being edited: showing the program again would remove it. */
   async still() {
-    while (this.held()) await pause();
+    while (this.isEditing()) await pause();
   }
 
-  /** Whether somebody drags a block, or chooses or writes what one is to say. */
-  held() {
+  /** Whether the user drags a block, or edits a field of one. */
+  isEditing() {
     const { DropDownDiv, WidgetDiv } = this.Blockly;
     return this.inner.isDragging() || WidgetDiv.isVisible() || DropDownDiv.isVisible();
   }
 
-  /** Return what the blocks say, to compare: events also come of what was shown, and of blocks that only moved. */
-  told() {
+  /** Return the content of the blocks, to compare: showing and moving blocks cause events, too. */
+  snapshot() {
     return JSON.stringify(this.read());
   }
 
-  /** Take another size; what was seen at the left stays there. */
+  /** Adopt another size; the left edge stays. */
   resized() {
     const { inner } = this;
     const { scrollX, scrollY } = inner;
@@ -78,7 +78,7 @@ export class Stage {
     inner.scroll(scrollX, scrollY);
   }
 
-  /** Show what is wrong, { id, message }, at its blocks. */
+  /** Show problems, { id, message }, at their blocks. */
   complain(findings) {
     const said = new Map();
     for (const { id, message } of findings) if (id) said.set(id, [...(said.get(id) ?? []), message]);

@@ -1,16 +1,16 @@
-// Who comes first: what is kept, saved or shared is what was seen when that was asked for.
+// Order of actions: the text saved or shared is that seen at the time of the request.
 
 export class Turns {
   #taken = Promise.resolve();
 
-  /** Do something with what is seen, which may have to be judged before. */
+  /** Do something with the current text, which may have to be checked before. */
   take(act) {
     const done = act();
     this.#taken = Promise.allSettled([this.#taken, done]);
     return done;
   }
 
-  /** Put something else in its place, once nothing is done with it any more. */
+  /** Replace it, once all actions on it are done. */
   async replace(act) {
     await this.#taken;
     act();

@@ -3,7 +3,7 @@
 //   const editor = await edit(host, field, { begun(plain), changed(text), run(), complete, diagnose, prefixes() });
 //   editor.text, editor.text = "..."; editor.focus(); editor.mark(problems); editor.go(problem)
 //
-// `begun` is given the field at once, which is an editor until the libraries have come. It stands in a shadow root: there its libraries may add style sheets without being allowed inline styles.
+// `begun` receives the field at once, which is an editor until the libraries are loaded. A shadow root contains it: there its libraries may add style sheets without permission for inline styles.
 
 import { toPoints, toUnits } from "./text.js";
 
@@ -29,7 +29,7 @@ async function load() {
   return { view, state, commands, complete, lint, language, search, sparql, highlight };
 }
 
-/** The text area: until the libraries have come, and for browsers without them. */
+/** The text area: until the libraries are loaded, and for browsers without them. */
 class Field {
   constructor(field, options) {
     this.field = field;
@@ -92,7 +92,7 @@ class Editor {
     const keys = [
       { key: "Mod-Enter", run: () => { this.options.run(); return true; } },
       { key: "Alt-Shift-f", run: () => { this.options.indent(); return true; } },
-      // While a suggestion is shown, or asked for, Tab is not to leave the editor, though it cannot be taken yet.
+      // While a suggestion is shown or requested, Tab stays in the editor, though it cannot accept one yet.
       { key: "Tab", run: (shown) => complete.acceptCompletion(shown) || complete.completionStatus(shown.state) !== null },
     ];
     return [
@@ -167,14 +167,14 @@ class Editor {
     return this.diagnostics(problems);
   }
 
-  /** Return what CodeMirror offers; requests follow each other, and those nobody waits for any more are left out. */
+  /** Return the completions for CodeMirror; requests run one after the other, and outdated ones are dropped. */
   async complete(context) {
     const { text } = this;
     const before = text.slice(0, context.pos);
     if (!context.explicit && !/[\w:?$"'/]$/.test(before) && !OPENS.test(before)) return null;
-    const asked = this.busy.then(() => context.aborted ? null : this.options.complete(text, toPoints(text, context.pos)));
-    this.busy = asked.catch(() => null);
-    const found = await asked.catch(() => null);
+    const pending = this.busy.then(() => context.aborted ? null : this.options.complete(text, toPoints(text, context.pos)));
+    this.busy = pending.catch(() => null);
+    const found = await pending.catch(() => null);
     if (!found?.items.length || context.aborted) return null;
     const exact = found.items.length === 1 && found.items[0].insert === before.slice(toUnits(text, found.range.start));
     if (exact && !context.explicit) return null;
@@ -210,7 +210,7 @@ class Editor {
     if (item.insert.endsWith(":")) complete.startCompletion(view);
   }
 
-  /** Say what the store knows of the name under the pointer. */
+  /** Show the documentation of the name under the pointer. */
   async hover(view, at) {
     const { text } = this;
     const word = [...text.matchAll(/[A-Za-z][\w-]*:[\w-]+|\b[A-Za-z]{2,}\b/g)].find((match) => match.index <= at && at <= match.index + match[0].length);
@@ -219,7 +219,7 @@ class Editor {
     const found = await this.options.complete(text, toPoints(text, end)).catch(() => null);
     const item = found?.items.find((each) => each.label.toLowerCase() === word[0].toLowerCase());
     if (!item || !(item.documentation || item.detail) || text !== this.text) return null;
-    return { pos: word.index, end, above: true, create: () => ({ dom: told(item) }) };
+    return { pos: word.index, end, above: true, create: () => ({ dom: infoElement(item) }) };
   }
 }
 
@@ -228,7 +228,7 @@ export function words(problem) {
   return problem.hint ? `${problem.message}. ${problem.hint}` : problem.message;
 }
 
-function told(item) {
+function infoElement(item) {
   const box = document.createElement("div");
   box.className = "kg-hover";
   const name = document.createElement("strong");

@@ -1,9 +1,9 @@
-// The page of queries: what its parts tell each other.
+// The page of queries: connects its parts.
 
 import { url } from "../address.js";
 import { element } from "../table.js";
 import { edit, words } from "./editor.js";
-import { keep, kept } from "./kept.js";
+import { load, save } from "./storage.js";
 import { exports, read, show } from "./results.js";
 import { Run } from "./run.js";
 import { ask, view } from "./services.js";
@@ -16,7 +16,7 @@ const data = JSON.parse($("query-page").dataset.page);
 data.text = data.text.replace(/\r\n?/g, "\n"); // as the editor has it
 const EXAMPLE = "SELECT ?node ?topic WHERE {\n  ?node a rnkg:NodeType ;\n    rnkg:publishes/rdfs:label ?topic .\n}\nLIMIT 100\n";
 
-const settings = () => ({ limit: data.limit, seconds: data.seconds, prefixes: true, ...kept("settings", {}) });
+const settings = () => ({ limit: data.limit, seconds: data.seconds, prefixes: true, ...load("settings", {}) });
 
 let editor;
 let last = null;
@@ -25,17 +25,17 @@ const tabs = new Tabs($("tabs"), { add: $("tab-new"), close: $("tab-close"), sho
 const run = new Run({ run: $("run"), cancel: $("cancel"), progress: $("progress") });
 
 function notice(kind, ...content) {
-  const made = element("div", { className: `notice ${kind}` }, ...content);
-  made.setAttribute("role", kind === "error" ? "alert" : "status");
-  $("notices").replaceChildren(made);
+  const box = element("div", { className: `notice ${kind}` }, ...content);
+  box.setAttribute("role", kind === "error" ? "alert" : "status");
+  $("notices").replaceChildren(box);
 }
 
-/** Return a text with what stands between backticks as code. */
+/** Return a text whose parts between backticks are code. */
 function prose(text) {
   return text.split("`").map((part, index) => (index % 2 ? element("code", {}, part) : part));
 }
 
-/** Tell an error of the endpoint, with its place and what to do about it. */
+/** Show an error of the endpoint, with its place and its fix. */
 function failed({ members }, query = null) {
   const place = members.line ? element("button", { type: "button", className: "link" }, `line ${members.line}, column ${members.column}`) : null;
   place?.addEventListener("click", () => editor.go(spanOf(members, query)));
@@ -48,7 +48,7 @@ function spanOf(members, query) {
   return { start: offset(members.line, members.column), end: offset(members.endLine ?? members.line, members.endColumn ?? members.column) };
 }
 
-/** Run what the editor holds; `snapshot` is the data that it must be asked of. */
+/** Run the query in the editor; `snapshot` is the data to run it on. */
 async function start(snapshot = null) {
   const query = editor.text;
   if (!query.trim() || run.running) return;
@@ -64,7 +64,7 @@ async function start(snapshot = null) {
   }
   last = { query, snapshot: answer.snapshot };
   const found = read(answer);
-  const what = said(found, answer);
+  const what = summary(found, answer);
   run.say(what);
   history.add({ text: query, when: Date.now(), what });
   results(found, answer, query);
@@ -83,7 +83,7 @@ function ended(error, query, snapshot) {
   }
 }
 
-function said(found, answer) {
+function summary(found, answer) {
   const many = found.rows.length.toLocaleString("en");
   const unit = found.kind === "graph" ? ["triple", "triples"] : ["row", "rows"];
   const count = found.kind === "boolean" ? (found.value ? "yes" : "no") : `${answer.more ? "the first " : ""}${many} ${unit[found.rows.length === 1 ? 0 : 1]}`;
@@ -109,7 +109,7 @@ function more(query, answer, found) {
       const next = await run.during((job) => ask({ query, limit, offset: found.rows.length, seconds: Math.min(seconds, data.seconds), snapshot: answer.snapshot, job }));
       found.rows.push(...read(next).rows);
       const whole = { ...answer, text: `${answer.text}\n${next.text}`, more: next.more };
-      run.say(said(found, whole));
+      run.say(summary(found, whole));
       results(found, whole, query);
       $("notices").replaceChildren();
       if (next.more) more(query, whole, found);
@@ -123,23 +123,23 @@ function more(query, answer, found) {
 function problems(found) {
   const host = $("problems");
   const { text } = editor;
-  const held = host.contains(document.activeElement);
+  const focused = host.contains(document.activeElement);
   host.hidden = !found.length;
   host.replaceChildren(...found.map((problem) => {
     const place = element("button", { type: "button", className: "link" }, `${problem.line}:${problem.column}`);
     place.title = `Go to line ${problem.line}, column ${problem.column}`;
     place.addEventListener("click", () => editor.go(problem));
     const fixes = problem.fixes.map((fix) => {
-      const made = element("button", { type: "button", className: "fix" }, ...prose(fix.title));
-      made.addEventListener("click", () => { mend(fix, text); editor.focus(); });
-      return made;
+      const button = element("button", { type: "button", className: "fix" }, ...prose(fix.title));
+      button.addEventListener("click", () => { mend(fix, text); editor.focus(); });
+      return button;
     });
     return element("li", {}, element("span", { className: `tag ${problem.severity}` }, problem.severity), " ", place, " ", ...prose(words(problem)), " ", ...fixes);
   }));
-  if (held) (host.querySelector("button") ?? editor).focus();
+  if (focused) (host.querySelector("button") ?? editor).focus();
 }
 
-/** Mend a text as it was proposed for it; one that was written on since is asked about anew. */
+/** Apply a proposed fix to a text; one edited since is checked again. */
 function mend(fix, text) {
   if (editor.text !== text) return;
   editor.text = edited(editor.text, fix.edits);
@@ -171,18 +171,18 @@ async function copy() {
   $("share-done").textContent = "Copied";
 }
 
-function settle() {
+function bindSettings() {
   const fields = { limit: $("set-limit"), seconds: $("set-seconds") };
   fields.limit.max = data.rows;
   fields.seconds.max = data.seconds;
   for (const [name, field] of Object.entries(fields)) {
     field.value = settings()[name];
     field.addEventListener("change", () => {
-      if (field.validity.valid && field.value) keep("settings", { ...settings(), [name]: Number(field.value) });
+      if (field.validity.valid && field.value) save("settings", { ...settings(), [name]: Number(field.value) });
     });
   }
   $("set-prefixes").checked = settings().prefixes;
-  $("set-prefixes").addEventListener("change", () => keep("settings", { ...settings(), prefixes: $("set-prefixes").checked }));
+  $("set-prefixes").addEventListener("change", () => save("settings", { ...settings(), prefixes: $("set-prefixes").checked }));
 }
 
 /** Have the store counted for suggestions, once for each content, while nobody waits for it. */
@@ -193,7 +193,7 @@ async function count() {
   if (!run.running && $("progress").textContent.startsWith("Counting")) run.say("");
 }
 
-/** Keep the editor low until it is used: who asks a stored question looks for the answer. */
+/** Keep the editor low until it is used: users of a stored query look for the answer. */
 function brief() {
   $("editor").classList.add("brief");
   $("editor").addEventListener("focusin", () => $("editor").classList.remove("brief"), { once: true });
@@ -224,7 +224,7 @@ async function begin() {
     diagnose: async (text) => (await view("diagnose", { text })).problems,
   });
   $("editor").setAttribute("aria-busy", "false");
-  settle();
+  bindSettings();
   stored({
     list: $("stored-list"), filter: $("stored-filter"), form: $("stored-form"), begin: data.stored, values: data.values, failed,
     open: (one, text, _, runs) => { tabs.open(text, one.query.split("/").at(-1)); if (runs) start(); },

@@ -26,16 +26,16 @@ export function picture(rows, shorten) {
 async function fill(host, rows, shorten) {
   const iris = [...new Set(rows.flatMap(([subject, , object]) => [subject, object]).filter((term) => term?.type === "uri").map((term) => term.value))];
   const found = await view("cells", { things: iris }).catch(() => null);
-  const known = new Map(found ? iris.map((iri, index) => [iri, found.things[index]]) : []);
-  // The picture measures its element, which stands in the page by now unless something else was asked for.
-  if (host.isConnected) draw(host, spaced(asGraph(rows, shorten, known)), { name: "answer", height: "32rem" });
+  const described = new Map(found ? iris.map((iri, index) => [iri, found.things[index]]) : []);
+  // The picture measures its element, which is in the page by now unless another answer was requested.
+  if (host.isConnected) draw(host, spaced(asGraph(rows, shorten, described)), { name: "answer", height: "32rem" });
 }
 
-function asGraph(rows, shorten, known) {
+function asGraph(rows, shorten, described) {
   const nodes = new Map();
   const thing = (term) => {
     const id = written(term);
-    if (!nodes.has(id)) nodes.set(id, term.type === "uri" ? resource(id, term.value, shorten, known.get(term.value)) : { id, kind: "literal", label: short(String(term.value)) });
+    if (!nodes.has(id)) nodes.set(id, term.type === "uri" ? resource(id, term.value, shorten, described.get(term.value)) : { id, kind: "literal", label: short(String(term.value)) });
     return nodes.get(id);
   };
   const edges = [];
@@ -51,9 +51,9 @@ function asGraph(rows, shorten, known) {
   return { nodes: [...nodes.values()], edges };
 }
 
-function resource(id, iri, shorten, known) {
+function resource(id, iri, shorten, described) {
   return {
-    id, kind: kind(known?.types ?? [], "resource"), label: known?.label ?? shorten(iri), detail: iri,
+    id, kind: kind(described?.types ?? [], "resource"), label: described?.label ?? shorten(iri), detail: iri,
     href: url(`/resource?iri=${encodeURIComponent(iri)}`),
   };
 }

@@ -1,15 +1,15 @@
-// An answer in all the ways that it can be shown: table, picture, yes or no, as it came; and the links that save it.
+// An answer in all its forms: table, picture, yes or no, as it came; and the links that save it.
 
 import { url } from "../address.js";
 import { element } from "../table.js";
 import { picture } from "./picture.js";
-import { address, answered } from "./services.js";
+import { address, fetched } from "./services.js";
 import { table } from "./table.js";
 import { shortener, triples } from "./terms.js";
 
 const LONGEST_ADDRESS = 7000;
 
-/** Return what an answer says: its kind, and its rows of terms. */
+/** Return the content of an answer: its kind, and its rows of terms. */
 export function read(answer) {
   if (answer.type !== "application/sparql-results+json") {
     return { kind: "graph", columns: ["subject", "predicate", "object"], rows: triples(answer.text) };
@@ -51,27 +51,27 @@ function declared(query) {
 }
 
 function raw(text) {
-  const made = element("pre", { className: "raw", tabIndex: 0 }, text);
-  made.setAttribute("role", "region");
-  made.setAttribute("aria-label", "The answer as it came");
-  return made;
+  const node = element("pre", { className: "raw", tabIndex: 0 }, text);
+  node.setAttribute("role", "region");
+  node.setAttribute("aria-label", "The answer as it came");
+  return node;
 }
 
-/** Set the links that save an answer; texts too long for an address are asked for when a link is followed, `failed` is told where that cannot be. */
+/** Set the links that save an answer; texts too long for an address are requested when a link is followed, and `failed` receives an error. */
 export function exports(links, query, failed) {
-  for (const made of links) {
-    const href = address(query, made.dataset.format);
-    made.href = href.length < LONGEST_ADDRESS ? href : "#";
-    made.download = `answer.${{ turtle: "ttl", ntriples: "nt", rdfxml: "rdf", markdown: "md" }[made.dataset.format] ?? made.dataset.format}`;
-    made.onclick = href.length < LONGEST_ADDRESS ? null : (event) => { event.preventDefault(); save(made, query).catch(failed); };
+  for (const node of links) {
+    const href = address(query, node.dataset.format);
+    node.href = href.length < LONGEST_ADDRESS ? href : "#";
+    node.download = `answer.${{ turtle: "ttl", ntriples: "nt", rdfxml: "rdf", markdown: "md" }[node.dataset.format] ?? node.dataset.format}`;
+    node.onclick = href.length < LONGEST_ADDRESS ? null : (event) => { event.preventDefault(); save(node, query).catch(failed); };
   }
 }
 
-async function save(made, query) {
-  const body = new URLSearchParams({ query, format: made.dataset.format });
-  const [text, ok] = await answered(async (answer) => [await answer.blob(), answer.ok], url("/sparql"), { method: "POST", body });
-  // What went wrong is no answer, and is saved as what it is.
-  const download = ok ? made.download : "error.json";
+async function save(node, query) {
+  const body = new URLSearchParams({ query, format: node.dataset.format });
+  const [text, ok] = await fetched(async (answer) => [await answer.blob(), answer.ok], url("/sparql"), { method: "POST", body });
+  // An error is not an answer: it is saved as an error.
+  const download = ok ? node.download : "error.json";
   const link = element("a", { href: URL.createObjectURL(text), download });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);

@@ -21,7 +21,7 @@ export class Run {
 
   say(words) { this.progress.textContent = words; }
 
-  /** Return what `work(job)` returns; meanwhile show how far it is. */
+  /** Return the result of `work(job)`; meanwhile show its progress. */
   async during(work) {
     const own = identity();
     this.job = own;
@@ -50,7 +50,7 @@ export class Run {
     cancel(this.job);
   }
 
-  /** Ask how far a query is; one that is to end is told so again, as the server may have heard of the end before the query. */
+  /** Request the progress of a query. A cancelled one is cancelled again: the server may have received that before the query. */
   async look(own) {
     if (this.unwanted) return void await cancel(own);
     const rows = (await job(own))?.rows;

@@ -1,8 +1,8 @@
-// What the page asks of the server it came from; nothing is asked of any other.
+// Requests of the page to its own server; it sends none to any other.
 
 import { url } from "../address.js";
 
-/** An error of the server: the members of its problem (RFC 9457), or those made from what the browser says. */
+/** An error of the server: the members of its problem (RFC 9457), or those of an error of the browser. */
 export class Problem extends Error {
   constructor(members) {
     super(members.message);
@@ -15,13 +15,13 @@ async function problem(response) {
     const members = await response.json();
     if (members.message) return new Problem(members);
   } catch {
-    // Not one of ours; told by its status.
+    // Not a problem of kg: use the status.
   }
   return new Problem({ code: "", message: `The server answered ${response.status} ${response.statusText}`, hint: "" });
 }
 
-/** Return what `take` makes of the answer to a request, be it an error or not; where none comes, or half of one, that is a problem. */
-export async function answered(take, ...request) {
+/** Return the result of `take` on the answer to a request, an error or not. A missing or truncated answer is a problem. */
+export async function fetched(take, ...request) {
   let response;
   try {
     response = await fetch(...request);
@@ -36,12 +36,12 @@ export async function answered(take, ...request) {
   }
 }
 
-const sent = (take, ...request) => answered(async (response) => {
+const sent = (take, ...request) => fetched(async (response) => {
   if (!response.ok) throw await problem(response);
   return take(response);
 }, ...request);
 
-/** Return what a view answers; `values` are its arguments. */
+/** Return the answer of a view; `values` are its arguments. */
 export async function view(name, values = {}) {
   const headers = { "Content-Type": "application/json" };
   return sent((response) => response.json(), url(`/api/${name}`), { method: "POST", headers, body: JSON.stringify(values) });
@@ -49,7 +49,7 @@ export async function view(name, values = {}) {
 
 const ACCEPT = "application/sparql-results+json, application/n-triples;q=0.9";
 
-/** Run a query; returns the text of the answer, its type, and what the headers say. */
+/** Run a query; returns the text of the answer, its type, and the values of its headers. */
 export async function ask({ query, limit, offset = 0, seconds, snapshot, job }) {
   const form = new URLSearchParams({ query, limit, timeout: seconds, job });
   if (offset) form.set("offset", offset);
@@ -64,7 +64,7 @@ export async function ask({ query, limit, offset = 0, seconds, snapshot, job }) 
 
 /** Return how far a job is, or null when it has ended. */
 export async function job(identity) {
-  return answered((response) => (response.ok ? response.json() : null), url(`/jobs/${identity}`)).catch(() => null);
+  return fetched((response) => (response.ok ? response.json() : null), url(`/jobs/${identity}`)).catch(() => null);
 }
 
 /** End a job. */

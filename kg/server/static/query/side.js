@@ -1,7 +1,7 @@
 // Beside the editor: stored queries with a form for their parameters, the history, settings.
 
 import { element } from "../table.js";
-import { keep, kept } from "./kept.js";
+import { load, save } from "./storage.js";
 import { view } from "./services.js";
 
 const MOST = 200;
@@ -9,7 +9,7 @@ const SHOWN = 60;
 const TYPES = { integer: "number" };
 let newest = 0;
 
-/** List the stored queries; `open(stored, text, values, run)` is told which one is to be put into the editor. */
+/** List the stored queries; `open(stored, text, values, run)` receives the one to put into the editor. */
 export async function stored({ list, filter, form, begin, values, open, failed }) {
   let queries;
   try {
@@ -37,7 +37,7 @@ export async function stored({ list, filter, form, begin, values, open, failed }
 
 const FIRST = ["demo", "explore"];
 
-/** Return where a family of queries stands: those to begin with first. */
+/** Return the position of a family of queries: those for beginners first. */
 function rank(family) {
   const at = FIRST.indexOf(family);
   return at < 0 ? FIRST.length : at;
@@ -85,24 +85,24 @@ function field(parameter, value) {
   return { name: parameter.name, value: () => input.value.trim(), holder: element("div", { className: "field" }, label, input) };
 }
 
-/** The queries that ran before, newest first; `open(text)` is told which one to bring back. */
+/** The queries that ran before, newest first; `open(text)` receives the one to restore. */
 export class History {
   constructor({ list, filter, clear, open }) {
     Object.assign(this, { list, filter, open });
     filter.addEventListener("input", () => this.draw());
-    clear.addEventListener("click", () => { keep("history", []); this.draw(); });
+    clear.addEventListener("click", () => { save("history", []); this.draw(); });
     this.draw();
   }
 
   add(entry) {
-    const others = kept("history", []).filter((each) => each.text !== entry.text);
-    keep("history", [entry, ...others].slice(0, MOST));
+    const others = load("history", []).filter((each) => each.text !== entry.text);
+    save("history", [entry, ...others].slice(0, MOST));
     this.draw();
   }
 
   draw() {
     const words = this.filter.value.trim().toLowerCase().split(/\s+/);
-    const found = kept("history", []).filter((each) => words.every((word) => each.text.toLowerCase().includes(word)));
+    const found = load("history", []).filter((each) => words.every((word) => each.text.toLowerCase().includes(word)));
     const items = found.slice(0, SHOWN).map((each) => item(gist(each.text), `${moment(each.when)} · ${each.what}`, () => this.open(each.text)));
     this.list.replaceChildren(items.length ? element("ul", { className: "plain" }, ...items) : element("p", { className: "quiet-text" }, "Nothing yet."));
   }

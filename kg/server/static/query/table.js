@@ -38,9 +38,9 @@ class Table {
     const reasons = this.explained ? [element("th", { scope: "col", className: "reason" }, element("span", { className: "unseen" }, "Why it is there"))] : [];
     this.headings = new Map(this.visible.map((index) => [index, this.heading(index)]));
     const head = element("tr", {}, ...this.headings.values(), ...reasons);
-    const made = element("table", {}, element("thead", {}, head), this.body);
-    made.style.setProperty("--columns", this.visible.length);
-    const scrolls = element("div", { className: "scrolls", tabIndex: 0 }, made);
+    const node = element("table", {}, element("thead", {}, head), this.body);
+    node.style.setProperty("--columns", this.visible.length);
+    const scrolls = element("div", { className: "scrolls", tabIndex: 0 }, node);
     scrolls.setAttribute("role", "region");
     scrolls.setAttribute("aria-label", "Rows of the answer");
     this.holder = element("div", {}, element("div", { className: "table-tools" }, this.filter, this.words, this.before, this.after, this.sizes), scrolls);
@@ -50,9 +50,9 @@ class Table {
   }
 
   button(text, work) {
-    const made = element("button", { type: "button" }, text);
-    made.addEventListener("click", work);
-    return made;
+    const node = element("button", { type: "button" }, text);
+    node.addEventListener("click", work);
+    return node;
   }
 
   heading(index) {
@@ -118,25 +118,25 @@ class Table {
   }
 
   cell(term, index, line) {
-    const made = element("td", { className: this.headings.get(index)?.className ?? "" });
-    if (line && term?.type === "literal") made.append(...evidence({ line: line.value }, term.value));
-    else if (!term) made.append(element("span", { className: "unbound", title: "no value" }, "–"));
-    else if (term.type === "uri") made.append(link(term.value, this.context.shorten(term.value)));
-    else if (term.type === "literal") made.append(...literal(term));
-    else made.append(written(term));
-    return made;
+    const node = element("td", { className: this.headings.get(index)?.className ?? "" });
+    if (line && term?.type === "literal") node.append(...evidence({ line: line.value }, term.value));
+    else if (!term) node.append(element("span", { className: "unbound", title: "no value" }, "–"));
+    else if (term.type === "uri") node.append(link(term.value, this.context.shorten(term.value)));
+    else if (term.type === "literal") node.append(...literal(term));
+    else node.append(written(term));
+    return node;
   }
 
-  /** Return the cell that leads to what a row rests on; blank nodes have no name to ask by. */
+  /** Return the cell with the link to the proof of a row; blank nodes have no name for a request. */
   reason(row, number) {
     const bound = this.columns.map((name, index) => [name, row[index]]).filter(([, term]) => term && term.type !== "bnode");
     const values = Object.fromEntries(bound.map(([name, term]) => [name, written(term)]));
-    const made = why("why", "/api/why_row", { query: this.context.query, row: JSON.stringify(values) });
-    made.setAttribute("aria-label", `why row ${number} is there`);
-    return element("td", { className: "reason" }, made);
+    const node = why("why", "/api/why_row", { query: this.context.query, row: JSON.stringify(values) });
+    node.setAttribute("aria-label", `why row ${number} is there`);
+    return element("td", { className: "reason" }, node);
   }
 
-  /** Ask what the server knows of the rows that are shown, and mark their cells. */
+  /** Request the resources of the visible rows, and mark their cells. */
   async mark(rows, cells) {
     const iris = [...new Set(rows.flat().filter((term) => term?.type === "uri").map((term) => term.value))];
     const places = this.places.flatMap(([path, line]) => rows.map((row) => [row[path]?.value ?? "", row[line]?.value ?? ""]));
@@ -145,8 +145,8 @@ class Table {
     const found = await view("cells", { iris, places, triples: triples.map((row) => row.map(written)) }).catch(() => null);
     if (!found) return;
     const nodes = new Set(iris.filter((_, index) => found.nodes[index]));
-    for (const made of this.body.querySelectorAll("a[data-iri]")) {
-      if (nodes.has(made.dataset.iri)) made.href = url(`/node?iri=${encodeURIComponent(made.dataset.iri)}`);
+    for (const node of this.body.querySelectorAll("a[data-iri]")) {
+      if (nodes.has(node.dataset.iri)) node.href = url(`/node?iri=${encodeURIComponent(node.dataset.iri)}`);
     }
     this.places.forEach(([path], at) => rows.forEach((row, index) => {
       const place = found.places[at * rows.length + index];
@@ -167,9 +167,9 @@ function pairs(columns) {
 
 /** Return the link to the page of a thing. */
 function link(iri, label) {
-  const made = element("a", { href: url(`/resource?iri=${encodeURIComponent(iri)}`), title: iri }, element("bdi", {}, label));
-  made.dataset.iri = iri;
-  return made;
+  const node = element("a", { href: url(`/resource?iri=${encodeURIComponent(iri)}`), title: iri }, element("bdi", {}, label));
+  node.dataset.iri = iri;
+  return node;
 }
 
 function literal(term) {
@@ -188,7 +188,7 @@ function folded(text) {
   return element("details", { className: "folded" }, element("summary", {}, `${text.slice(0, LONG)}…`), text);
 }
 
-/** Return the link to a line: the name of its file is enough, its path stands in the title. */
+/** Return the link to a line: the name of its file is enough, its path is in the title. */
 function evidence(place, path) {
   const address = place.web ?? place.vscode;
   const shown = breakable(`${path.split("/").at(-1) || path}${place.line ? `:${place.line}` : ""}`);
@@ -208,8 +208,8 @@ function inferred(cells, row) {
 
 /** Return the link to a proof, which opens in the panel of the page. */
 function why(text, path, values) {
-  const asked = new URLSearchParams(values);
-  const made = element("a", { className: "why", href: url(`/why?${asked}`) }, text);
-  made.dataset.why = url(`${path}?${asked}`);
-  return made;
+  const query = new URLSearchParams(values);
+  const node = element("a", { className: "why", href: url(`/why?${query}`) }, text);
+  node.dataset.why = url(`${path}?${query}`);
+  return node;
 }

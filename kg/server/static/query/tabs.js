@@ -1,13 +1,13 @@
 // The queries that are open, as tabs. Each window has its own; a new one begins with those that were changed last.
 
 import { element } from "../table.js";
-import { keep, kept } from "./kept.js";
+import { load, save } from "./storage.js";
 
-/** Tabs in `host`; `shown(text)` is told the text of the one that is chosen. */
+/** Tabs in `host`; `shown(text)` receives the text of the chosen one. */
 export class Tabs {
   constructor(host, { add, close, shown }) {
     Object.assign(this, { host, shown });
-    const found = kept("tabs", null, { own: true });
+    const found = load("tabs", null, { own: true });
     this.tabs = Array.isArray(found?.tabs) && found.tabs.length ? found.tabs : [{ name: "Query 1", text: "" }];
     this.active = Math.min(Math.max(found?.active ?? 0, 0), this.tabs.length - 1);
     add.addEventListener("click", () => this.open(""));
@@ -71,17 +71,17 @@ export class Tabs {
     this.shown(this.current.text);
   }
 
-  save() { keep("tabs", { tabs: this.tabs, active: this.active }, { own: true }); }
+  save() { save("tabs", { tabs: this.tabs, active: this.active }, { own: true }); }
 
   draw() {
     this.host.replaceChildren(...this.tabs.map((tab, index) => {
       const chosen = index === this.active;
-      const made = element("button", { type: "button", tabIndex: chosen ? 0 : -1 }, tab.name);
-      made.setAttribute("role", "tab");
-      made.setAttribute("aria-selected", String(chosen));
-      made.setAttribute("aria-controls", "editor");
-      made.addEventListener("click", () => this.choose(index));
-      return made;
+      const button = element("button", { type: "button", tabIndex: chosen ? 0 : -1 }, tab.name);
+      button.setAttribute("role", "tab");
+      button.setAttribute("aria-selected", String(chosen));
+      button.setAttribute("aria-controls", "editor");
+      button.addEventListener("click", () => this.choose(index));
+      return button;
     }));
   }
 }

@@ -1,6 +1,6 @@
 // Terms of answers: how they are read, written, shortened and compared.
 //
-// A term is what SPARQL Results JSON has: { type: "uri" | "literal" | "bnode" | "triple", value, datatype?, "xml:lang"? }.
+// Terms have the form of SPARQL Results JSON: { type: "uri" | "literal" | "bnode" | "triple", value, datatype?, "xml:lang"? }.
 
 const XSD = "http://www.w3.org/2001/XMLSchema#";
 const NUMBERS = /^(?:integer|decimal|double|float|int|long|short|byte|nonNegativeInteger|positiveInteger|unsigned\w+)$/;
@@ -40,11 +40,11 @@ function unescaped(text) {
   });
 }
 
-/** Return what shortens IRIs by prefixes, and those below `base` to what stands behind it. */
+/** Return a function that shortens IRIs by prefixes, and those below `base` to the part after it. */
 export function shortener(prefixes, base) {
-  const known = Object.entries(prefixes).sort(([, one], [, other]) => other.length - one.length);
+  const ordered = Object.entries(prefixes).sort(([, one], [, other]) => other.length - one.length);
   return (iri) => {
-    const found = known.find(([, namespace]) => iri.startsWith(namespace) && /^[\w-]+$/.test(iri.slice(namespace.length)));
+    const found = ordered.find(([, namespace]) => iri.startsWith(namespace) && /^[\w-]+$/.test(iri.slice(namespace.length)));
     if (found) return `${found[0]}:${iri.slice(found[1].length)}`;
     if (!iri.startsWith(base)) return iri;
     try {

@@ -25,7 +25,7 @@ export function edited(text, edits) {
 
 const PIECE = /#[^\n]*|"""[\s\S]*?"""|'''[\s\S]*?'''|"(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*'|<[^\s<>"{}|^`\\]*>|[{}()[\]]|\n/g;
 
-/** Return a query with each line indented by the brackets that are open before it; nothing else is changed. */
+/** Return a query with each line indented by the brackets that are open before it; it changes nothing else. */
 export function indented(text) {
   const depths = [0];
   let depth = 0;

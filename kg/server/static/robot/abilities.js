@@ -1,4 +1,4 @@
-// The left side: what the robot can do, by groups, with a search, and each to be tried at once.
+// The left side: the capabilities of the robot, by groups, with a search, each to be tried at once.
 
 import { element } from "../table.js";
 import { GROUPS, groupOf } from "./kinds.js";
@@ -15,7 +15,7 @@ export class Abilities {
     filter.addEventListener("input", () => this.draw());
   }
 
-  /** Show other capabilities; what was open stays open, and what was written into fields stays there. */
+  /** Show other capabilities; open entries stay open, and fields keep their content. */
   show(capabilities, { mayMove, blocks }) {
     this.all = capabilities;
     this.mayMove = mayMove;
@@ -46,15 +46,15 @@ export class Abilities {
 
   entry(capability, group) {
     const key = `${capability.modality}-${capability.name}`;
-    const made = element("details", { className: `robot-ability ${group.style}` }, element("summary", { id: `${key}-summary` }, capability.label, capability.unavailable ? element("small", { className: "quiet-text" }, " (not now)") : null));
-    made.dataset.key = key;
+    const node = element("details", { className: `robot-ability ${group.style}` }, element("summary", { id: `${key}-summary` }, capability.label, capability.unavailable ? element("small", { className: "quiet-text" }, " (not now)") : null));
+    node.dataset.key = key;
     const idle = capability.unavailable ? element("p", { className: "notice warning" }, `Not available now: ${capability.unavailable}.`) : null;
     const body = element("div", {}, capability.comment ? element("p", {}, capability.comment) : null, idle);
     if (capability.modality === "write") body.append(this.form(capability, key));
     else body.append(this.reading(capability, key));
     body.append(why(capability, key));
-    made.append(body);
-    return made;
+    node.append(body);
+    return node;
   }
 
   form(capability, key) {
@@ -89,12 +89,12 @@ export class Abilities {
   }
 
   adder(capability, key, parameter) {
-    const made = element("button", { type: "button", id: `${key}-add`, title: "Put a block for this into the program" }, "Add block");
-    if (parameter) made.className = "link";
+    const node = element("button", { type: "button", id: `${key}-add`, title: "Put a block for this into the program" }, "Add block");
+    if (parameter) node.className = "link";
     const called = parameter ? `${capability.label}, ${capability.parameters.find(({ name }) => name === parameter).label}` : capability.label;
-    made.setAttribute("aria-label", `Add block: ${called}`);
-    made.addEventListener("click", () => this.act.add(capability, parameter));
-    return made;
+    node.setAttribute("aria-label", `Add block: ${called}`);
+    node.addEventListener("click", () => this.act.add(capability, parameter));
+    return node;
   }
 }
 
@@ -136,7 +136,7 @@ function why(capability, key) {
   const { because = [], implied_by: implied = [] } = capability;
   const reasons = because.map((one) => element("li", {}, one));
   if (implied.length) reasons.push(element("li", {}, `It follows from: ${implied.join(", ")}.`));
-  const made = element("details", {}, element("summary", { id: `${key}-why` }, "Why it can"), element("ul", {}, ...reasons), proofs(capability, `${key}-proof`));
-  made.dataset.key = `${key}-why`;
-  return made;
+  const node = element("details", {}, element("summary", { id: `${key}-why` }, "Why it can"), element("ul", {}, ...reasons), proofs(capability, `${key}-proof`));
+  node.dataset.key = `${key}-why`;
+  return node;
 }

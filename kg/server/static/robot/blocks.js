@@ -2,14 +2,14 @@
 
 import { BOOLEAN, LIST, NUMBER, PLACE, TEXT } from "./kinds.js";
 
-// Blocks have the words of the text: who reads one form can read the other.
+// Blocks have the words of the text: readers of one form can read the other.
 const COMPARED = ["<", "<=", "=", "!=", ">=", ">"].map((sign) => [sign, sign]);
 const COUNTED = ["+", "-", "*", "/"].map((sign) => [sign, sign]);
 const OF_ONE = ["absolute", "-", "round", "count"].map((word) => [word, word]);
 const NAME = /[^\p{L}\p{N}_]+/gu;
 const BRANCHES = 8;
 
-/** Define the blocks; `units` are those of kinds.js, `lenience` says whether a program is being shown. */
+/** Define the blocks; `units` are those of kinds.js, `lenience` is set while a program is being shown. */
 export function define(Blockly, units, lenience) {
   const numbers = units.numbers();
   const time = [NUMBER, units.type("s")];
@@ -64,7 +64,7 @@ export function define(Blockly, units, lenience) {
 
 const SAME = new Set(["<", "<=", "=", "!=", ">=", ">", "+", "-"]);
 
-/** Give a plain number in a slot the unit of the value next to it, once somebody has put that there. */
+/** Give a plain number in a slot the unit of the value next to it, once that is attached. */
 function alike(block, units, lenience) {
   block.setOnChange((event) => {
     if (lenience.on || event.type !== "move" || event.newParentId !== block.id || !SAME.has(block.getFieldValue("OPERATOR"))) return;
@@ -80,7 +80,7 @@ function alike(block, units, lenience) {
   });
 }
 
-/** Return the members of a definition for its rows, each a text with what fills its places. */
+/** Return the members of a definition for its rows, each a text with its arguments. */
 function rowsOf(rows) {
   return Object.fromEntries(rows.flatMap(([message, ...fills], index) => [[`message${index}`, message], [`args${index}`, fills]]));
 }
@@ -106,7 +106,7 @@ function numberBlock(Blockly, units, lenience) {
   };
 }
 
-/** A place on the map; how high it is stands there only where a program says so. */
+/** A place on the map; its height is shown only if a program sets it. */
 function placeBlock(units) {
   return {
     init() {
@@ -153,7 +153,7 @@ function parallelBlock(Blockly) {
   };
 }
 
-/** Return a name that the language takes. */
+/** Return a name that is valid in the language. */
 export function nameOf(text) {
   const found = text.trim().replace(NAME, "_");
   return /^[\p{L}_]/u.test(found) ? found : `x${found}`;

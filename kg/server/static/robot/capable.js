@@ -1,4 +1,4 @@
-// The blocks of capabilities, and the toolbox that offers all blocks.
+// The blocks of capabilities, and the toolbox with all blocks.
 
 import { GROUPS, groupOf, PLACE } from "./kinds.js";
 
@@ -43,7 +43,7 @@ function doBlock(Blockly, units, capability) {
       const input = this.appendValueInput(name).setCheck(units.taken({ type: "number", unit: "s" }));
       input.setAlign(Blockly.inputs.Align.RIGHT).appendField(name === "SECONDS" ? "for" : "within");
     },
-    /** Take a place in place of its parts, but of those that are `kept`. */
+    /** Take a place instead of its parts, except the parts in `kept`. */
     place(kept) {
       for (const name of PARTS) if (!kept.includes(name)) this.removeInput(argument(name), true);
       if (this.getInput(argument(AT))) return;
@@ -75,7 +75,7 @@ function readBlock(Blockly, units, capability) {
   };
 }
 
-/** Return what a capability is, and what its parameters are. */
+/** Return the description of a capability and of its parameters. */
 function explained({ comment, label, parameters }) {
   const lines = parameters.filter((one) => one.label !== one.name).map((one) => `${one.name}: ${one.label}`);
   return [comment || label, ...lines].join("\n");
@@ -84,7 +84,7 @@ function explained({ comment, label, parameters }) {
 /** Return the name of the input of an argument. */
 export const argument = (name) => `ARGUMENT ${name}`;
 
-/** The argument that takes a place, and what it stands for. */
+/** The argument for a place, and its meaning. */
 export const AT = "at";
 export const PARTS = ["x", "y", "z", "heading"];
 
@@ -98,10 +98,10 @@ const variable = (name) => ({ type: "kg_variable", fields: { NAME: name } });
 /** Return the state of a block that gives a place a name. */
 export const naming = (name, place) => ({ type: "kg_set", fields: { NAME: name }, inputs: { VALUE: { block: place } } });
 
-/** Whether a movement goes on until it is told to end. */
+/** Whether a movement continues until it is ended. */
 export const lasts = (capability) => capability.ways.some(({ rate }) => rate > 0);
 
-/** Return the shadow that stands in the input of a parameter until something else is put there. */
+/** Return the shadow in the input of a parameter, until a block replaces it. */
 export function shadowOf(capability, parameter) {
   if (parameter.choices?.length) {
     return { type: choiceType(capability.name, parameter.name), fields: { VALUE: parameter.default ?? parameter.choices[0] } };
@@ -165,7 +165,7 @@ function offered(capability) {
   return capability.parameters.map(({ name }) => ({ kind: "block", type: readType(capability.name), fields: { PARAMETER: name } }));
 }
 
-/** Return what the category of places offers: a new one, and to go to those that are known, or that the program names. */
+/** Return the category of places: a new one, and going to those of the robot or of the program. */
 export function placesOffered(workspace, capabilities, names) {
   const named = workspace.getBlocksByType("kg_set").filter((block) => block.getInputTargetBlock("VALUE")?.type === "kg_place");
   const all = [...new Set([...named.map((block) => block.getFieldValue("NAME")), ...names])];
@@ -177,7 +177,7 @@ export function placesOffered(workspace, capabilities, names) {
   ];
 }
 
-/** Return what the category of variables offers: a new one, and those that the program has. */
+/** Return the category of variables: a new one, and those of the program. */
 export function variables(workspace) {
   const blocks = ["kg_set", "kg_for", "kg_each"].flatMap((type) => workspace.getBlocksByType(type));
   const names = [...new Set(blocks.map((block) => block.getFieldValue("NAME")))].sort();

@@ -1,11 +1,11 @@
-// The list of examples: those that fit the robot first, and of the others what the robot lacks.
+// The list of examples: those that fit the robot first, and for the others what the robot lacks.
 
 import { element } from "../table.js";
-import { prose } from "./said.js";
+import { prose } from "./output.js";
 import { ask } from "./services.js";
 import { named, unknown } from "./writing.js";
 
-/** Show examples in `list`; `open` takes the text of the one that is chosen. Without `capabilities` none is judged. */
+/** Show examples in `list`; `open` receives the text of the chosen one. Without `capabilities` none is checked. */
 export async function examples(list, all, capabilities, open) {
   const judged = await Promise.all(all.map(async (one) => ({ ...one, lacks: capabilities ? await lacks(one.text, capabilities) : "" })));
   const fit = judged.filter((one) => !one.lacks);
@@ -19,7 +19,7 @@ function entry({ name, comment, text, lacks: missing }, open) {
   return element("li", {}, show, missing ? element("p", { className: "robot-lacks" }, missing) : null, comment ? element("p", {}, ...prose(comment)) : null);
 }
 
-/** Return what the robot lacks for a program in words, nothing where it fits. */
+/** Return what the robot lacks for a program in words, empty if it fits. */
 async function lacks(text, capabilities) {
   const { program, problems } = await ask("/robot/check", { text });
   const wrong = problems.filter(({ severity }) => severity === "error");

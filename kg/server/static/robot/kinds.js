@@ -1,7 +1,7 @@
-// The types of connectors: a number of a quantity, a truth value, a text, a list, a place. They keep what cannot fit apart while
+// The types of connectors: a number of a quantity, a truth value, a text, a list, a place. They separate what cannot fit while
 // blocks are put together; the server checks the whole program.
 
-/** The type of truth values, texts, lists and places, as Blockly's renderer knows them by their shapes. */
+/** The type of truth values, texts, lists and places, by which Blockly's renderer chooses their shapes. */
 export const BOOLEAN = "Boolean";
 export const TEXT = "String";
 export const LIST = "Array";
@@ -9,7 +9,7 @@ export const PLACE = "Place";
 /** A number without a unit; it fits wherever a number does. */
 export const NUMBER = "Number";
 
-/** What is known of units: `units` is a list of { unit, dimension }, as the server tells them. */
+/** Units and dimensions: `units` is a list of { unit, dimension } from the server. */
 export class Units {
   constructor(units) {
     this.all = units.map(({ unit }) => unit);
@@ -22,7 +22,7 @@ export class Units {
     return dimension ? `${NUMBER} ${dimension}` : NUMBER;
   }
 
-  /** Return all types of numbers: what comes of arithmetic may be any. */
+  /** Return all types of numbers: the result of arithmetic may be any. */
   numbers() {
     return [NUMBER, ...new Set(this.all.map((unit) => this.type(unit)))];
   }
@@ -33,7 +33,7 @@ export class Units {
     return [unit, ...this.all.filter((one) => one !== unit && this.type(one) === type)];
   }
 
-  /** Return the types that an input for a parameter takes; null for all. */
+  /** Return the types accepted by an input for a parameter; null for all. */
   taken({ type, unit }) {
     if (type === "any") return null;
     if (type === "boolean") return [BOOLEAN];
@@ -42,7 +42,7 @@ export class Units {
     return unit ? [NUMBER, this.type(unit)] : this.numbers();
   }
 
-  /** Return the types that a block which reads a parameter gives. */
+  /** Return the output types of a block that reads a parameter. */
   given({ type, unit }) {
     if (type === "any") return null;
     if (type === "boolean") return [BOOLEAN];
@@ -52,14 +52,14 @@ export class Units {
   }
 }
 
-/** The group of a capability, by its most general kind, and what people call it. */
+/** The group of a capability, by its most general kind, and its label. */
 export const GROUPS = [
   { kind: "Movement", title: "How it moves", short: "Moves", style: "movement" },
   { kind: "Sensing", title: "What it senses", short: "Senses", style: "sensing" },
   { kind: "RobotKnowledge", title: "Knowledge", short: "Knows", style: "knowledge" },
 ];
 
-/** Return the group of a capability; what is of no kind that we know is sensed or moved by its modality. */
+/** Return the group of a capability; one without a listed kind is sensed or moved by its modality. */
 export function groupOf(capability) {
   const plain = capability.kinds.map((kind) => kind.replace(/\s/g, "").toLowerCase());
   return GROUPS.find(({ kind }) => plain.includes(kind.toLowerCase())) ?? GROUPS[capability.modality === "write" ? 0 : 1];

@@ -1,4 +1,4 @@
-// Running, pausing and stopping, by buttons and keys; and who drives by hand tells the server that somebody is there.
+// Running, pausing and stopping, by buttons and keys; manual driving sends a sign of life to the server.
 
 const HERE = 1000;
 
@@ -13,7 +13,7 @@ export class Moving {
     parts.run.addEventListener("click", () => run());
     parts.pause.addEventListener("click", () => this.ask(this.state === "paused" ? "resume" : "pause"));
     parts.stop.addEventListener("click", () => this.stopAll());
-    // Before all other listeners: a dialog or a field may keep keys for itself, but not this one while the robot moves.
+    // Before all other listeners: a dialog or a field may consume keys, but not this one while the robot moves.
     window.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && this.moves) {
         event.preventDefault();
@@ -35,7 +35,7 @@ export class Moving {
     this.draw();
   }
 
-  /** Take what the server tells of the program; how one has ended is said when that happens. */
+  /** Take the state of the program from the server; its end is reported when it happens. */
   program({ state, name }, said = true) {
     this.state = state;
     this.name = name;
@@ -45,7 +45,7 @@ export class Moving {
     this.draw();
   }
 
-  /** Say what is done at the moment. */
+  /** Show the current action. */
   at(words) {
     this.words = words.at(-1) ?? "…";
     this.parts.running.textContent = `${this.state === "paused" ? "Pauses at" : "Now"}: ${this.words}`;
@@ -64,7 +64,7 @@ export class Moving {
     return this.ask("do", { listener: this.listener(), capability: capability.name, arguments: values, ...(seconds === null ? {} : { seconds }) });
   }
 
-  /** Take what the server tells of what is done by hand. */
+  /** Take the state of manual actions from the server. */
   handed({ state, own }, label) {
     this.hands = Math.max(0, this.hands + (state === "doing" ? 1 : -1));
     if (state === "doing") this.parts.running.textContent = `By hand: ${label}`;

@@ -1,20 +1,20 @@
-// The robot page: what its parts tell each other. The server connects, checks and runs; this page shows and asks.
+// The robot page: connects its parts. The server connects, checks and runs; this page shows and requests.
 
-import { file, Kept, link, linked } from "../blocks/kept.js";
+import { file, link, linked, TextStore } from "../blocks/storage.js";
 import { Turns } from "../blocks/turns.js";
 import { element } from "../table.js";
 import { Abilities } from "./abilities.js";
 import { examples } from "./examples.js";
 import { Moving } from "./moving.js";
 import { Places, pointOf } from "./places.js";
-import { Said } from "./said.js";
+import { Output } from "./output.js";
 import { ask, listen, Problem } from "./services.js";
 import { Study } from "./study.js";
 import { show, view } from "./view.js";
 import { workspace } from "./workspace.js";
 
 const $ = (id) => document.getElementById(id);
-const programs = new Kept("kg-robot-program ");
+const programs = new TextStore("kg-robot-program ");
 const turns = new Turns();
 const data = JSON.parse($("robot-page").dataset.page);
 const TYPING = 400;
@@ -30,7 +30,7 @@ let written = true;
 let pending = Promise.resolve();
 let blocks = null;
 
-const said = new Said({ notices: $("notices"), problems: $("problems"), log: $("log"), values: $("values"), none: $("values-none") });
+const output = new Output({ notices: $("notices"), problems: $("problems"), log: $("log"), values: $("values"), none: $("values-none") });
 const moving = new Moving({ run: $("run"), pause: $("pause"), stop: $("stop"), running: $("running") }, {
   run, ask: (path, body = {}) => tried(() => ask(`/robot/${path}`, body)), listener: () => listener,
 });
@@ -41,9 +41,9 @@ const abilities = new Abilities({
     end: () => moving.stop(),
     follow: (names) => tried(() => ask("/robot/read", { listener, capabilities: names })),
     add: async (capability, parameter) => {
-      await settled();
+      await synced();
       const block = blocks.add(capability, parameter);
-      said.log(parameter ? `Put “${block.toString()}” beside the program: move it to where a value is wanted.` : `Put “${capability.label}” into the program.`);
+      output.log(parameter ? `Put “${block.toString()}” beside the program: move it to where a value is wanted.` : `Put “${capability.label}” into the program.`);
     },
   },
 });
@@ -53,20 +53,20 @@ const places = new Places({
   act: {
     go: (capability, values) => moving.hand(capability, values, null),
     add: async (capability, name) => {
-      await settled();
+      await synced();
       blocks.addGoing(capability, name);
-      said.log(`Put “${capability.label}, ${name}” into the program.`);
+      output.log(`Put “${capability.label}, ${name}” into the program.`);
     },
     name: async (name, place) => {
-      await settled();
+      await synced();
       if (blocks) blocks.addPlace(name, place);
       else open(named(name, place, $("text").value));
-      said.log(`“${name}” is a place of the program now.`);
+      output.log(`“${name}” is a place of the program now.`);
     },
   },
 });
 
-/** Return the text of a program that gives a place a name before it does anything. */
+/** Return the text of a program that begins by naming a place. */
 function named(name, { x, y }, before) {
   const [head, rest] = /^((?:\s*(?:#.*)?\n)*\s*program .*\n?)?([^]*)$/u.exec(before).slice(1);
   return `${head ?? ""}set '${name.replaceAll("'", "")}' to (x: ${x.value} m, y: ${y.value} m)\n${rest}`;
@@ -78,59 +78,59 @@ const study = new Study({
   download: $("study-download"), again: $("study-again"), open: () => $("study-dialog").showModal(),
 }, data.exercises, () => replace(`program "program"\n`));
 
-/** Do something of which the server may say that it cannot be; returns whether it could. */
+/** Do something that the server may reject; returns whether it succeeded. */
 async function tried(work) {
   try {
     await work();
     return true;
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
-    said.problem(error.members);
+    output.problem(error.members);
     return false;
   }
 }
 
 // The program, as blocks and as text
 
-/** Say whether what is seen is still to be judged. */
+/** Show whether the check of the current text is pending. */
 function busy(on) {
   $("text-state").setAttribute("aria-busy", String(on));
 }
 
-/** Begin anew to judge the program: answers that are under way are of no use any more; returns the turn. */
+/** Start a new check of the program: pending answers are outdated; returns the turn. */
 function begun() {
   busy(true);
   return ++newest;
 }
 
 /** Take the answer of a check: the problems, the places of statements in the text, and the other form. */
-async function check(asked) {
+async function check(request) {
   const turn = begun();
   let answer = null;
-  await tried(async () => { answer = await ask("/robot/check", asked); });
-  if (asked.text !== undefined) await blocks?.still();
-  blocks?.settle();
+  await tried(async () => { answer = await ask("/robot/check", request); });
+  if (request.text !== undefined) await blocks?.still();
+  blocks?.flush();
   if (turn !== newest) return;
-  if (answer) judge(asked, answer);
+  if (answer) judge(request, answer);
   else moving.ready(false, "the program could not be checked");
   busy(false);
 }
 
-function judge(asked, answer) {
+function judge(request, answer) {
   lines = answer.lines;
   if (answer.program) program = { name: "program", ...answer.program };
-  if (asked.text === undefined) $("text").value = answer.text;
+  if (request.text === undefined) $("text").value = answer.text;
   else if (answer.program) {
     $("program-name").value = program.name;
     blocks?.show(program);
   }
-  judged(answer.problems, asked.text !== undefined && !answer.program);
+  judged(answer.problems, request.text !== undefined && !answer.program);
 }
 
 function judged(problems, unread = false) {
   const wrong = problems.filter(({ severity }) => severity !== "warning");
   blocks?.complain(problems);
-  said.problems(problems, (problem) => place(problem));
+  output.problems(problems, (problem) => place(problem));
   if (unread) text(true);
   const many = problems.length === 1 ? "1 problem" : `${problems.length} problems`;
   $("text-state").textContent = unread ? "This cannot be read yet; the blocks show what could be read last." : problems.length ? `${many}, listed below.` : "Fits the robot.".repeat(robot.state === "connected" ? 1 : 0);
@@ -173,7 +173,7 @@ function fromBlocks() {
   }
 }
 
-/** Say that pieces are not joined to the program: they do not run, though the program fits. */
+/** Report pieces that are not joined to the program: they do not run, though the program fits. */
 function loose(many) {
   $("loose").hidden = many < 1;
   $("loose").textContent = `${many === 1 ? "A grey piece is" : `${many} grey pieces are`} not joined to the program and will not run: drag what should run below a block of the program.`;
@@ -187,13 +187,13 @@ function fromText() {
   return pending;
 }
 
-/** Show a program that comes from elsewhere, as text. */
+/** Show a program from elsewhere, as text. */
 function open(text) {
   $("text").value = text;
   return fromText();
 }
 
-/** Open another program once nothing is done any more with the one that is seen. */
+/** Open another program once all actions on the current one are done. */
 const replace = (text) => turns.replace(() => open(text));
 
 $("text").addEventListener("input", () => {
@@ -203,43 +203,43 @@ $("text").addEventListener("input", () => {
 });
 $("program-name").addEventListener("change", async () => {
   const name = $("program-name").value.trim() || "program";
-  await settled();
+  await synced();
   $("program-name").value = name;
   program = { ...program, name };
   blocks?.rename(name);
   pending = check({ program });
 });
 
-/** Wait until the program that is seen, as text and as blocks, was judged. */
-async function settled() {
+/** Wait until the current program, as text and as blocks, is checked. */
+async function synced() {
   let last;
   do {
     if (typing) fromText();
-    blocks?.settle();
+    blocks?.flush();
     last = pending;
     await last;
   } while (typing || last !== pending);
 }
 
 async function run() {
-  await settled();
+  await synced();
   if (!moving.isReady) return;
-  said.clearProblem();
+  output.clearProblem();
   const undo = study.starts();
   if (await tried(() => ask("/robot/run", { program }))) study.ran(program, $("text").value);
   else undo();
 }
 
-// What the server tells
+// Events of the server
 
-function heard(event) {
+function onEvent(event) {
   if (event.event === "hello") ({ listener } = event);
   if (event.event === "hello" || event.event === "robot") refresh();
   else if (event.event === "view") show($("view"), event.picture, (across, down) => {
     const point = pointOf(event.picture, across, down);
     if (point) places.choose(point);
   });
-  else if (event.event === "value") said.value(event, robot.capabilities);
+  else if (event.event === "value") output.value(event, robot.capabilities);
   else if (event.event === "program") programme(event);
   else if (event.event === "step") step(event);
   else if (event.event === "hand") hand(event);
@@ -250,23 +250,23 @@ function programme(event) {
   if (["done", "stopped", "failed"].includes(event.state)) study.ended(event.state);
   if (event.state !== "running" && event.state !== "paused") blocks?.mark([]);
   const words = { running: "runs", paused: "pauses", done: "is done", stopped: "was stopped", failed: "failed" }[event.state];
-  said.log(`Program “${event.name}” ${words}${event.problem ? `: ${event.problem.message}` : ""}`, event.state === "failed" ? "error" : "");
+  output.log(`Program “${event.name}” ${words}${event.problem ? `: ${event.problem.message}` : ""}`, event.state === "failed" ? "error" : "");
   if (event.problem) {
-    said.problem(event.problem);
+    output.problem(event.problem);
     if (event.problem.id) blocks?.complain([event.problem]);
   }
 }
 
 function step(event) {
-  if (event.variable !== undefined) said.variable(event);
-  if (event.log !== undefined) said.log(event.log);
+  if (event.variable !== undefined) output.variable(event);
+  if (event.log !== undefined) output.log(event.log);
   if (event.running) {
     blocks?.mark(event.running);
     moving.at(event.running.map(line).filter(Boolean));
   }
 }
 
-/** Return the line of the text that a statement begins with. */
+/** Return the first line of a statement in the text. */
 function line(id) {
   return $("text").value.split("\n")[lines[id] - 1]?.trim();
 }
@@ -274,8 +274,8 @@ function line(id) {
 function hand(event) {
   const label = robot.capabilities.find(({ name }) => name === event.capability)?.label ?? event.capability;
   moving.handed(event, label);
-  said.log({ doing: `${label} …`, done: `${label}: done`, stopped: `${label}: stopped`, "taken over": `${label}: taken over by another command`, failed: `${label}: ${event.problem?.message}` }[event.state], event.state === "failed" ? "error" : "");
-  if (event.problem) said.problem(event.problem);
+  output.log({ doing: `${label} …`, done: `${label}: done`, stopped: `${label}: stopped`, "taken over": `${label}: taken over by another command`, failed: `${label}: ${event.problem?.message}` }[event.state], event.state === "failed" ? "error" : "");
+  if (event.problem) output.problem(event.problem);
 }
 
 let shown = "";
@@ -283,7 +283,7 @@ let offers = 0;
 let stale = false;
 let refreshing = false;
 
-/** Take what the robot is now, one question after the other, so that an older answer is never the last one. */
+/** Request the state of the robot, one request at a time: the last answer is never an outdated one. */
 async function refresh() {
   stale = true;
   if (refreshing) return;
@@ -320,7 +320,7 @@ async function renew() {
   view($("view"), robot);
 }
 
-/** Offer what the robot can do as blocks, once nobody has one in the hand, and judge the program anew. */
+/** Offer the capabilities of the robot as blocks, once none is being edited, and check the program again. */
 async function offer(able, names) {
   const turn = ++offers;
   await blocks?.still();
@@ -329,7 +329,7 @@ async function offer(able, names) {
   if (!typing) again();
 }
 
-/** Say whether the robot is there, and when that changes. */
+/** Show whether the robot is connected, and report changes. */
 function connection(before) {
   const { state, problem, address } = robot;
   const words = {
@@ -341,32 +341,32 @@ function connection(before) {
   $("connection").textContent = problem && state !== "connected" ? `${words} (${problem.message})` : words;
   $("connection").classList.toggle("robot-lost", state === "lost");
   if (state === before) return;
-  if (state === "lost") said.log(`The robot does not answer any more: ${problem?.message ?? ""}`, "error");
+  if (state === "lost") output.log(`The robot does not answer any more: ${problem?.message ?? ""}`, "error");
   if (before !== "lost" || state !== "connected") return;
-  said.log("The robot is back.");
-  said.clearProblem();
+  output.log("The robot is back.");
+  output.clearProblem();
 }
 
-/** Judge the program anew, in the form in which somebody has changed it last. */
+/** Check the program again, in the form that was edited last. */
 function again() {
   if (blocks && !written) fromBlocks();
   else fromText();
 }
 
-// Programs to open, and where they are kept
+// Programs to open, and their storage
 
-/** Do something with the text of the program that is seen, once that was judged. */
-const take = (act) => turns.take(async () => { await settled(); await act($("text").value); });
+/** Do something with the text of the current program, once that is checked. */
+const take = (act) => turns.take(async () => { await synced(); await act($("text").value); });
 
 $("new").addEventListener("click", () => { replace(`program "program"\n`); });
 $("save").addEventListener("click", () => take(async (shown) => {
   const { name } = program;
-  programs.keep(name, shown);
+  programs.save(name, shown);
   $("save-name").textContent = name;
   const plain = name.replace(/[^\p{L}\p{N}._-]+/gu, "-");
   const links = [[`${plain}.kgp`, shown, "text/plain", "Save as text"], [`${plain}.json`, `${JSON.stringify(program, null, 2)}\n`, "application/json", "Save as JSON"]];
   for (const [to, label] of robot.state === "connected" ? [["rospy", "Save as Python for ROS 1"], ["rclpy", "Save as Python for ROS 2"], ["bt", "Save as behaviour tree"]] : []) {
-    // A program that does not fit the robot has no code; what is wrong with it is listed already.
+    // A program that does not fit the robot has no code; its problems are listed already.
     const code = await ask("/robot/convert", { program, to }).catch(() => null);
     if (code) links.push(to === "bt" ? [`${plain}.xml`, code.text, "application/xml", label] : [`${plain}-${to}.py`, code.text, "text/x-python", label]);
   }
@@ -387,7 +387,7 @@ $("share-copy").addEventListener("click", async () => {
     $("share-done").textContent = "Press Ctrl C";
   }
 });
-$("open").addEventListener("click", kept);
+$("open").addEventListener("click", listSaved);
 $("open-file").addEventListener("change", async ({ target }) => {
   const [chosen] = target.files;
   if (!chosen) return;
@@ -407,19 +407,19 @@ function parsed(content) {
   }
 }
 
-function kept() {
+function listSaved() {
   const entries = programs.all().map(([name, content]) => {
     const show = element("button", { type: "button" }, name);
     show.addEventListener("click", () => { $("open-dialog").close(); replace(content); });
     const drop = element("button", { type: "button", className: "link" }, "Forget");
     drop.setAttribute("aria-label", `Forget ${name}`);
-    drop.addEventListener("click", () => { programs.forget(name); kept(); });
+    drop.addEventListener("click", () => { programs.remove(name); listSaved(); });
     return element("li", { className: "row" }, show, drop);
   });
   $("open-list").replaceChildren(...(entries.length ? entries : [element("li", {}, "None yet: Save keeps one.")]));
 }
 
-/** List the examples; when a robot is there, judged by what it can do. */
+/** List the examples; with a robot, checked against its capabilities. */
 function list() {
   const able = robot.state === "connected" ? robot.capabilities.filter(({ ways }) => ways.length) : null;
   return tried(() => examples($("examples-list"), data.examples, able, (content) => { $("examples-dialog").close(); replace(content); }));
@@ -447,9 +447,9 @@ async function begin() {
     for (const [id, act] of Object.entries({ undo: () => blocks.undo(false), redo: () => blocks.undo(true), smaller: () => blocks.zoom(-1), larger: () => blocks.zoom(1), fit: () => blocks.zoom(0) })) $(id).addEventListener("click", act);
   }
   await fromText(); // which somebody may have changed while the blocks came
-  if (given !== null) said.log("The program of the link is shown. It does not run until you press Run.");
+  if (given !== null) output.log("The program of the link is shown. It does not run until you press Run.");
   window.addEventListener("hashchange", () => { const other = linked("program"); if (other !== null) replace(other); });
-  if (data.address) listen(heard, () => { listener = null; $("connection").textContent = "The server cannot be reached …"; });
+  if (data.address) listen(onEvent, () => { listener = null; $("connection").textContent = "The server cannot be reached …"; });
 }
 
 begin();

@@ -1,4 +1,4 @@
-// Places with names: those that the robot, or the file of the server, tells, and a point that is clicked in the picture from above.
+// Places with names: those of the robot or of the server's file, and a point clicked in the picture from above.
 
 import { element } from "../table.js";
 import { takesPlace } from "./capable.js";
@@ -6,7 +6,7 @@ import { takesPlace } from "./capable.js";
 const number = (value, unit) => ({ expression: "value", value, unit });
 const PICTURE = /<svg[^>]* data-left="(-?[\d.]+)" data-top="(-?[\d.]+)" data-scale="([\d.]+)"/;
 
-/** Return the point of the world, in metres, that is shown at a share of the picture's width and height; null where it tells no scale. */
+/** Return the point of the world, in metres, that is shown at a share of the picture's width and height; null if it has no scale. */
 export function pointOf(picture, across, down) {
   const [, left, top, scale] = picture.match(PICTURE)?.map(Number) ?? [];
   const [, width, height] = picture.match(/viewBox="0 0 (\d+) (\d+)"/)?.map(Number) ?? [];
@@ -30,7 +30,7 @@ export class Places {
     this.draw();
   }
 
-  /** Offer a point that was clicked. */
+  /** Offer a clicked point. */
   choose(point) {
     Object.assign(this, { point, name: "place" });
     this.draw();
@@ -66,7 +66,7 @@ export class Places {
     return this.blocks ? [go, add] : [go];
   }
 
-  /** Return the form for a point that was clicked: go there, or give it a name in the program. */
+  /** Return the form for a clicked point: go there, or name it in the program. */
   chosen({ x, y }) {
     const place = { x: number(x, "m"), y: number(y, "m") };
     const form = element("form", { className: "robot-point" });

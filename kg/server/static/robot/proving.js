@@ -1,37 +1,37 @@
-// Why the robot can do something, step by step: the proof as nested lists, asked of the server when somebody opens it.
+// Why the robot can do something, step by step: the proof as nested lists, requested when the user opens it.
 
 import { element } from "../table.js";
 import { ask } from "./services.js";
 
 const WORDS = { "rdf:type": "is a", "rdfs:label": "is called" };
 
-/** Return what is opened to see the proofs of a capability; `key` tells it from others when the list is drawn anew. */
+/** Return the element with the proofs of a capability; `key` identifies it when the list is drawn again. */
 export function proofs(capability, key) {
   const body = element("div", {}, element("p", {}, "Looking …"));
-  const made = element("details", { className: "robot-proof" }, element("summary", { id: `${key}-summary` }, "Step by step"), body);
-  made.dataset.key = key;
-  made.addEventListener("toggle", async () => {
-    if (!made.open || body.dataset.told) return;
-    body.dataset.told = "yes";
+  const node = element("details", { className: "robot-proof" }, element("summary", { id: `${key}-summary` }, "Step by step"), body);
+  node.dataset.key = key;
+  node.addEventListener("toggle", async () => {
+    if (!node.open || body.dataset.loaded) return;
+    body.dataset.loaded = "yes";
     try {
       const found = await ask(`/robot/why?capability=${encodeURIComponent(capability.name)}`);
       body.replaceChildren(...found.proofs.map((proof) => element("ul", { className: "proof" }, fact(proof))));
     } catch (error) {
-      delete body.dataset.told;
+      delete body.dataset.loaded;
       body.replaceChildren(element("p", {}, error.message));
     }
   });
-  return made;
+  return node;
 }
 
 function fact(proof) {
-  const made = element("li", {}, element("span", { className: "fact", title: proof.text }, sentence(proof)));
-  if (proof.again) made.append(element("span", { className: "by" }, " (as above)"));
-  if (proof.rule) made.append(rule(proof.rule));
-  else if (proof.evidence) made.append(element("div", { className: "by" }, place(proof.evidence)));
+  const node = element("li", {}, element("span", { className: "fact", title: proof.text }, sentence(proof)));
+  if (proof.again) node.append(element("span", { className: "by" }, " (as above)"));
+  if (proof.rule) node.append(rule(proof.rule));
+  else if (proof.evidence) node.append(element("div", { className: "by" }, place(proof.evidence)));
   const below = [...(proof.premises ?? []).map(fact), ...(proof.conditions ?? []).map(condition)];
-  if (below.length) made.append(element("ul", {}, ...below));
-  return made;
+  if (below.length) node.append(element("ul", {}, ...below));
+  return node;
 }
 
 function sentence({ subject, predicate, object }) {
@@ -39,14 +39,14 @@ function sentence({ subject, predicate, object }) {
 }
 
 function rule({ name, title, evidence }) {
-  const made = element("div", { className: "by" }, `by the rule “${title || name}”`);
-  made.title = `${name}, ${place(evidence)}`;
-  return made;
+  const node = element("div", { className: "by" }, `by the rule “${title || name}”`);
+  node.title = `${name}, ${place(evidence)}`;
+  return node;
 }
 
 function condition({ text, count }) {
   return element("li", { className: "condition" }, `and it holds that ${text}${count === null ? "" : `, over ${count}`}`);
 }
 
-/** Where a fact was found: a file with its line, or the node that was seen, its address and since when. */
+/** Source of a fact: a file with its line, or the node seen, its address and since when. */
 const place = ({ path, line }) => (line ? `${path}:${line}` : path);

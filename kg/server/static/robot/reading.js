@@ -1,4 +1,4 @@
-// From blocks to a program: the JSON that the server checks and runs. Identities of blocks become those of statements.
+// From blocks to a program: the JSON for the server. Identities of blocks become those of statements.
 
 import { argument, AT, doType, readType } from "./capable.js";
 
@@ -75,7 +75,7 @@ class Reader {
     }
   }
 
-  /** Return the step of a loop where it is not one, which needs no saying. */
+  /** Return the step of a loop unless it is the default, 1. */
   step(block) {
     const found = block.getInputTargetBlock("STEP");
     if (found?.type === "kg_plain" && found.isShadow() && Number(found.getFieldValue("VALUE")) === 1) return {};
@@ -96,7 +96,7 @@ class Reader {
     return { block: "do", capability: this.called(capability), arguments: given, ...this.perhaps(block, "SECONDS", "seconds"), ...this.perhaps(block, "WITHIN", "within") };
   }
 
-  /** Return what people call a capability, unless another one is called the same. */
+  /** Return the label of a capability, unless another one has the same. */
   called({ name, label, modality }) {
     const same = this.capabilities.filter((one) => one.modality === modality && [one.label, one.name, ...(one.alternatives ?? [])].includes(label));
     return same.length === 1 ? label : name;
@@ -130,7 +130,7 @@ function written(block) {
   return { expression: "value", value: Number(block.getFieldValue("VALUE")), ...(unit ? { unit } : {}) };
 }
 
-/** Whether a shadow says what holds anyway when nothing is said. */
+/** Whether a shadow shows the default value. */
 function unchanged(block, parameter) {
   if (!block.isShadow() || parameter.default === undefined || parameter.default === null) return false;
   if (block.type === "kg_number" && (block.getFieldValue("UNIT") || undefined) !== (parameter.unit ?? undefined)) return false;

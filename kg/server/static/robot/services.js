@@ -1,8 +1,8 @@
-// What the page asks of the server it came from; nothing is asked of any other.
+// Requests of the page to its own server; it sends none to any other.
 
 import { url } from "../address.js";
 
-/** An error of the server: the members of its problem (RFC 9457), or those made from what the browser says. */
+/** An error of the server: the members of its problem (RFC 9457), or those of an error of the browser. */
 export class Problem extends Error {
   constructor(members) {
     super(members.message);
@@ -24,18 +24,18 @@ export async function ask(path, body) {
   try {
     members = await response.json();
   } catch {
-    // Not one of ours; told by its status.
+    // Not a problem of kg: use the status.
   }
   throw new Problem(members?.message ? members : { code: "", message: `The server answered ${response.status}.`, hint: "" });
 }
 
-/** Listen to what happens on the robot: `heard` is given each event, `silent` is called while the server is gone. */
-export function listen(heard, silent) {
+/** Listen to what happens on the robot: `onEvent` receives each event, `onSilence` is called while the server is unreachable. */
+export function listen(onEvent, onSilence) {
   const source = new EventSource(url("/robot/events"));
-  source.addEventListener("message", ({ data }) => heard(JSON.parse(data)));
+  source.addEventListener("message", ({ data }) => onEvent(JSON.parse(data)));
   source.addEventListener("error", () => {
-    silent();
+    onSilence();
     // A browser gives up for good when the answer was not a stream, as while the server starts again.
-    if (source.readyState === EventSource.CLOSED) setTimeout(() => listen(heard, silent), 3000);
+    if (source.readyState === EventSource.CLOSED) setTimeout(() => listen(onEvent, onSilence), 3000);
   });
 }

@@ -1,6 +1,6 @@
 // The study of the onto-ros paper (section 4.3): tasks one after the other, with a clock, attempts, and results as CSV.
 
-import { file } from "../blocks/kept.js";
+import { file } from "../blocks/storage.js";
 
 const COLUMNS = ["participant", "robot", "exercise", "title", "seconds", "attempts", "ended", "blocks", "capabilities", "program"];
 const KEY = "kg-robot-study";
@@ -31,14 +31,14 @@ export class Study {
   /** `parts` are the elements of the page, `exercises` those of the server; `clear` empties the program. */
   constructor(parts, exercises, clear) {
     Object.assign(this, { parts, exercises, clear, row: null, running: null, begun: 0, ticking: 0 });
-    this.rows = this.kept();
+    this.rows = this.load();
     parts.start.addEventListener("submit", () => this.begin());
     // A dialog that closes moves the focus back to the button that opened it.
     parts.dialog.addEventListener("close", () => { if (this.row && !this.begun) parts.read.focus(); });
     parts.read.addEventListener("click", () => this.clock());
     parts.next.addEventListener("click", () => this.next());
     parts.end.addEventListener("click", () => this.end());
-    parts.again.addEventListener("click", () => { this.rows = []; this.keep(); this.results(); });
+    parts.again.addEventListener("click", () => { this.rows = []; this.save(); this.results(); });
     this.results();
   }
 
@@ -51,7 +51,7 @@ export class Study {
     this.next();
   }
 
-  /** Keep what was reached, and show the next task. */
+  /** Store the result, and show the next task. */
   next() {
     this.put();
     this.at += 1;
@@ -86,7 +86,7 @@ export class Study {
     this.parts.clock.textContent = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}, ${tries}`;
   }
 
-  /** Note that a program is about to run: it may end before the server has answered. Returns how to take that back. */
+  /** Record that a program is about to run: it may end before the server answers. Returns a function that undoes it. */
   starts() {
     const row = this.begun ? this.row : null;
     if (!row) return () => {};
@@ -99,7 +99,7 @@ export class Study {
     };
   }
 
-  /** Note that a program was run: the time of a task ends with its last execution. */
+  /** Record the run of a program: the time of a task ends with its last execution. */
   ran(program, text) {
     if (!this.row || !this.begun) return;
     this.row.attempts += 1;
@@ -108,12 +108,12 @@ export class Study {
     this.parts.next.disabled = false;
   }
 
-  /** Note how the program ended, for the task that it was run for, which may be over. */
+  /** Record the end of the program for its task, which may be over. */
   ended(state) {
     if (!this.running) return;
     this.running.ended = state;
     this.running = null;
-    this.keep();
+    this.save();
     this.results();
   }
 
@@ -121,7 +121,7 @@ export class Study {
     clearInterval(this.ticking);
     if (this.row?.attempts) this.rows.push(this.row);
     this.row = null;
-    this.keep();
+    this.save();
     this.results();
   }
 
@@ -138,7 +138,7 @@ export class Study {
     download.replaceChildren(...(this.rows.length ? [Object.assign(file("study.csv", csv(this.rows), "text/csv"), { textContent: "Save results as CSV" })] : []));
   }
 
-  kept() {
+  load() {
     try {
       return JSON.parse(localStorage.getItem(KEY) ?? "[]");
     } catch {
@@ -146,7 +146,7 @@ export class Study {
     }
   }
 
-  keep() {
+  save() {
     try {
       localStorage.setItem(KEY, JSON.stringify(this.rows));
     } catch {

@@ -1,6 +1,6 @@
 // The robot from above, where a simulation shows itself.
 
-/** What was shown last, also while there was no place for it: a picture is told once, maybe before the page knows of its robot. */
+/** The last picture, also while the page had no place for it: each is sent once, maybe before the page has its robot. */
 let newest = null;
 
 /** Show the place for the picture in `host` while there is one. */
@@ -10,7 +10,7 @@ export function view(host, { view: there, state }) {
   else if (newest && !host.firstElementChild) draw(host);
 }
 
-/** Show a picture: as an image, in which nothing runs, whoever drew it; `clicked` is told where, as shares of its width and height. */
+/** Show a picture as an image, in which no script runs; `clicked` receives the point, as shares of width and height. */
 export function show(host, picture, clicked) {
   newest = { picture, clicked };
   if (!host.hidden) draw(host);

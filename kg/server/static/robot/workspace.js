@@ -1,4 +1,4 @@
-// The workspace of blocks: it shows a program, tells when somebody has changed it, and marks blocks.
+// The workspace of blocks: it shows a program, reports edits, and marks blocks.
 
 import { load } from "../blocks/loading.js";
 import { Stage } from "../blocks/stage.js";
@@ -16,7 +16,7 @@ export async function workspace(host, { units, changed, loose, ready }) {
   return new Workspace(Blockly, host, new Units(units), { changed, loose });
 }
 
-/** Return what checks connections: while a program is shown or brought back all may be, for the server says what does not fit in it. */
+/** Return the connection checker: all are allowed while a program is shown or restored, as the server reports what does not fit. */
 function lenient(Blockly) {
   const lenience = { on: false };
   class Checker extends Blockly.ConnectionChecker {
@@ -53,9 +53,9 @@ class Workspace extends Stage {
     this.show({ version: 1, name: "program", body: [] });
   }
 
-  /** Take other capabilities, and names of places: their blocks are offered, and the program is shown anew with them. */
+  /** Take other capabilities, and names of places: offer their blocks, and show the program again with them. */
   offer(capabilities, places) {
-    this.settle();
+    this.flush();
     this.places = places;
     const { program } = this.read();
     this.capabilities = capabilities;
@@ -69,7 +69,7 @@ class Workspace extends Stage {
     return read(this.inner, [...this.capabilities, ...(this.strangers ?? [])], this.meta);
   }
 
-  /** Show a program, without telling that it has changed. */
+  /** Show a program, without reporting a change. */
   show(given) {
     const program = named(given, this.capabilities);
     const { name, comment, seconds } = program;
@@ -86,7 +86,7 @@ class Workspace extends Stage {
       this.lenience.on = false;
     }
     this.wrap();
-    this.known = this.told();
+    this.reported = this.snapshot();
   }
 
   /** Put the values of wide blocks below each other, those of narrow ones next to each other. */
@@ -100,8 +100,8 @@ class Workspace extends Stage {
     }
   }
 
-  heard(event) {
-    super.heard(event);
+  onEvent(event) {
+    super.onEvent(event);
     if (event.isUiEvent || this.wrapping) return;
     this.wrapping = setTimeout(() => {
       this.wrapping = 0;
@@ -109,21 +109,21 @@ class Workspace extends Stage {
     }, 0);
   }
 
-  /** Give the program another name, without telling that it has changed. */
+  /** Give the program another name, without reporting a change. */
   rename(name) {
-    this.settle();
+    this.flush();
     this.meta.name = name;
-    this.known = this.told();
+    this.reported = this.snapshot();
   }
 
-  /** Put a new block for a capability behind the one that is chosen, else at the end; `parameter` is what is read. */
+  /** Put a new block for a capability after the selected one, else at the end; `parameter` is the one to read. */
   add(capability, parameter) {
     const { Blockly } = this;
-    const made = capability.modality === "write" ? fresh(capability) : { type: readType(capability.name), fields: { PARAMETER: parameter } };
-    return this.put(made, capability.modality === "write" ? this.end(Blockly.getSelected()) : null);
+    const description = capability.modality === "write" ? fresh(capability) : { type: readType(capability.name), fields: { PARAMETER: parameter } };
+    return this.put(description, capability.modality === "write" ? this.end(Blockly.getSelected()) : null);
   }
 
-  /** Put a block that goes to the place of a name behind the one that is chosen, else at the end. */
+  /** Put a block that goes to a named place after the selected one, else at the end. */
   addGoing(capability, name) {
     return this.put(going(capability, name), this.end(this.Blockly.getSelected()));
   }
@@ -134,7 +134,7 @@ class Workspace extends Stage {
     return this.put(naming(name, place), this.inner.getBlocksByType("kg_start")[0]);
   }
 
-  /** Take the last step back, or forth again, to a program that need not fit. */
+  /** Undo or redo the last step; the program need not fit. */
   undo(redo) {
     this.lenience.on = true;
     try {
@@ -144,11 +144,11 @@ class Workspace extends Stage {
     }
   }
 
-  /** Put a new block below another one, or, where that is null, beside the program. */
-  put(made, above) {
+  /** Put a new block below another one, or, if that is null, next to the program. */
+  put(description, above) {
     const { Blockly, inner } = this;
     Blockly.Events.setGroup(true);
-    const block = Blockly.serialization.blocks.append(made, inner, { recordUndo: true });
+    const block = Blockly.serialization.blocks.append(description, inner, { recordUndo: true });
     above?.nextConnection.connect(block.previousConnection);
     Blockly.Events.setGroup(false);
     if (!this.inSight(block)) inner.centerOnBlock(block.id);
@@ -172,7 +172,7 @@ class Workspace extends Stage {
     if (block && !this.visible(block)) this.inner.scroll(this.inner.scrollX, 60 - block.getRelativeToSurfaceXY().y * this.inner.scale);
   }
 
-  /** Take another size; when no block would be in sight the first is shown. */
+  /** Adopt another size; if no block is visible, show the first. */
   resized() {
     super.resized();
     if (!this.inner.getTopBlocks().some((block) => this.inSight(block))) this.home();
@@ -183,7 +183,7 @@ class Workspace extends Stage {
     this.inner.scroll(0, 0);
   }
 
-  /** Whether the upper left corner of a block, or what hangs on it, can be seen. */
+  /** Whether the upper left corner of a block, or of one attached to it, is visible. */
   inSight(block) {
     const box = block.getSvgRoot().getBoundingClientRect();
     const room = this.inner.getParentSvg().getBoundingClientRect();

@@ -1,17 +1,17 @@
-// From a program to blocks: the state that Blockly loads. Identities of statements become those of blocks.
+// From a program to blocks: the state for Blockly. Identities of statements become those of blocks.
 
 import { argument, AT, doType, fresh, number, PARTS, readType, shadowOf, takesPlace } from "./capable.js";
 
-/** Return the capabilities that a program uses and the robot does not have, made up from their use. */
+/** Return the capabilities that a program uses and the robot does not have, derived from their use. */
 export function unknown(program, capabilities) {
   const known = new Set(capabilities.map(({ name, modality }) => `${modality} ${name}`));
   const found = new Map();
   const add = (modality, name, parameters) => {
     const key = `${modality} ${name}`;
     if (known.has(key)) return;
-    const made = found.get(key) ?? { name, label: name, comment: "The robot that is connected cannot do this.", kinds: [], modality, parameters: [], ways: [], unknown: true };
-    for (const one of parameters) if (!made.parameters.some((other) => other.name === one)) made.parameters.push({ name: one, label: one, type: "any" });
-    found.set(key, made);
+    const copy = found.get(key) ?? { name, label: name, comment: "The robot that is connected cannot do this.", kinds: [], modality, parameters: [], ways: [], unknown: true };
+    for (const one of parameters) if (!copy.parameters.some((other) => other.name === one)) copy.parameters.push({ name: one, label: one, type: "any" });
+    found.set(key, copy);
   };
   const look = (part) => {
     if (Array.isArray(part)) part.forEach(look);
@@ -31,24 +31,24 @@ export function state(program, capabilities) {
   return { blocks: { languageVersion: 0, blocks: [{ type: "kg_start", id: "start", x: 24, y: 24, deletable: false, ...writer.next(program.body ?? []) }] } };
 }
 
-/** Return a program whose capabilities are called by their names, also where it calls them by their labels. */
+/** Return a program whose capabilities are called by their names, also if it uses their labels. */
 export function named(program, capabilities) {
   const folded = (text) => text.toLowerCase().replace(/[^\p{L}\p{N}]+/gu, "");
   const same = (one, text) => [one.name, one.label, ...(one.alternatives ?? [])].some((other) => folded(other) === folded(text));
-  const settle = (part) => {
-    if (Array.isArray(part)) return part.map(settle);
+  const resolve = (part) => {
+    if (Array.isArray(part)) return part.map(resolve);
     if (!part || typeof part !== "object") return part;
-    const made = Object.fromEntries(Object.entries(part).map(([key, value]) => [key, settle(value)]));
+    const copy = Object.fromEntries(Object.entries(part).map(([key, value]) => [key, resolve(value)]));
     const modality = { do: "write" }[part.block] ?? { read: "read" }[part.expression];
     const capability = modality && capabilities.find((one) => one.modality === modality && same(one, part.capability));
-    if (!capability) return made;
+    if (!capability) return copy;
     const parameter = (text) => capability.parameters.find((one) => same(one, text))?.name ?? text;
-    made.capability = capability.name;
-    if (made.parameter) made.parameter = parameter(made.parameter);
-    if (made.arguments) made.arguments = Object.fromEntries(Object.entries(made.arguments).map(([key, value]) => [parameter(key), value]));
-    return made;
+    copy.capability = capability.name;
+    if (copy.parameter) copy.parameter = parameter(copy.parameter);
+    if (copy.arguments) copy.arguments = Object.fromEntries(Object.entries(copy.arguments).map(([key, value]) => [parameter(key), value]));
+    return copy;
   };
-  return settle(program);
+  return resolve(program);
 }
 
 class Writer {
@@ -57,16 +57,16 @@ class Writer {
   }
 
   next(statements) {
-    const made = this.sequence(statements);
-    return made ? { next: { block: made } } : {};
+    const state = this.sequence(statements);
+    return state ? { next: { block: state } } : {};
   }
 
   sequence([first, ...rest]) {
     if (!first) return null;
-    const made = this.statement(first);
-    if (first.id) made.id = first.id;
-    if (first.comment) made.icons = { comment: { text: first.comment, pinned: false } };
-    return rest.length ? { ...made, ...this.next(rest) } : made;
+    const state = this.statement(first);
+    if (first.id) state.id = first.id;
+    if (first.comment) state.icons = { comment: { text: first.comment, pinned: false } };
+    return rest.length ? { ...state, ...this.next(rest) } : state;
   }
 
   inputs(values, sequences = {}) {
@@ -75,7 +75,7 @@ class Writer {
     return Object.fromEntries([...filled, ...inside.map(([name, block]) => [name, { block }])]);
   }
 
-  /** Return the state of an input: values that are written stand there as shadows, which give way to blocks. */
+  /** Return the state of an input: literal values become shadows, which blocks replace. */
   input(expression, shadow = null) {
     const block = this.expression(expression);
     if (expression.expression === "value" && (!shadow || shadow.type === block.type)) return { shadow: block };
@@ -120,7 +120,7 @@ class Writer {
     return { type: "kg_for", fields, inputs: this.inputs({ FROM: one.start, TO: one.end, STEP: step }, { DO: one.body }) };
   }
 
-  /** Return the state of an input for a time that need not be given: a block, so that it can be taken away. */
+  /** Return the state of an input for an optional time: a block, which can be removed. */
   time(name, seconds) {
     return seconds ? { [name]: { block: this.expression(seconds) } } : {};
   }
@@ -132,7 +132,7 @@ class Writer {
     for (const parameter of capability.parameters) {
       const given = one.arguments?.[parameter.name];
       if (given) inputs[argument(parameter.name)] = this.argument(given, shadowOf(capability, parameter), parameter);
-      else if ((parameter.default ?? null) === null) delete inputs[argument(parameter.name)]; // what is not said is no 0
+      else if ((parameter.default ?? null) === null) delete inputs[argument(parameter.name)]; // an omitted value is not 0
     }
     Object.assign(inputs, this.time("SECONDS", one.seconds), this.time("WITHIN", one.within));
     const extraState = { times: ["SECONDS", "WITHIN"].filter((name) => inputs[name]) };

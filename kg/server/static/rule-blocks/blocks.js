@@ -1,4 +1,4 @@
-// The blocks of rules: what is looked for, tests, values, and the rule itself.
+// The blocks of rules: patterns, tests, values, and the rule itself.
 
 import { chosenField } from "./fields.js";
 import { packed, short, shown, unpacked } from "./terms.js";
@@ -37,7 +37,7 @@ export function define(Blockly, { vocabulary, offering, edit, rename }) {
   ]);
 
   const term = (current, where) => new Chosen(packed(current), {
-    told: (packedTerm) => shown(unpacked(packedTerm), vocabulary),
+    display: (packedTerm) => shown(unpacked(packedTerm), vocabulary),
     tip: (packedTerm) => tip(unpacked(packedTerm)),
     open: async (field) => {
       const found = await offering.term({ current: unpacked(field.getValue()), ...where(field.getSourceBlock()) });
@@ -46,12 +46,12 @@ export function define(Blockly, { vocabulary, offering, edit, rename }) {
     },
   });
   const named = (current, choose) => new Chosen(current, {
-    told: (name) => vocabulary.label(name),
+    display: (name) => vocabulary.label(name),
     tip: (name) => [name, (vocabulary.byProperty.get(name) ?? vocabulary.byClass.get(name))?.comment].filter(Boolean).join("\n"),
     open: async (field) => { const found = await choose(field); if (found) field.setValue(found); },
   });
   const sparql = (current) => new Chosen(current, {
-    told: (text) => short(text, 60), tip: (text) => text,
+    display: (text) => short(text, 60), tip: (text) => text,
     open: async (field) => { const found = await edit(field.getValue()); if (found) field.setValue(found); },
   });
   const thing = (name) => ({ term: "thing", name });
@@ -110,7 +110,7 @@ export function define(Blockly, { vocabulary, offering, edit, rename }) {
   });
 }
 
-/** How a term is coloured, by what it is. */
+/** The colour of a term, by its kind. */
 export const STYLES = { thing: "variables", name: "knowledge", text: "values", number: "values", truth: "values" };
 
 function tip(term) {
@@ -118,12 +118,12 @@ function tip(term) {
   return `${term.name ?? term.value}. Click to change.`;
 }
 
-/** Return the members of a definition for its rows, each a text with what fills its places. */
+/** Return the members of a definition for its rows, each a text with its arguments. */
 function rowsOf(rows) {
   return Object.fromEntries(rows.flatMap(([message, ...fills], index) => [[`message${index}`, message], [`args${index}`, fills]]));
 }
 
-/** Return where the block of a term stands: the side of which property, and what stands on the other. */
+/** Return the place of the block of a term: the side of which property, and the term at the other. */
 function place(block) {
   const connection = block?.outputConnection?.targetConnection;
   const parent = connection?.getSourceBlock();
@@ -138,7 +138,7 @@ export function termIn(block, input) {
   return found?.type === "kr_term" ? unpacked(found.getFieldValue("TERM")) : null;
 }
 
-/** Whether a block stands in what the rule concludes. */
+/** Whether a block is in the conclusions of the rule. */
 export function isConcluded(block) {
   let [at, parent] = [block, block.getSurroundParent()];
   while (parent && parent.type !== "kr_rule") [at, parent] = [parent, parent.getSurroundParent()];
@@ -148,7 +148,7 @@ export function isConcluded(block) {
 }
 
 /** A block with several inputs, of which one chooses how many. */
-function several(Blockly, { style, tip: told, before, after, add, ends }) {
+function several(Blockly, { style, tip, before, after, add, ends }) {
   return {
     init() {
       const many = new Blockly.FieldDropdown(Array.from({ length: MOST - 1 }, (_, index) => [`${index + 2}`, `${index + 2}`]));
@@ -156,7 +156,7 @@ function several(Blockly, { style, tip: told, before, after, add, ends }) {
       this.appendDummyInput().appendField(before).appendField(many, "MANY").appendField(after);
       ends.call(this);
       this.setStyle(style);
-      this.setTooltip(told);
+      this.setTooltip(tip);
       this.shape(2);
     },
     shape(many) {

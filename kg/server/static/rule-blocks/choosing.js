@@ -1,4 +1,4 @@
-// Choosing in a dialog: of things, values, properties and classes, by words; what people type can be chosen too.
+// Choosing in a dialog: of things, values, properties and classes, by words; typed text can be chosen, too.
 
 import { element } from "../table.js";
 
@@ -40,7 +40,7 @@ export class Chooser {
     return new Promise((resolve) => { this.done = resolve; });
   }
 
-  /** Show what there is to choose from; returns whether that is still asked for when it is known. */
+  /** Show the choices; returns whether they are still wanted when they arrive. */
   async draw() {
     const turn = ++this.turn;
     this.parts.list.setAttribute("aria-busy", "true");
@@ -60,12 +60,12 @@ export class Chooser {
   }
 
   item({ value, label, detail = "", count = null, comment = "" }) {
-    const made = element("button", { type: "button", className: "rule-choice" },
+    const button = element("button", { type: "button", className: "rule-choice" },
       element("span", { className: "rule-choice-label" }, label),
       element("span", { className: "rule-choice-detail" }, [detail, count === null ? "" : count.toLocaleString("en")].filter(Boolean).join(" · ")),
       comment ? element("span", { className: "rule-choice-comment" }, comment) : null);
-    made.addEventListener("click", () => { this.end(value); });
-    return made;
+    button.addEventListener("click", () => { this.end(value); });
+    return button;
   }
 
   key(event) {

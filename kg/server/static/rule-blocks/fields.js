@@ -1,22 +1,22 @@
 // Fields of blocks that open a dialog: for a term, a property, a class, a piece of SPARQL.
 
-/** Return the class of such fields. `told(value)` is what the block shows, `open(field)` changes the value. */
+/** Return the class of such fields. `display(value)` returns the text on the block, `open(field)` changes the value. */
 export function chosenField(Blockly) {
   return class extends Blockly.Field {
-    constructor(value, { told, open, tip }) {
+    constructor(value, { display, open, tip }) {
       super(Blockly.Field.SKIP_SETUP);
       this.SERIALIZABLE = true;
       this.EDITABLE = true;
       this.CURSOR = "pointer";
-      this.told = told;
+      this.display = display;
       this.opened = open;
       this.setTooltip(() => tip?.(this.getValue()) ?? "");
       this.setValue(value);
     }
 
-    getText_() { return this.told(this.getValue()); }
+    getText_() { return this.display(this.getValue()); }
 
-    /** Show what the value is called, which the vocabulary may have come to know. */
+    /** Show the label of the value, which may be new in the vocabulary. */
     refresh() { this.forceRerender(); }
 
     showEditor_() { this.opened(this); }

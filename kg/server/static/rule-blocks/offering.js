@@ -1,4 +1,4 @@
-// What can be chosen at a place of a rule: from the rule itself, from the vocabulary, and from what the store holds.
+// The choices at a place of a rule: from the rule itself, the vocabulary, and the store.
 
 import { matching } from "./choosing.js";
 import { shown, termOf, thingName, typed } from "./terms.js";
@@ -7,7 +7,7 @@ import { every } from "./vocabulary.js";
 const FAMILY = "my:";
 
 export class Offering {
-  /** `rule()` returns the rule as it is, `complete(text)` what may stand at the end of a query. */
+  /** `rule()` returns the current rule, `complete(text)` the completions at the end of a query. */
   constructor(chooser, vocabulary, { rule, complete }) {
     this.chooser = chooser;
     this.vocabulary = vocabulary;
@@ -15,12 +15,12 @@ export class Offering {
     this.complete = complete;
   }
 
-  /** Return the class of a thing of the rule, empty where nothing is known. */
+  /** Return the class of a thing of the rule, empty if unknown. */
   kindOf(term) {
     return term?.term === "thing" ? this.vocabulary.main(this.vocabulary.kinds(this.rule()).get(term.name)) : "";
   }
 
-  /** Choose the property of a fact; `concluded`: it is one that the rule makes. */
+  /** Choose the property of a fact; `concluded`: the rule infers it. */
   property({ subject, current, concluded }) {
     const kind = this.kindOf(subject);
     const { vocabulary } = this;
@@ -33,7 +33,7 @@ export class Offering {
       help: kind ? `Those of ${vocabulary.words([kind])} come first, with how many have it on this store.` : "",
       placeholder: "publishes, name, has function …",
       find: async (text) => [
-        ...(concluded ? [{ title: "A new relation of yours", items: made(text, false) }] : []),
+        ...(concluded ? [{ title: "A new relation of yours", items: newTerm(text, false) }] : []),
         { title: kind ? `Of ${vocabulary.words([kind])}` : "Relations", items: matching(fitting.map(item), text) },
         { title: kind ? "Of other things" : "Relations", items: matching(others.map(item), text) },
         { title: "As SPARQL writes it", items: path(text, current) },
@@ -48,7 +48,7 @@ export class Offering {
       title: concluded ? "What does the rule say it is?" : "What is it?",
       placeholder: "node, topic, message type …",
       find: async (text) => [
-        ...(concluded ? [{ title: "A new kind of yours", items: made(text, true) }] : []),
+        ...(concluded ? [{ title: "A new kind of yours", items: newTerm(text, true) }] : []),
         { title: "Kinds of things", items: matching(items, text) },
         { title: "As SPARQL writes it", items: path(text, "") },
       ],
@@ -93,7 +93,7 @@ export class Offering {
     return found;
   }
 
-  /** Return the values that the store has at a place; the completion service of queries knows them. */
+  /** Return the values of the store at a place, from the completion service of queries. */
   async values(text, { side, subject, property, literal }) {
     if (side !== "to" || !property || /[^\w:.<>/#-]/.test(property)) return [];
     const kind = this.kindOf(subject);
@@ -106,8 +106,8 @@ export class Offering {
   }
 }
 
-/** Return what a typed text would be as a new term of the rule's family. */
-function made(text, isClass) {
+/** Return a typed text as a new term of the rule's family. */
+function newTerm(text, isClass) {
   const words = text.trim().split(/[^\p{L}\p{N}]+/u).filter(Boolean);
   if (!words.length || /^\d/.test(words[0]) || text.includes(":")) return [];
   const joined = words.map((word) => word[0].toUpperCase() + word.slice(1)).join("");
@@ -115,7 +115,7 @@ function made(text, isClass) {
   return [{ value: name, label: words.join(" "), detail: name }];
 }
 
-/** Return what is written as SPARQL: a name with a prefix, or a path. */
+/** Return a typed SPARQL expression: a name with a prefix, or a path. */
 function path(text, current) {
   const plain = text.trim();
   const items = /[:<]/.test(plain) ? [{ value: plain, label: plain, detail: "" }] : [];

@@ -1,7 +1,7 @@
-// The page of rules as blocks: blocks, text and documentation of one rule, what is wrong with it, what it would infer.
+// The page of rules as blocks: blocks, text and documentation of one rule, its findings, its inferences.
 
 import { url } from "../address.js";
-import { file, Kept, link, linked } from "../blocks/kept.js";
+import { file, link, linked, TextStore } from "../blocks/storage.js";
 import { Turns } from "../blocks/turns.js";
 import { edit } from "../query/editor.js";
 import { Problem, view } from "../query/services.js";
@@ -13,14 +13,14 @@ import { every, Vocabulary } from "./vocabulary.js";
 import { workspace } from "./workspace.js";
 
 const $ = (id) => document.getElementById(id);
-const rules = new Kept("kg-rule-blocks ");
+const rules = new TextStore("kg-rule-blocks ");
 const turns = new Turns();
 const TYPING = 500;
-const SAID = ["name", "title", "why", "infers", "mend", "limits", "references", "since"];
+const FIELDS = ["name", "title", "why", "infers", "mend", "limits", "references", "since"];
 const EMPTY = { version: 1, name: "mine/rule", when: [], then: [] };
 const NAME = /^[a-z0-9][a-z0-9_-]*(\/[a-z0-9][a-z0-9_-]*)+$/;
 const BEGIN = "Drag conditions from the list next to the blocks to “when” and conclusions to “then”, or start from an example.";
-/** The code of the note that nothing on this store passes a part: who composes a rule wants to see where. */
+/** The code of the note that nothing on this store passes a part: authors of a rule want to see where. */
 const UNMATCHED = "KG213";
 const DRAFT = "kg-rule-blocks-draft";
 
@@ -39,14 +39,14 @@ let findings = [];
 let pending = Promise.resolve();
 let formed = {};
 
-// What the page says
+// Messages of the page
 
-/** Return a text with what stands between backticks as code. */
+/** Return a text whose parts between backticks are code. */
 function prose(text) {
   return text.split("`").map((part, index) => (index % 2 ? element("code", {}, part) : part));
 }
 
-/** Do something of which the server may say that it cannot be, which `host` then tells if it is `wanted()` still; returns whether it could. */
+/** Do something that the server may reject, which `host` shows if it is `wanted()` still; returns whether it succeeded. */
 async function tried(work, host = $("notices"), wanted = () => true) {
   $("notices").replaceChildren();
   try {
@@ -56,16 +56,16 @@ async function tried(work, host = $("notices"), wanted = () => true) {
     if (!(error instanceof Problem)) throw error;
     if (!wanted()) return false;
     const { code, message, hint } = error.members;
-    const made = element("div", { className: "notice error" }, element("p", {}, element("strong", {}, ...prose(message))), element("p", {}, code ? `${code}: ` : "", ...prose(hint ?? "")));
-    made.setAttribute("role", "alert");
-    host.replaceChildren(made);
+    const box = element("div", { className: "notice error" }, element("p", {}, element("strong", {}, ...prose(message))), element("p", {}, code ? `${code}: ` : "", ...prose(hint ?? "")));
+    box.setAttribute("role", "alert");
+    host.replaceChildren(box);
     return false;
   }
 }
 
 function list(all) {
   findings = all;
-  const held = [...$("findings").querySelectorAll("button, a")].indexOf(document.activeElement);
+  const focused = [...$("findings").querySelectorAll("button, a")].indexOf(document.activeElement);
   const order = ["error", "warning", "note"];
   const sorted = [...all].sort((one, other) => order.indexOf(one.severity) - order.indexOf(other.severity));
   $("findings").replaceChildren(...sorted.map((one) => {
@@ -74,7 +74,7 @@ function list(all) {
     go.addEventListener("click", () => place(one));
     return element("li", { className: one.severity }, element("span", { className: `tag ${one.severity}` }, one.severity), " ", ...prose(one.message), " ", go.textContent ? go : null, element("small", {}, ...prose(one.hint ?? ""), " ", one.code ? element("a", { href: url(`/errors/${one.code}`) }, one.code) : ""));
   }));
-  if (held >= 0) [...$("findings").querySelectorAll("button, a")].slice(0, held + 1).at(-1)?.focus();
+  if (focused >= 0) [...$("findings").querySelectorAll("button, a")].slice(0, focused + 1).at(-1)?.focus();
   const wrong = all.filter(({ severity }) => severity !== "note").length;
   $("state").textContent = wrong ? `${wrong === 1 ? "One thing needs" : `${wrong} things need`} your attention.` : all.length ? "The rule can run; there are notes." : rule.then.length ? "The check finds nothing wrong." : "";
   $("state").className = wrong ? "rule-wrong" : "quiet-text";
@@ -98,9 +98,9 @@ function place({ id, line, lacks }) {
 
 // One rule, as blocks, as text, and its documentation in a form
 
-/** Show the documentation; what was written into the form since stays where it is to be `kept`. */
+/** Show the documentation; if `kept`, fields edited since stay. */
 function form(kept) {
-  for (const name of SAID) {
+  for (const name of FIELDS) {
     if (kept && edited(name)) continue;
     $(`rule-${name}`).value = rule[name] ?? { since: "0.1" }[name] ?? "";
     formed[name] = $(`rule-${name}`).value;
@@ -109,41 +109,41 @@ function form(kept) {
   $("rule-infers").placeholder = "Written for you as long as it is empty";
 }
 
-/** Whether something was written into a field of the form that the rule has not yet. */
+/** Whether a field of the form has an edit that the rule does not have yet. */
 const edited = (name) => $(`rule-${name}`).value !== formed[name];
 
 function written(text) {
   setting = true;
   editor.text = text;
   setting = false;
-  // The documentation comes first; what the blocks say stands at the end.
+  // The documentation comes first; the content of the blocks is at the end.
   const scrolled = $("editor").querySelector("div")?.shadowRoot?.querySelector(".cm-scroller");
   if (scrolled) requestAnimationFrame(() => { scrolled.scrollTop = scrolled.scrollHeight; });
 }
 
-/** Say whether what is seen is still to be judged. */
+/** Show whether the check of the current text is pending. */
 function busy(on) {
   $("state").setAttribute("aria-busy", String(on));
 }
 
-/** Begin anew to judge the rule: answers that are under way are of no use any more; returns the turn. */
+/** Start a new check of the rule: pending answers are outdated; returns the turn. */
 function begun() {
   busy(true);
   return ++newest;
 }
 
-/** End to judge what is seen. */
+/** End the check of the current rule. */
 function ended() {
   judged = newest;
   busy(false);
 }
 
-/** Return what the server says of the rule; null where it does not, or where the rule is another one by then. */
-async function answered(turn, asked) {
+/** Return the server's check of the rule; null if it fails, or if the rule has been replaced by then. */
+async function checked(turn, request) {
   let answer = null;
-  await tried(async () => { answer = await view("blocks_check", asked); }, $("notices"), () => turn === newest);
+  await tried(async () => { answer = await view("blocks_check", request); }, $("notices"), () => turn === newest);
   await blocks?.still();
-  blocks?.settle();
+  blocks?.flush();
   if (turn !== newest) return null;
   if (!answer) {
     say("The rule could not be checked.");
@@ -157,45 +157,45 @@ function say(words) {
   $("state").className = "quiet-text";
 }
 
-/** Take a rule in its other form, then have it checked; `asked` is { rule } or { text, name }. */
-async function check(asked) {
+/** Take a rule in its other form, then check it; `request` is { rule } or { text, name }. */
+async function check(request) {
   const turn = begun();
   say("Checking …");
-  const answer = await answered(turn, { ...asked, brief: "1" });
+  const answer = await checked(turn, { ...request, brief: "1" });
   if (!answer) return;
-  if (asked.text === undefined) written(answer.text);
+  if (request.text === undefined) written(answer.text);
   else if (answer.rule) {
     rule = { ...EMPTY, ...answer.rule };
     form(true);
     show();
   }
   draft();
-  judge(turn, asked, answer);
+  judge(turn, request, answer);
 }
 
-/** Tell what is wrong with the rule, once the server has found it out. */
-async function judge(turn, asked, first) {
-  const answer = first.rule ? await answered(turn, { rule: plain() }) : first;
+/** Show the findings on the rule, once the server has checked it. */
+async function judge(turn, request, first) {
+  const answer = first.rule ? await checked(turn, { rule: plain() }) : first;
   if (!answer) return;
   ended();
   const own = answer.rule ? misfits() : [];
-  const empty = asked.text === undefined && !rule.then.length;
-  list([...(empty ? [] : answer.findings.map(told)), ...own]);
+  const empty = request.text === undefined && !rule.then.length;
+  list([...(empty ? [] : answer.findings.map(withPrefix)), ...own]);
   if (empty) $("state").textContent = rule.when.length ? "Now put what follows from it under “then”: “Conclusions” has blocks for that." : BEGIN;
-  if (asked.text !== undefined && !answer.rule) $("state").textContent = "This text cannot be shown as blocks yet; they stay as they were.";
+  if (request.text !== undefined && !answer.rule) $("state").textContent = "This text cannot be shown as blocks yet; they stay as they were.";
   blocks?.complain(findings.filter(({ severity, code }) => severity !== "note" || code === UNMATCHED));
 }
 
 const misfits = () => vocabulary.misfits(rule).map((one) => ({ code: "", severity: "warning", hint: "", ...one }));
 
-/** Return a finding as this page shows it: names of the rule's family as its prefix has them. */
-function told(one) {
+/** Return a finding for this page: names of the rule's family have its prefix. */
+function withPrefix(one) {
   const own = `https://example.org/${rule.name.split("/").slice(0, -1).join("/")}#`;
   if (one.lacks.length) return undocumented(one);
   return { ...one, message: one.message.replaceAll(new RegExp(`<${own.replaceAll(/[.*+?^$()|[\]\\]/g, "\\$&")}([\\w-]+)>`, "g"), "my:$1") };
 }
 
-/** Return what the documentation lacks by the names of the fields, instead of those of the text. */
+/** Return the missing documentation by the names of the fields, instead of those of the text. */
 function undocumented(one) {
   const fields = one.lacks.map((member) => `“${$(`rule-${member}`).labels[0].textContent.split(":")[0]}”`);
   return { ...one, line: 0, message: `Nothing is said under ${fields.join(" and ")}.`, hint: "Fill in the fields above the blocks; who reads the rule needs them." };
@@ -216,7 +216,7 @@ function fromBlocks() {
   $("state").textContent = "The blocks are not complete; the text is as it was before.";
 }
 
-/** Wait no longer for the end of typing. */
+/** Stop waiting for the end of typing. */
 function unwritten() {
   clearTimeout(typing);
   typing = 0;
@@ -227,12 +227,12 @@ function fromText() {
   wait(check({ text: editor.text, name: rule.name }));
 }
 
-/** Let what waits until all is settled wait for this too. */
+/** Make `synced` wait for this, too. */
 function wait(work) {
   pending = Promise.all([pending, work]);
 }
 
-/** Return whether the name in the form is one, and say what names are where it is not. */
+/** Return whether the name in the form is valid, and describe valid names if not. */
 function named() {
   const right = NAME.test($("rule-name").value.trim());
   $("rule-name").setAttribute("aria-invalid", String(!right));
@@ -240,30 +240,30 @@ function named() {
   return right;
 }
 
-/** Take what the form says, once a text that was written before has become the rule. */
+/** Take the content of the form, once a text edited before has become the rule. */
 function fromForm() {
   if (typing) fromText();
   busy(true);
   wait(pending.then(async () => {
-    if (!SAID.some(edited)) return busy(judged !== newest);
-    for (const name of SAID) formed[name] = $(`rule-${name}`).value;
+    if (!FIELDS.some(edited)) return busy(judged !== newest);
+    for (const name of FIELDS) formed[name] = $(`rule-${name}`).value;
     rule = documented();
     await check({ rule: plain() });
   }));
 }
 
-/** Return the rule with the documentation that the form says. */
+/** Return the rule with the documentation of the form. */
 function documented() {
-  const said = Object.fromEntries(SAID.map((name) => [name, $(`rule-${name}`).value.trim()]).filter(([, value]) => value));
-  if (!named()) said.name = rule.name;
-  if (!/^\S+$/.test(said.since ?? "0.1")) said.since = "0.1";
-  return { version: 1, prefixes: rule.prefixes, severity: rule.severity, ...said, when: rule.when, then: rule.then };
+  const texts = Object.fromEntries(FIELDS.map((name) => [name, $(`rule-${name}`).value.trim()]).filter(([, value]) => value));
+  if (!named()) texts.name = rule.name;
+  if (!/^\S+$/.test(texts.since ?? "0.1")) texts.since = "0.1";
+  return { version: 1, prefixes: rule.prefixes, severity: rule.severity, ...texts, when: rule.when, then: rule.then };
 }
 
-/** Return the rule without what is not set. */
+/** Return the rule without unset members. */
 const plain = (of = rule) => Object.fromEntries(Object.entries(of).filter(([, value]) => value !== undefined && value !== ""));
 
-/** Show a rule that comes from elsewhere, in the place of all that was written. */
+/** Show a rule from elsewhere, replacing all edits. */
 function open(other) {
   unwritten();
   opening += 1;
@@ -276,11 +276,11 @@ function open(other) {
   wait(check({ rule: plain() }));
 }
 
-/** Show another rule once nothing is done any more with the one that is seen. */
+/** Show another rule once all actions on the current one are done. */
 const replace = (other) => turns.replace(() => open(other));
 
-/** Do something with the rule that is seen, once that is one rule. */
-const take = (act) => turns.take(async () => { await settled(); await act(); });
+/** Do something with the current rule, once all its forms agree. */
+const take = (act) => turns.take(async () => { await synced(); await act(); });
 
 /** Show the rule as blocks; their identities become those of its parts. */
 function show() {
@@ -290,13 +290,13 @@ function show() {
   if (!problems.length) rule = { ...rule, when, then };
 }
 
-/** Wait until what is seen, as blocks, text and documentation, is one rule. */
-async function settled() {
+/** Wait until blocks, text and documentation agree on one rule. */
+async function synced() {
   let last;
   do {
     if (typing) fromText();
-    blocks?.settle();
-    if (SAID.some(edited)) fromForm();
+    blocks?.flush();
+    if (FIELDS.some(edited)) fromForm();
     last = pending;
     await last;
   } while (typing || last !== pending);
@@ -318,19 +318,19 @@ function drafted() {
   }
 }
 
-// What can be done with it
+// Actions
 
-/** Try the rule that is seen; an older trial is of no use any more. */
+/** Try the current rule; an older trial is outdated. */
 async function attempt() {
   const turn = ++trial;
   const host = $("tried");
   host.setAttribute("aria-busy", "true");
   host.replaceChildren(element("p", { className: "quiet-text" }, "Trying …"));
-  await settled();
+  await synced();
   if (turn !== trial) return;
   let found = null;
-  const asked = { text: editor.text, name: rule.name, limit: 50 };
-  const could = await tried(async () => { found = await view("blocks_try", asked); }, host, () => turn === trial);
+  const request = { text: editor.text, name: rule.name, limit: 50 };
+  const could = await tried(async () => { found = await view("blocks_try", request); }, host, () => turn === trial);
   if (turn !== trial) return;
   host.setAttribute("aria-busy", "false");
   if (!could) return;
@@ -347,9 +347,9 @@ function exampled(text) {
 
 /** Save a text as a file. */
 function save(name, text, type) {
-  const made = file(name, text, type);
-  made.click();
-  setTimeout(() => URL.revokeObjectURL(made.href), 1000);
+  const anchor = file(name, text, type);
+  anchor.click();
+  setTimeout(() => URL.revokeObjectURL(anchor.href), 1000);
 }
 
 /** Return the rule of a text, or null where something else was written. */
@@ -374,9 +374,9 @@ async function copy(text, told_) {
 
 const ACTS = {
   new: () => replace(EMPTY),
-  save: () => take(() => { rules.keep(rule.name, JSON.stringify(plain())); $("said").textContent = `Kept in this browser as ${rule.name}.`; }),
-  download: () => take(() => { save(fileName(".rq"), editor.text, "application/sparql-query"); $("said").textContent = `Put it into rules/${rule.name.split("/").slice(0, -1).join("/")}/ and run \`kg rules check ${rule.name}\`.`; }),
-  copy: () => take(() => copy(editor.text, $("said"))),
+  save: () => take(() => { rules.save(rule.name, JSON.stringify(plain())); $("message").textContent = `Kept in this browser as ${rule.name}.`; }),
+  download: () => take(() => { save(fileName(".rq"), editor.text, "application/sparql-query"); $("message").textContent = `Put it into rules/${rule.name.split("/").slice(0, -1).join("/")}/ and run \`kg rules check ${rule.name}\`.`; }),
+  copy: () => take(() => copy(editor.text, $("message"))),
   share: () => take(() => { $("share-link").value = link("rule", JSON.stringify(plain())); $("share-done").textContent = ""; $("share-dialog").showModal(); $("share-link").select(); }),
   "share-copy": () => copy($("share-link").value, $("share-done")),
   try: attempt,
@@ -387,12 +387,12 @@ const ACTS = {
 function choices() {
   $("examples-list").replaceChildren(...known.examples.map((one) => entry(one.title, one.comment, $("examples-dialog"), () => replace(one.rule))));
   const mine = rules.all().map(([, text]) => parsed(text)).filter(Boolean).map((one) => {
-    const made = entry(one.title || one.name, one.name, $("open-dialog"), () => replace(one));
+    const item = entry(one.title || one.name, one.name, $("open-dialog"), () => replace(one));
     const drop = element("button", { type: "button", className: "link" }, "Forget");
     drop.setAttribute("aria-label", `Forget ${one.name}`);
-    drop.addEventListener("click", () => { rules.forget(one.name); choices(); });
-    made.append(drop);
-    return made;
+    drop.addEventListener("click", () => { rules.remove(one.name); choices(); });
+    item.append(drop);
+    return item;
   });
   $("open-list").replaceChildren(...(mine.length ? mine : [element("li", {}, "None yet: Keep keeps one.")]));
   const words = $("open-filter").value.toLowerCase().split(/\s+/);
@@ -400,17 +400,17 @@ function choices() {
   $("open-rules").replaceChildren(...found.map((one) => entry(one.name, one.title, $("open-dialog"), () => opened(one.name))));
 }
 
-/** Open a rule of the store, unless another is opened or the one that is shown is changed meanwhile. */
+/** Open a rule of the store, unless another is opened or the current one is edited meanwhile. */
 async function opened(name) {
   const own = ++opening;
-  await settled();
+  await synced();
   const turn = newest;
   let found = null;
   if (!await tried(async () => { found = await view("blocks_open", { name }); }, $("notices"), () => own === opening)) return;
   await blocks?.still();
-  blocks?.settle();
+  blocks?.flush();
   if (own !== opening) return;
-  if (turn !== newest || SAID.some(edited)) $("said").textContent = `${name} was not opened: the rule that is shown was changed meanwhile.`;
+  if (turn !== newest || FIELDS.some(edited)) $("message").textContent = `${name} was not opened: the rule that is shown was changed meanwhile.`;
   else open(found.rule);
 }
 
@@ -422,7 +422,7 @@ function entry(title, comment, dialog, act) {
 
 // The beginning
 
-/** Let somebody write SPARQL in a dialog; null where they do not. */
+/** Edit SPARQL in a dialog; null if cancelled. */
 function sparql(text) {
   $("sparql-text").value = text;
   $("sparql-dialog").returnValue = "";
@@ -442,10 +442,10 @@ async function make() {
   if (blocks) $("block-tools").hidden = false;
 }
 
-/** Whether somebody is choosing what a block is to say. */
+/** Whether a dialog for a block is open. */
 const choosing = () => $("choose-dialog").open || $("sparql-dialog").open;
 
-/** Say that pieces are not joined to the rule. */
+/** Report pieces that are not joined to the rule. */
 function loose(many) {
   busy(judged !== newest);
   $("loose").hidden = many < 1;
@@ -482,7 +482,7 @@ async function ready() {
   vocabulary = new Vocabulary({ classes: known.classes ?? [], properties: known.properties ?? [] });
   await make();
   for (const [id, act] of Object.entries(ACTS)) $(id).addEventListener("click", act);
-  for (const name of SAID) $(`rule-${name}`).addEventListener("change", fromForm);
+  for (const name of FIELDS) $(`rule-${name}`).addEventListener("change", fromForm);
   $("open").addEventListener("click", choices);
   $("open-filter").addEventListener("input", choices);
   choices();
@@ -490,16 +490,16 @@ async function ready() {
     // The editor has these keys too.
     if (event.key === "Enter" && (event.ctrlKey || event.metaKey) && !event.defaultPrevented) attempt();
   });
-  const asked = $("rule-page").dataset.rule;
+  const initial = $("rule-page").dataset.rule;
   const given = parsed(linked("rule"));
   window.addEventListener("hashchange", () => { const other = parsed(linked("rule")); if (other) replace(other); });
   window.addEventListener("pagehide", left);
   if (given) open(given);
-  else if (asked) await opened(asked);
+  else if (initial) await opened(initial);
   else open(drafted() ?? known.examples.at(-1)?.rule ?? EMPTY);
 }
 
-/** Keep what was changed last, without asking whether it is right. */
+/** Store the last edit, without checking it. */
 function left() {
   const { problems, ...seen } = blocks?.read() ?? { problems: [] };
   draft({ ...documented(), ...(problems.length ? {} : seen) });

@@ -3,7 +3,7 @@
 import { termIn } from "./blocks.js";
 import { unpacked } from "./terms.js";
 
-/** Return { when, then, problems }: what the blocks say, and what is missing, each as { id, message }. */
+/** Return { when, then, problems }: the content of the blocks, and the missing parts, each as { id, message }. */
 export function read(workspace) {
   const reader = new Reader();
   const [top] = workspace.getBlocksByType("kr_rule");

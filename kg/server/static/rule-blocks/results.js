@@ -1,4 +1,4 @@
-// What the rule would infer: facts, each with what it follows from and where that was read.
+// Inferences of the rule: facts, each with its premises and their sources.
 
 import { url } from "../address.js";
 import { element } from "../table.js";
@@ -6,7 +6,7 @@ import { element } from "../table.js";
 const WORDS = { "rdf:type": "is a", "rdfs:label": "is called" };
 const SCHEMES = new Set(["http:", "https:", "vscode:"]);
 
-/** Return the answer of a trial as elements; `spoken(name)` says a property in words. */
+/** Return the answer of a trial as elements; `spoken(name)` returns a property in words. */
 export function results(found, spoken) {
   return [element("p", { className: "rule-found" }, ...summary(found)), facts(found, spoken)];
 }
@@ -27,7 +27,7 @@ function facts({ facts: all }, spoken) {
 
 function fact(one, spoken) {
   const state = element("span", { className: `tag ${one.known ? "note" : "inferred"}` }, one.known ? "known" : "new");
-  const below = [...one.premises.map((premise) => element("li", {}, ...told(premise, spoken))), ...one.conditions.map(({ text }) => element("li", { className: "quiet-text" }, `and it holds that ${text}`))];
+  const below = [...one.premises.map((premise) => element("li", {}, ...premiseParts(premise, spoken))), ...one.conditions.map(({ text }) => element("li", { className: "quiet-text" }, `and it holds that ${text}`))];
   const things = [one.subject, one.object].filter(({ term }) => term.startsWith("<"));
   const pages = things.flatMap(({ term, label }, index) => [index ? " and " : "Pages of ", element("a", { href: url(`/resource?iri=${encodeURIComponent(term.slice(1, -1))}`) }, label)]);
   return element("details", {}, element("summary", {}, sentence(one, spoken), " ", state),
@@ -38,7 +38,7 @@ function sentence({ subject, predicate, object, text }, spoken) {
   return element("span", { title: text }, `${subject.label} ${WORDS[predicate.short] ?? spoken(predicate.short)} ${object.label}`);
 }
 
-function told(premise, spoken) {
+function premiseParts(premise, spoken) {
   const where = premise.evidence ? place(premise.evidence) : null;
   return [sentence(premise, spoken), " ", where ?? (premise.inferred ? why(premise) : null)];
 }
@@ -51,7 +51,7 @@ function place({ path, line, web, vscode, repository }) {
 
 function why({ subject, predicate, object }) {
   const values = new URLSearchParams({ subject: subject.term, predicate: predicate.term, object: object.term });
-  const made = element("a", { className: "why", href: url(`/why?${values}`) }, "why");
-  made.dataset.why = url(`/api/why?${values}`);
-  return made;
+  const link = element("a", { className: "why", href: url(`/why?${values}`) }, "why");
+  link.dataset.why = url(`/api/why?${values}`);
+  return link;
 }

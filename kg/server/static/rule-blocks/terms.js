@@ -1,4 +1,4 @@
-// Terms of rules: how they are written in the field of a block, and what people type for them.
+// Terms of rules: their form in the field of a block, and their typed form.
 
 const NUMBER = /^[+-]?(\d+|\d*\.\d+)(e[+-]?\d+)?$/i;
 
@@ -23,14 +23,14 @@ export function short(text, most = 44) {
   return line.length > most ? `${line.slice(0, most - 1)}…` : line;
 }
 
-/** Return a name that a thing may have, made of what somebody typed. */
+/** Return a valid name for a thing, from typed text. */
 export function thingName(text) {
   const words = text.trim().replace(/^\?/, "").split(/[^\p{L}\p{N}_]+/u).filter(Boolean);
   const name = words.map((word, index) => (index ? word[0].toUpperCase() + word.slice(1) : word)).join("");
   return name && !/^\p{N}/u.test(name) ? name : name ? `x${name}` : "";
 }
 
-/** Return the term that a candidate of the completion service stands for; null for what is not a value. */
+/** Return the term of a candidate of the completion service; null if it is not a value. */
 export function termOf({ kind, insert }) {
   if (kind !== "value") return null;
   const text = insert.trim();
@@ -51,7 +51,7 @@ function literalOf([, quoted, language, datatype]) {
   return { term: "text", value, ...(language ? { language } : {}), ...(datatype ? { datatype } : {}) };
 }
 
-/** Return the terms that a typed text may mean in a place that takes `literal` values, things, or any. */
+/** Return the possible terms of a typed text in a place for `literal` values, things, or any. */
 export function typed(text, { literal, things = true }) {
   const found = [];
   const plain = text.trim();

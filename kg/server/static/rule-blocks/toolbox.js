@@ -1,4 +1,4 @@
-// What is offered beside the blocks: patterns by what they are about, conditions, values, conclusions.
+// The toolbox next to the blocks: patterns by their subject, conditions, values, conclusions.
 
 import { packed } from "./terms.js";
 import { nameFor } from "./vocabulary.js";
@@ -17,7 +17,7 @@ const text = (value) => ({ term: "text", value });
 const offered = (state) => ({ kind: "block", ...state });
 const category = (name, style, contents) => ({ kind: "category", name, categorystyle: style, contents });
 
-/** Return the toolbox for what is known of the store. */
+/** Return the toolbox for the vocabulary of the store. */
 export function toolbox(vocabulary) {
   const kinds = FIRST.filter((name) => vocabulary.byClass.has(name));
   return {
@@ -40,7 +40,7 @@ export function toolbox(vocabulary) {
 const capital = (label) => label[0].toUpperCase() + label.slice(1);
 const name = (kind) => SHORT[kind] ?? nameFor(kind);
 
-/** Return the patterns about things of a class: what it is, and what it has on this store, the most used first. */
+/** Return the patterns about things of a class: its type, and its properties on this store, the most used first. */
 function about(kind, vocabulary) {
   const subject = thing(name(kind));
   const properties = vocabulary.of(kind).filter((one) => /^(rnkg|ros|rdfs|skos):/.test(one.name));
@@ -52,7 +52,7 @@ function about(kind, vocabulary) {
   ];
 }
 
-/** Return what stands behind a property until somebody chooses: a thing named after what it leads to, or a text. */
+/** Return the default object of a property: a thing named after the property's range, or a text. */
 function objectOf(property, subject) {
   if (property.name === NAMED) return text("name");
   if (property.literal) return property.datatype === "xsd:boolean" ? { term: "truth", value: true } : thing(nameFor(property.name));

@@ -1,7 +1,7 @@
-// What the store can say: classes and properties, and which of them go together.
+// The vocabulary of the store: classes and properties, and which of them combine.
 
 const RELATION = /^[A-Za-z]\w*$/;
-/** Where something was read says little of what it is: these come last. */
+/** The source of a thing describes it least: these come last. */
 const LAST = new Set(["rnkg:path", "rnkg:line", "rnkg:order", "rnkg:declaredIn", "rnkg:declaredBy", "rdfs:comment"]);
 
 export class Vocabulary {
@@ -18,7 +18,7 @@ export class Vocabulary {
     return known?.label ?? spoken(name);
   }
 
-  /** Return what a class is, with all that it is a kind of. */
+  /** Return a class with all its superclasses. */
   above(name, found = new Set()) {
     if (!found.has(name)) {
       found.add(name);
@@ -27,12 +27,12 @@ export class Vocabulary {
     return found;
   }
 
-  /** Whether something may be of both classes, as far as the ontology tells: one is a kind of the other. */
+  /** Whether a thing may be of both classes by the ontology: one is a subclass of the other. */
   related(one, other) {
     return this.above(one).has(other) || this.above(other).has(one);
   }
 
-  /** Return the classes that things of a rule are of: name to lists, of each of which one must fit. `but` is a block that is left out. */
+  /** Return the classes that things of a rule are of: name to lists, of each of which one must fit. `but` is an omitted block. */
   kinds(rule, but = "") {
     const found = new Map();
     const add = (term, classes) => {
@@ -49,7 +49,7 @@ export class Vocabulary {
     return found;
   }
 
-  /** Return the class by which people would call a thing of these kinds: what was said of it, else what follows. */
+  /** Return the class that best describes a thing of these kinds: an asserted one, else an inferred one. */
   main(kinds = []) {
     const single = kinds.filter((classes) => classes.length === 1).map(([name]) => name);
     return single.find((one) => !single.some((other) => other !== one && this.above(other).has(one) && other !== one)) ?? kinds[0]?.[0] ?? "";
@@ -72,7 +72,7 @@ export class Vocabulary {
     return found.sort((one, other) => LAST.has(one.name) - LAST.has(other.name) || other.number - one.number);
   }
 
-  /** Return what does not fit in a rule, as { id, message }. */
+  /** Return the misfits of a rule, as { id, message }. */
   misfits(rule) {
     const found = [];
     for (const one of every(rule)) {

@@ -1,4 +1,4 @@
-// The workspace of blocks: it shows a rule, tells when somebody has changed it, and marks blocks.
+// The workspace of blocks: it shows a rule, reports edits, and marks blocks.
 
 import { load } from "../blocks/loading.js";
 import { pause, Stage } from "../blocks/stage.js";
@@ -31,8 +31,8 @@ class Workspace extends Stage {
     this.show({ when: [], then: [] });
   }
 
-  held() {
-    return super.held() || this.choosing();
+  isEditing() {
+    return super.isEditing() || this.choosing();
   }
 
   /**
@@ -57,7 +57,7 @@ class Workspace extends Stage {
     return this.takes(parent, side, unpacked(child.getFieldValue("TERM")));
   }
 
-  /** Whether what is joined to a connection becomes a conclusion. */
+  /** Whether a block at a connection becomes a conclusion. */
   concludes(connection) {
     for (let at = connection; at;) {
       const block = at.getSourceBlock();
@@ -82,7 +82,7 @@ class Workspace extends Stage {
     return read(this.inner);
   }
 
-  /** Show a rule, without telling that it has changed. */
+  /** Show a rule, without reporting a change. */
   show(rule) {
     const { Events, serialization } = this.Blockly;
     Events.setGroup(true);
@@ -91,11 +91,11 @@ class Workspace extends Stage {
     } finally {
       Events.setGroup(false);
     }
-    this.known = this.told();
+    this.reported = this.snapshot();
     this.loose(0);
   }
 
-  /** Take what has become known of the store, once nobody looks through the blocks that are offered. */
+  /** Take the vocabulary of the store, once nobody browses the toolbox. */
   async know(vocabulary) {
     await this.still();
     while (this.inner.getFlyout()?.isVisible()) {
@@ -107,7 +107,7 @@ class Workspace extends Stage {
     for (const block of this.inner.getAllBlocks()) for (const field of block.getFields()) field.refresh?.();
   }
 
-  /** Give a thing another name, wherever it stands. */
+  /** Give a thing another name, in all its places. */
   rename(old, other) {
     const { Events } = this.Blockly;
     Events.setGroup(true);

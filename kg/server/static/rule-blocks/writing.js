@@ -1,4 +1,4 @@
-// From the JSON of a rule to blocks: the state that Blockly loads.
+// From the JSON of a rule to blocks: the state for Blockly.
 
 import { PARTS, STYLES } from "./blocks.js";
 import { packed } from "./terms.js";
@@ -39,7 +39,7 @@ function either(branches) {
   return { type: "kr_either", fields: { MANY: String(shown.length) }, inputs: Object.assign({}, ...shown.map((branch, index) => chain(`PART${index}`, branch))) };
 }
 
-/** Return the state of an input for a value: a term is a shadow, so that something else can take its place. */
+/** Return the state of an input for a value: a term is a shadow, which blocks can replace. */
 const input = (value) => (value.term in STYLES ? shadow(value) : { block: expression(value) });
 
 function expression(value) {
@@ -54,8 +54,8 @@ function expression(value) {
 
 /** Return the state of texts joined; more than a block can have are joined in the last. */
 function join(parts) {
-  const told = parts.length === 1 ? [...parts, { term: "text", value: "" }] : parts;
-  const shown = told.length > PARTS ? [...told.slice(0, PARTS - 1), { term: "join", parts: told.slice(PARTS - 1) }] : told;
+  const texts = parts.length === 1 ? [...parts, { term: "text", value: "" }] : parts;
+  const shown = texts.length > PARTS ? [...texts.slice(0, PARTS - 1), { term: "join", parts: texts.slice(PARTS - 1) }] : texts;
   return { type: "kr_join", fields: { MANY: String(shown.length) }, inputs: Object.fromEntries(shown.map((one, index) => [`PART${index}`, input(one)])) };
 }
 

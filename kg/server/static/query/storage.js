@@ -1,4 +1,4 @@
-// What stays in this browser: tabs, history and settings. Without storage it holds until the page is left.
+// Tabs, history and settings, stored in this browser. Without storage they last until the page is left.
 
 import { ROOT } from "../address.js";
 
@@ -9,8 +9,8 @@ function key(name) {
   return `kg-query${ROOT}-${name}`;
 }
 
-/** Return what is kept under a name, or `otherwise`; with `own` what this window kept, if it kept anything. */
-export function kept(name, otherwise, { own = false } = {}) {
+/** Return the value stored under a name, or `otherwise`; with `own` the value that this window stored, if any. */
+export function load(name, otherwise, { own = false } = {}) {
   try {
     const text = (own ? sessionStorage.getItem(key(name)) : null) ?? localStorage.getItem(key(name));
     return text === null ? otherwise : JSON.parse(text);
@@ -19,8 +19,8 @@ export function kept(name, otherwise, { own = false } = {}) {
   }
 }
 
-/** Keep a value under a name; with `own` also for this window, whatever others keep afterwards. */
-export function keep(name, value, { own = false } = {}) {
+/** Store a value under a name; with `own` also for this window, whatever other windows store afterwards. */
+export function save(name, value, { own = false } = {}) {
   memory.set(name, value);
   try {
     if (own) sessionStorage.setItem(key(name), JSON.stringify(value));

@@ -1,15 +1,15 @@
-// What is made of blocks, outside of its page: texts in this browser, in files, and in links.
+// Texts anchor of blocks, stored in this browser, in files, and in links.
 
 import { ROOT } from "../address.js";
 
-/** Texts by name in this browser, under keys that begin with `prefix`; without storage they hold until the page is left. */
-export class Kept {
+/** Texts by name in this browser, under keys that begin with `prefix`; without storage they last until the page is left. */
+export class TextStore {
   constructor(prefix) {
     this.prefix = `${ROOT}${prefix}`; // servers that one proxy publishes at several paths share the storage of a browser
     this.memory = new Map();
   }
 
-  keep(name, text) {
+  save(name, text) {
     this.memory.set(name, text);
     try {
       localStorage.setItem(this.prefix + name, text);
@@ -18,7 +18,7 @@ export class Kept {
     }
   }
 
-  forget(name) {
+  remove(name) {
     this.memory.delete(name);
     try {
       localStorage.removeItem(this.prefix + name);
@@ -27,7 +27,7 @@ export class Kept {
     }
   }
 
-  /** Return what is kept, as [name, text] by name. */
+  /** Return all texts as [name, text], sorted by name. */
   all() {
     const found = new Map(this.memory);
     try {
@@ -41,14 +41,14 @@ export class Kept {
 
 /** Return a link that saves a text as a file. */
 export function file(name, text, type) {
-  const made = document.createElement("a");
-  made.className = "button";
-  made.href = URL.createObjectURL(new Blob([text], { type }));
-  made.download = name;
-  return made;
+  const anchor = document.createElement("a");
+  anchor.className = "button";
+  anchor.href = URL.createObjectURL(new Blob([text], { type }));
+  anchor.download = name;
+  return anchor;
 }
 
-/** Return the address of this page with a text under a name; what stands behind the # is sent to no server. */
+/** Return the address of this page with a text under a name; the part after the # is not sent to any server. */
 export function link(name, text) {
   const bytes = new TextEncoder().encode(text);
   const coded = btoa(Array.from(bytes, (byte) => String.fromCodePoint(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");

@@ -1,35 +1,35 @@
-// What the page says: problems of the program, errors, the log, and values as they come.
+// Output of the page: problems of the program, errors, the log, and current values.
 
 import { element } from "../table.js";
 
 const MOST = 300;
 
-/** Return a text with what stands between backticks as code. */
+/** Return a text whose parts between backticks are code. */
 export function prose(text) {
   return text.split("`").map((part, index) => (index % 2 ? element("code", {}, part) : part));
 }
 
-export class Said {
+export class Output {
   constructor(parts) {
     this.parts = parts;
-    this.known = new Map();
+    this.rows = new Map();
   }
 
-  /** Tell an error, in place of the one before. */
+  /** Show an error, which replaces the previous one. */
   problem({ code, message, hint, docs }) {
     this.clearProblem();
-    const made = element("div", { className: "notice error" }, element("p", {}, element("strong", {}, ...prose(message))),
+    const notice = element("div", { className: "notice error" }, element("p", {}, element("strong", {}, ...prose(message))),
       element("p", {}, docs ? element("a", { href: docs }, code) : code ?? "", " ", ...prose(hint ?? "")));
-    made.setAttribute("role", "alert");
-    made.dataset.error = "";
-    this.parts.notices.append(made);
+    notice.setAttribute("role", "alert");
+    notice.dataset.error = "";
+    this.parts.notices.append(notice);
   }
 
   clearProblem() {
     this.parts.notices.querySelector("[data-error]")?.remove();
   }
 
-  /** List the problems of the program; `go` leads to where one is. */
+  /** List the problems of the program; `go` leads to the place of one. */
   problems(all, go) {
     this.parts.problems.hidden = !all.length;
     this.parts.problems.replaceChildren(...all.map((problem) => {
@@ -55,7 +55,7 @@ export class Said {
     const about = capabilities.find(({ name, modality }) => name === capability && modality === "read");
     const row = this.row(capability, about?.label ?? capability);
     row.latest = { ...row.latest, ...value };
-    row.textContent = problem ? problem.message : Object.entries(row.latest).map(([name, one]) => said(name, one, about)).join(", ");
+    row.textContent = problem ? problem.message : Object.entries(row.latest).map(([name, one]) => valueText(name, one, about)).join(", ");
   }
 
   /** Show the newest value of a variable. */
@@ -64,10 +64,10 @@ export class Said {
   }
 
   row(key, label) {
-    let row = this.known.get(key);
+    let row = this.rows.get(key);
     if (!row) {
       row = element("dd");
-      this.known.set(key, row);
+      this.rows.set(key, row);
       this.parts.none.hidden = true;
       this.parts.values.append(element("dt", {}, label), row);
     }
@@ -75,7 +75,7 @@ export class Said {
   }
 }
 
-function said(name, value, about) {
+function valueText(name, value, about) {
   const parameter = about?.parameters.find((one) => one.name === name);
   const shown = typeof value === "number" ? String(Math.round(value * 1000) / 1000) : typeof value === "object" ? short(value) : String(value);
   return `${parameter?.label ?? name} ${shown}${parameter?.unit ? ` ${parameter.unit}` : ""}`;
