@@ -50,8 +50,6 @@ class SourceLines:
     def address(self, repository: str, path: str, line: int) -> str:
         """Return the address of a line: the page of its commit, else the file."""
         state = self.states.get(repository)
-        page = state.page(path, line) if state else None
-        if page is not None:
-            return page
-        root = state.root if state else None
-        return f"{Path(root) / path if root else path}:{line}"
+        if state is None:
+            return f"{path}:{line}"
+        return state.page(path, line) or f"{Path(state.root or '') / path}:{line}"

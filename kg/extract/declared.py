@@ -194,7 +194,7 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
 def _switch(term: str, naming: str | None) -> str | None:
     """Return a term of a guard as a switch; None if it is about the command line or what is set.
 
-    That the parameter is set which names an interface (`naming`) is a switch, as there is no other name.
+    An interface that only the parameter `naming` names exists if that parameter is set, which is a switch too.
     """
     if term == f"?{naming}":
         return f"{naming} is set"

@@ -330,7 +330,7 @@ _WRITERS: Final[dict[str, Callable[[list[Value]], Value]]] = {
     "strncpy": lambda values: values[1],
     "strcat": lambda values: concatenate(values[0], values[1]),
 }
-"""Functions of C that write a text to their first argument, with that text of the values of all arguments."""
+"""Functions of C that write a text into their first argument: how each makes the text from all its arguments."""
 
 
 def _cased(value: Value, change: Callable[[str], str]) -> Value:

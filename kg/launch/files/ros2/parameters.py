@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 _PARAMETERS: Final = "ros__parameters"
 _HOLE_OF_YAML: Final = "\ue000"
-"""Stands for an unknown part until YAML is parsed, to which `{}` is an empty mapping."""
+"""Placeholder of an unknown part until YAML is parsed, which would read `{}` as an empty mapping."""
 
 
 @dataclass(frozen=True, slots=True)
