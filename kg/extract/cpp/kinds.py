@@ -102,6 +102,7 @@ class Kinds:
         key = (names, arguments, frame.unit, frame.scope, depth)
         resolved = self._meanings.get(key)
         if resolved is None:
+            self._meanings[key] = Kind(names, arguments)  # before it is resolved, since an alias can name itself
             resolved = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
         return _with_types(resolved, frame) if isinstance(resolved, Kind) and resolved.arguments else resolved
 
