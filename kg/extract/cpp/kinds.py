@@ -323,7 +323,7 @@ class Kinds:
         return self.declared_type(expression, frame)
 
     def declared_type(self, target: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
-        """Return the type of a member variable as written, with the frame that gives it its meaning."""
+        """Return the type of a member or global variable as written, with the frame that gives it its meaning."""
         if isinstance(target, form.Name):
             of, name = this_of(frame), target.names[-1]
         else:
@@ -332,6 +332,10 @@ class Kinds:
             kind = cls.fields[name].type if name in cls.fields else None
             if kind is not None:
                 return kind, inside(cls, bound)
+        if isinstance(target, form.Name):
+            found = self._linker.find_variable(target.names, frame.unit, frame.scope)
+            if found is not None and found[0].type is not None:
+                return found[0].type, Frame(found[1], found[2])
         return None
 
 

@@ -155,7 +155,9 @@ class Cpp:
             holder[name] = Unknown(f"{name} depends on itself")
             frame = Frame(unit, at)
             self.machine.run(statement, frame)
-            holder[name] = frame.variables.get(statement.name, Unknown("it has no value"))
+            value = frame.variables.get(statement.name, Unknown("it has no value"))
+            zero = library.zero(self.kinds.kind_of(statement.type, frame)) if statement.value is None else None
+            holder[name] = value if zero is None or statement.name in unit.external else zero
         slot = holder[name]
         return library.as_constant(slot) if not isinstance(slot, Alias) else self.machine.value(slot.target, slot.frame)
 

@@ -155,6 +155,14 @@ def type_of(value: Value) -> Kind | None:
     return None
 
 
+def zero(kind: Kind | None) -> Value | None:
+    """Return the value of a variable of namespace scope without one; None if it is not of a number or truth type."""
+    name = kind.name if kind is not None else ""
+    if name == "bool":
+        return Truth(False)
+    return (Number(0.0, "0.0") if name in ("double", "float") else number(0)) if name in NUMBERS else None
+
+
 def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, template: tuple[str, ...]) -> float:
     """Return how well a value fits a parameter of a type: 2 as it is, 1 by a conversion, 0 unknown, -3 not at all."""
     value = alternatives(value)[0]
