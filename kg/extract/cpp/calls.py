@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
 
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
+_SUPPORT: Final = re.compile(r"ROSIDL_GET_(MSG|SRV|ACTION)_TYPE_SUPPORT")
+"""Macros of rosidl whose arguments are the parts of a type's name."""
 Overload: TypeAlias = "tuple[Function, dict[str, Value]]"
 """A function, with the values of the template parameters around it."""
 
@@ -130,6 +133,8 @@ class Calls:
             macro = self._linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is not None:
                 return self._language.expanded(macro, expression.arguments, frame, expression.line)
+        if local and (support := _SUPPORT.fullmatch(last)) is not None:
+            return _supported(support[1].lower(), expression.arguments)
         values = machine.arguments(expression.arguments, frame)
         if names[0].startswith("decltype("):
             of = self._kinds.type_of(form.Name(expression.line, (names[0][9:-1],)), frame)
@@ -360,6 +365,12 @@ class Calls:
 
 def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
     return isinstance(value, Sequence | Mapping) and not value.items and not value.open and value.parameter is None
+
+
+def _supported(kind: str, written: tuple[Expression, ...]) -> Value:
+    """Return the type of the definition that `ROSIDL_GET_..._TYPE_SUPPORT(package, folder, type)` names."""
+    names = [one.names[-1] for one in written if isinstance(one, form.Name)]
+    return TypeValue(Kind((names[0], kind, names[-1]))) if len(names) > 1 else Unknown("its type is not known")
 
 
 def _constructs(function: Function) -> bool:

@@ -539,7 +539,8 @@ def _version(framework: Framework) -> int:
     if len(versions) == 1:
         return versions.pop()
     host = framework.host
-    second = bool(framework.nodes) or (host is not None and host.kind.name in ("Node", "LifecycleNode"))
+    plain = any(key == "rcl.node" for key, *_ in framework.marks)
+    second = plain or bool(framework.nodes) or (host is not None and host.kind.name in ("Node", "LifecycleNode"))
     return _ROS2 if second else 1
 
 
