@@ -215,6 +215,8 @@ class Kinds:
     def bound(self, cls: Class, arguments: tuple[Value, ...]) -> dict[str, Value]:
         """Return the values of the template parameters of a class."""
         bound = dict(zip(cls.template, arguments, strict=False))
+        if len(arguments) > len(cls.template) > 0:  # the last parameter is a pack
+            bound[cls.template[-1]] = Pack(arguments[len(cls.template) - 1 :])
         for name, default in cls.defaults.items():
             if name not in bound:
                 bound[name] = _as_value(self.kind(default, Frame(cls.unit, cls.scope, types=bound)))

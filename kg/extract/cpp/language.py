@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from kg.extract.cpp import library
+from kg.extract.cpp import library, packs
 from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
@@ -60,7 +61,10 @@ class Cpp:
         self.linker = linker
         self.kinds = Kinds(self)
         self.copies = Copies(self)
-        self.expressions: Mapping[type, Callable[[Any, Frame], Value]] = {form.Lambda: self.copies.closure}
+        self.expressions: Mapping[type, Callable[[Any, Frame], Value]] = {
+            form.Lambda: self.copies.closure,
+            form.Spread: partial(packs.expand, self),
+        }
         self.statements: Mapping[type, Callable[[Any, Frame], None]] = {form.Static: self._static_local}
         self.calls = Calls(self)
         self._constructions = Constructions(self)
