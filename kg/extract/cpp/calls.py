@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard, cast
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
+_SINGLE: Final = ("instance", "getinstance")
 _SUPPORT: Final = re.compile(r"ROSIDL_GET_(MSG|SRV|ACTION)_TYPE_SUPPORT")
 """Macros of rosidl whose arguments are the parts of a type's name."""
 Overload: TypeAlias = "tuple[Function, dict[str, Value]]"
@@ -180,7 +181,20 @@ class Calls:
             methods = self._language.methods(kind, last)
             if not any(method.template for method, _ in methods):  # `Singleton<T>::instance()`
                 kind, given = replace(kind, arguments=given.template), replace(given, template=())
-        return self._static(kind, last, given)
+        called = self._static(kind, last, given)
+        return called if called is not None else self._single(kind, last, given)
+
+    def _single(self, kind: Kind, name: str, given: Arguments) -> Value | None:
+        """Return the only object of a class whose outside base is a template of it, `Singleton<T>`; None for others."""
+        if given.values or name.lower().replace("_", "") not in _SINGLE:
+            return None
+        own = TypeValue(kind)
+        if not any(base.arguments[:1] == (own,) for base in self._kinds.chain(kind)[1]):
+            return None
+        instances = self._language.machine.globals.setdefault((_SINGLE, kind.cls), {})
+        if name not in instances:
+            instances[name] = self._language.construct(kind, [], given.frame, given.line)
+        return cast("Value", instances[name])
 
     def _of_base(self, this: Object, base: Kind | None, name: str, given: Arguments) -> Value:
         """Call the method of a base on an object; a base of None is not in the sources."""
@@ -248,6 +262,7 @@ class Calls:
         Texts keep the value that they have, as the default of an option usually is what counts.
         """
         self._language.escape(given.values)
+        self._language.hand_over(given.values)
         if given.frame is None:
             return
         for written, value in zip(given.written, given.values, strict=False):

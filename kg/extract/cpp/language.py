@@ -81,7 +81,7 @@ class Cpp:
         self.initialise = self._constructions.initialise
         self.default = self._constructions.default
         callbacks = Callbacks(self)
-        self.escape, self.enter = callbacks.escape, callbacks.enter
+        self.escape, self.enter, self.hand_over = callbacks.escape, callbacks.enter, callbacks.hand_over
         self.elements = elements
         self.with_element = with_element
         self.counted = counted
