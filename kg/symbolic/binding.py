@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from kg.symbolic.state import Frame
 
 _AWAITED: Final = Unknown("a loop waits until other code changes it")
+_ASSIGNING: Final = (form.Assign, form.Unary, form.Loop, form.Try)
 _HANDED: Final = frozenset({Text, Number, Truth, Sequence, Mapping, Either})
 """Values that a function gives back through references; objects are the same ones already."""
 
@@ -123,10 +124,10 @@ def _rest_of(before: int, others: int, of: Value) -> Value:
     return Sequence(of.items[before : len(of.items) - others + before])
 
 
-def forget_awaited(machine: Machine, condition: Expression, frame: Frame) -> None:
-    """Forget the flags in the condition under which a loop would go on: other code, such as a callback, ends it."""
+def forget_awaited(machine: Machine, loop: form.Loop, condition: Expression, frame: Frame) -> None:
+    """Forget the flags in the condition of a loop that assigns nothing: other code, such as a callback, ends it."""
     flags: list[form.Name | form.Member] = []
-    pending = [condition]
+    pending = [condition] if _assigns_nothing(loop.body) else []
     while pending:
         one = pending.pop()
         if isinstance(one, form.Unary):
@@ -140,6 +141,20 @@ def forget_awaited(machine: Machine, condition: Expression, frame: Frame) -> Non
     if not isinstance(holds, Truth) or holds.value:
         for flag in flags:
             machine.assign(flag, _AWAITED, frame)
+
+
+def _assigns_nothing(body: form.Statement) -> bool:
+    """Check whether a body only calls functions, under conditions or not."""
+    pending: list[object] = [body]
+    while pending:
+        one = pending.pop()
+        if isinstance(one, form.Block):
+            pending += one.body
+        elif isinstance(one, form.Branch):
+            pending += [inner for _, inner in one.arms]
+        elif isinstance(one.value if isinstance(one, form.Step) else one, _ASSIGNING):
+            return False
+    return True
 
 
 def put(machine: Machine, expression: Expression, value: Value, frame: Frame) -> None:

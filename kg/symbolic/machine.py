@@ -382,7 +382,7 @@ class Machine:
         hidden = {name: frame.variables[name] for name in names if name in frame.variables}
         ended = self._turns(loop, frame)
         if ended is None and loop.step is None and loop.condition is not None:
-            forget_awaited(self, loop.condition, frame)
+            forget_awaited(self, loop, loop.condition, frame)
         for name, value in hidden.items():
             self.write(frame.variables, name, value)
         return ended
