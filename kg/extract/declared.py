@@ -206,7 +206,8 @@ def _resolved(name: str, one: Declared, alone: str) -> str:
     """Return a name for the node started alone; the namespace that the code gives is in front of private names."""
     native = one.node.native if one.node is not None else {}
     own, namespace = native.get("name"), native.get("namespace")
-    exact = namespace.exact if isinstance(namespace, Text) and "of" not in native else None
+    given = one.node is not None and one.node.kind.name != "NodeHandle" and "of" not in native
+    exact = namespace.exact if given and isinstance(namespace, Text) else None
     inside = exact if exact and name.startswith("~") and not exact.startswith("~") else "/"
     return resolve(name, (own.exact if isinstance(own, Text) else None) or alone, inside)
 

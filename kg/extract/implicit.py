@@ -51,7 +51,8 @@ class Use:
 def add(extracted: Extracted) -> NodeType:
     """Return the node with the implicit interfaces and parameters that its marks bring; each name once."""
     node = extracted.node
-    marks = (Mark(f"ros{node.ros}.node", node.location), *extracted.marks)
+    plain = any(mark.key == "rcl.node" for mark in extracted.marks)  # of C, without what the classes of nodes add
+    marks = extracted.marks if plain else (Mark(f"ros{node.ros}.node", node.location), *extracted.marks)
     interfaces = {(fact.role, fact.name): fact for fact in node.interfaces}
     parameters = {fact.name: fact for fact in node.parameters}
     for mark in marks:

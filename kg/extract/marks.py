@@ -6,6 +6,8 @@ makes by itself is in `ontology/implicit.toml`, as data, and is added by `kg.ext
 The keys (`namespace` and `detail` are empty where a line does not name them; names follow `kg.facts.Interface.name`):
 
 * `ros1.node`, `ros2.node`: every node has this; `kg.extract.implicit` adds it by `NodeType.ros`, readers need not.
+* `rcl.node`: a node of rcl or rclc in C, which has less than those of the client libraries.
+* `rclc.parameter_server`: a parameter server of rclc.
 * `ros2.lifecycle`: the node is a lifecycle node.
 * `ros2.parameter_client`: a client of the parameters of another node; `detail` is the name of that node.
 * `tf.listener`: `tf` or `tf2_ros` transform listener.

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from kg.symbolic.machine import Machine
     from kg.symbolic.state import Frame
 
+_AWAITED: Final = Unknown("a loop waits until other code changes it")
+_ASSIGNING: Final = (form.Assign, form.Unary, form.Loop, form.Try)
 _HANDED: Final = frozenset({Text, Number, Truth, Sequence, Mapping, Either})
 """Values that a function gives back through references; objects are the same ones already."""
 
@@ -120,6 +122,39 @@ def _rest_of(before: int, others: int, of: Value) -> Value:
     if not isinstance(of, Sequence) or of.open or len(of.items) < others:
         return Unknown("it is the rest of a collection")
     return Sequence(of.items[before : len(of.items) - others + before])
+
+
+def forget_awaited(machine: Machine, loop: form.Loop, condition: Expression, frame: Frame) -> None:
+    """Forget the flags in the condition of a loop that assigns nothing: other code, such as a callback, ends it."""
+    flags: list[form.Name | form.Member] = []
+    pending = [condition] if _assigns_nothing(loop.body) else []
+    while pending:
+        one = pending.pop()
+        if isinstance(one, form.Unary):
+            pending.append(one.operand)
+        elif isinstance(one, form.Binary):
+            pending += one.operands
+        elif isinstance(one, (form.Name, form.Member)):
+            value = machine.value(one, frame)
+            flags += [one] if isinstance(value, Truth) and value.parameter is None else []
+    holds = machine.holds(condition, frame) if flags else Truth(False)
+    if not isinstance(holds, Truth) or holds.value:
+        for flag in flags:
+            machine.assign(flag, _AWAITED, frame)
+
+
+def _assigns_nothing(body: form.Statement) -> bool:
+    """Check whether a body only calls functions, under conditions or not."""
+    pending: list[object] = [body]
+    while pending:
+        one = pending.pop()
+        if isinstance(one, form.Block):
+            pending += one.body
+        elif isinstance(one, form.Branch):
+            pending += [inner for _, inner in one.arms]
+        elif isinstance(one.value if isinstance(one, form.Step) else one, _ASSIGNING):
+            return False
+    return True
 
 
 def put(machine: Machine, expression: Expression, value: Value, frame: Frame) -> None:

@@ -194,7 +194,7 @@ class Descriptions:
         for name, calls in self.calls.items():
             for call in calls:
                 if call.has_effect:
-                    scopes = tuple(frozenset(scope.split("::")) for scope in call.scopes)
+                    scopes = tuple(frozenset(scope.split("::")) - {"*"} for scope in call.scopes)
                     on = frozenset(one.rpartition("::")[2] for one in call.on)
                     effects[name].append((scopes, on | hosts if on else on))
         for name, classes in self.classes.items():

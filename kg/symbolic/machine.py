@@ -13,7 +13,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
-from kg.symbolic.binding import assign_member, bind, hand_back, put, unpack, write_back
+from kg.symbolic.binding import assign_member, bind, forget_awaited, hand_back, put, unpack, write_back
 from kg.symbolic.containers import grown, is_unset
 from kg.symbolic.operators import (
     chosen,
@@ -72,6 +72,8 @@ _MOST_SITES: Final = 12
 _FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
+_OUT: Final = ("return", "raise")
+_LEFT: Final = (*_OUT, "break")
 _COUNTS: Final = Unknown("it counts the turns of a loop", label="")
 
 
@@ -379,6 +381,8 @@ class Machine:
             names = tuple(one.name for one in loop.first.body if isinstance(one, form.Declare))
         hidden = {name: frame.variables[name] for name in names if name in frame.variables}
         ended = self._turns(loop, frame)
+        if ended is None and loop.step is None and loop.condition is not None:
+            forget_awaited(self, loop, loop.condition, frame)
         for name, value in hidden.items():
             self.write(frame.variables, name, value)
         return ended
@@ -403,10 +407,8 @@ class Machine:
             if not holds.value:
                 return None
             ended = self._turn(loop, frame)
-            if ended in ("return", "raise"):
-                return ended
-            if ended == "break" or self._is_idle(before, begun):
-                return None
+            if ended in _LEFT or self._is_idle(before, begun):
+                return ended if ended in _OUT else None
             if loop.step is not None:
                 self.value(loop.step, frame)
             elif writes == self._outer_writes + self._counted and are_alike(previous, frame.variables):
@@ -435,7 +437,7 @@ class Machine:
 
         if loop.runs_at_least_once:
             ended = once()
-            return ended if ended in ("return", "raise") else None
+            return ended if ended in _OUT else None
         with self._under(terms):
             written, _ = self._journal.attempt(once)
         self.merge([grown(written), {}], [terms, ()])
@@ -465,10 +467,8 @@ class Machine:
             if finite:
                 ended = self._turn(loop, frame)
                 write_back(self, loop, index, frame)
-                if ended in ("return", "raise"):
-                    return ended
-                if ended == "break" or self._is_idle(before, begun):
-                    return None
+                if ended in _LEFT or self._is_idle(before, begun):
+                    return ended if ended in _OUT else None
             else:
                 self._forget_counters(loop, frame)
                 written, _ = self._journal.attempt(partial(self._turn, loop, frame))

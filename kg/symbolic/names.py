@@ -59,6 +59,17 @@ def below(namespace: Value, name: Value) -> Value:
     return joined
 
 
+def resolved(of: Value | None, name: Value) -> Value:
+    """Return a name as a node or handle resolves it, so that no other handle resolves it again."""
+    inner = below(namespace_of(of), name)
+    if isinstance(inner, Either):
+        return over((inner,), lambda one: resolved(None, one))
+    first = inner.parts[0] if isinstance(inner, Text) and inner.parts else ""
+    if not isinstance(inner, Text) or not isinstance(first, str) or first.startswith(("/", "~")) or not first:
+        return inner
+    return replace(inner, parts=(OWN_NAMESPACE, "/" + first, *inner.parts[1:]))
+
+
 def namespace_of(of: Value | None) -> Value:
     """Return the namespace of relative names on a node or handle."""
     if isinstance(of, Object):

@@ -242,7 +242,8 @@ def ros_type(kind: Kind) -> str | None:
 def type_of_value(value: Value | None) -> str | None:
     """Return the type of a parameter with a value."""
     if isinstance(value, Either):
-        return type_of_value(value.items[0])
+        known = (one for one in value.items if not (isinstance(one, Text) and one.wholly_unknown))
+        return type_of_value(next(known, value.items[0]))
     if isinstance(value, Text):
         return "string"
     if isinstance(value, (Truth, Guard)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.symbolic.durations import DURATION, construct_duration
-from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, below, camera_info, namespace_of, own_namespace
+from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, below, camera_info, namespace_of, own_namespace, resolved
 from kg.symbolic.values import (
     Guard,
     Kind,
@@ -75,7 +75,7 @@ def _of_argument(framework: Framework, what: str, argument: Value, node: Value |
         return concatenate(Text.of("package://"), argument)
     if what == "resolved":
         handles = alternatives(node) if node is not None else ()
-        return join(*(below(namespace_of(one), argument) for one in handles)) if handles else argument
+        return join(*(resolved(one, argument) for one in handles or (None,)))
     if what == "private":
         return below(Text.of("~"), argument)
     if what == "sub node":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp.kinds import frame_of, this_of
 from kg.symbolic.state import Frame, decides
@@ -12,6 +12,7 @@ from kg.symbolic.values import (
     Bound,
     Closure,
     Either,
+    Kind,
     Mapping,
     Number,
     Object,
@@ -28,10 +29,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.extract.cpp.language import Cpp
+    from kg.extract.cpp.units import CppClass
     from kg.symbolic.form import Function, Parameter
 
 _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, TypeValue})
 """Values that are not functions, nor objects with methods."""
+_HELPERS: Final = frozenset({"std", "boost"})
+"""Namespaces whose base classes add something to a class, and call nothing of it."""
 _MOST_PARTS: Final = 64
 """How many objects that belong to one are looked through for what a callback changes."""
 
@@ -79,6 +83,12 @@ def _elements(value: object) -> Iterator[object]:
         yield value
 
 
+def _calls_methods(language: Cpp, base: Kind) -> bool:
+    """Return whether a base may have virtual methods: no helper of the standard library, nor one that is described."""
+    plain = base.names[0] not in _HELPERS and not base.arguments
+    return plain and language.machine.framework.descriptions.class_named(base.names) is None
+
+
 class Callbacks:
     """The functions of a program that are handed to code outside of it."""
 
@@ -109,6 +119,29 @@ class Callbacks:
             if self._language.methods(one.kind, method.name):
                 self._schedule(Bound(method.name, one))
                 return
+
+    def hand_over(self, values: Iterable[Value]) -> None:
+        """Schedule what code outside of the sources calls on objects of a base that only it knows.
+
+        These are the methods that are marked as virtual. If none is, any public method can override one of the base.
+        """
+        language = self._language
+        running = {id(site.this) for site in language.machine.stack}
+        for one in values:
+            if not isinstance(one, Object) or one.kind.cls is None or id(one) in running:
+                continue
+            chain, outside = language.chain(one.kind)
+            if not any(_calls_methods(language, base) for base in outside) or language.machine.framework.is_node(one):
+                continue
+            names = [
+                name
+                for cls, _ in chain
+                for name, listed in (*cls.declared.items(), *language.linker.methods(cls).items())
+                if not name.startswith("~") and any(function.virtual for function in listed)
+            ]
+            for name in dict.fromkeys(names or sorted(cast("CppClass", chain[0][0]).public)):
+                if language.methods(one.kind, name) and name != one.kind.name:
+                    self._schedule(Bound(name, one))
 
     def enter(self, called: Bound) -> None:
         """Schedule a method that code outside of the sources calls on an object of its own, whatever it reaches."""

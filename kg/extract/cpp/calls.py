@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
-from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard, cast
 
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
 _HANDLE: Final = Kind(("ros", "NodeHandle"))
 _OF_HANDLES: Final = ("advertise", "subscribe", "advertiseService", "serviceClient")
 """Methods that tell a node handle."""
+_SINGLE: Final = ("instance", "getinstance")
+_SUPPORT: Final = re.compile(r"ROSIDL_GET_(MSG|SRV|ACTION)_TYPE_SUPPORT")
+"""Macros of rosidl whose arguments are the parts of a type's name."""
 Overload: TypeAlias = "tuple[Function, dict[str, Value]]"
 """A function, with the values of the template parameters around it."""
 
@@ -130,6 +134,8 @@ class Calls:
             macro = self._linker.find_macro(last, frame.unit)
             if macro is not None and macro.parameters is not None:
                 return self._language.expanded(macro, expression.arguments, frame, expression.line)
+        if local and (support := _SUPPORT.fullmatch(last)) is not None:
+            return _supported(support[1].lower(), expression.arguments)
         values = machine.arguments(expression.arguments, frame)
         if names[0].startswith("decltype("):
             of = self._kinds.type_of(form.Name(expression.line, (names[0][9:-1],)), frame)
@@ -175,7 +181,20 @@ class Calls:
             methods = self._language.methods(kind, last)
             if not any(method.template for method, _ in methods):  # `Singleton<T>::instance()`
                 kind, given = replace(kind, arguments=given.template), replace(given, template=())
-        return self._static(kind, last, given)
+        called = self._static(kind, last, given)
+        return called if called is not None else self._single(kind, last, given)
+
+    def _single(self, kind: Kind, name: str, given: Arguments) -> Value | None:
+        """Return the only object of a class whose outside base is a template of it, `Singleton<T>`; None for others."""
+        if given.values or name.lower().replace("_", "") not in _SINGLE:
+            return None
+        own = TypeValue(kind)
+        if not any(base.arguments[:1] == (own,) for base in self._kinds.chain(kind)[1]):
+            return None
+        instances = self._language.machine.globals.setdefault((_SINGLE, kind.cls), {})
+        if name not in instances:
+            instances[name] = self._language.construct(kind, [], given.frame, given.line)
+        return cast("Value", instances[name])
 
     def _of_base(self, this: Object, base: Kind | None, name: str, given: Arguments) -> Value:
         """Call the method of a base on an object; a base of None is not in the sources."""
@@ -243,6 +262,7 @@ class Calls:
         Texts keep the value that they have, as the default of an option usually is what counts.
         """
         self._language.escape(given.values)
+        self._language.hand_over(given.values)
         if given.frame is None:
             return
         for written, value in zip(given.written, given.values, strict=False):
@@ -360,6 +380,12 @@ class Calls:
 
 def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
     return isinstance(value, Sequence | Mapping) and not value.items and not value.open and value.parameter is None
+
+
+def _supported(kind: str, written: tuple[Expression, ...]) -> Value:
+    """Return the type of the definition that `ROSIDL_GET_..._TYPE_SUPPORT(package, folder, type)` names."""
+    names = [one.names[-1] for one in written if isinstance(one, form.Name)]
+    return TypeValue(Kind((names[0], kind, names[-1]))) if len(names) > 1 else Unknown("its type is not known")
 
 
 def _constructs(function: Function) -> bool:

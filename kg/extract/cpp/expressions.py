@@ -27,6 +27,7 @@ from kg.symbolic.form import (
     Name,
     Opaque,
     Parameter,
+    Spread,
     Type,
     Unary,
     Unit,
@@ -209,6 +210,11 @@ class Expressions:
     def _inner(self, node: Node) -> Expression:
         inner = next((child for child in node.named_children if child.type != "comment"), None)
         return self.expression(inner) if inner is not None else self._opaque(node)
+
+    def _spread(self, node: Node) -> Expression:
+        """Return an expansion of a pack, or a fold over one."""
+        inner = self._inner(node)
+        return inner if isinstance(inner, Name) else Spread(line_of(node), inner)
 
     def _user_defined(self, node: Node) -> Expression:
         """Return `100ms` as a call of its operator; a literal that is not a duration is its own value."""
@@ -404,7 +410,7 @@ class Expressions:
         **dict.fromkeys(("null", "nullptr"), lambda _, node: Literal(line_of(node), None)),
         "parenthesized_expression": _inner,
         "condition_clause": _inner,
-        "parameter_pack_expansion": _inner,
+        **dict.fromkeys(("parameter_pack_expansion", "fold_expression"), _spread),
         "cast_expression": _cast,
         "call_expression": _call,
         "field_expression": _field,

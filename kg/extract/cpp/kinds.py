@@ -102,6 +102,7 @@ class Kinds:
         key = (names, arguments, frame.unit, frame.scope, depth)
         resolved = self._meanings.get(key)
         if resolved is None:
+            self._meanings[key] = Kind(names, arguments)  # before it is resolved, since an alias can name itself
             resolved = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
         return _with_types(resolved, frame) if isinstance(resolved, Kind) and resolved.arguments else resolved
 
@@ -214,6 +215,8 @@ class Kinds:
     def bound(self, cls: Class, arguments: tuple[Value, ...]) -> dict[str, Value]:
         """Return the values of the template parameters of a class."""
         bound = dict(zip(cls.template, arguments, strict=False))
+        if len(arguments) > len(cls.template) > 0:  # the last parameter is a pack
+            bound[cls.template[-1]] = Pack(arguments[len(cls.template) - 1 :])
         for name, default in cls.defaults.items():
             if name not in bound:
                 bound[name] = _as_value(self.kind(default, Frame(cls.unit, cls.scope, types=bound)))
@@ -322,7 +325,7 @@ class Kinds:
         return self.declared_type(expression, frame)
 
     def declared_type(self, target: form.Name | form.Member, frame: Frame) -> tuple[Type, Frame] | None:
-        """Return the type of a member variable as written, with the frame that gives it its meaning."""
+        """Return the type of a member or global variable as written, with the frame that gives it its meaning."""
         if isinstance(target, form.Name):
             of, name = this_of(frame), target.names[-1]
         else:
@@ -331,6 +334,10 @@ class Kinds:
             kind = cls.fields[name].type if name in cls.fields else None
             if kind is not None:
                 return kind, inside(cls, bound)
+        if isinstance(target, form.Name):
+            found = self._linker.find_variable(target.names, frame.unit, frame.scope)
+            if found is not None and found[0].type is not None:
+                return found[0].type, Frame(found[1], found[2])
         return None
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final, cast
 
-from kg.extract.cpp import library
+from kg.extract.cpp import library, packs
 from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
@@ -60,7 +61,10 @@ class Cpp:
         self.linker = linker
         self.kinds = Kinds(self)
         self.copies = Copies(self)
-        self.expressions: Mapping[type, Callable[[Any, Frame], Value]] = {form.Lambda: self.copies.closure}
+        self.expressions: Mapping[type, Callable[[Any, Frame], Value]] = {
+            form.Lambda: self.copies.closure,
+            form.Spread: partial(packs.expand, self),
+        }
         self.statements: Mapping[type, Callable[[Any, Frame], None]] = {form.Static: self._static_local}
         self.calls = Calls(self)
         self._constructions = Constructions(self)
@@ -77,7 +81,7 @@ class Cpp:
         self.initialise = self._constructions.initialise
         self.default = self._constructions.default
         callbacks = Callbacks(self)
-        self.escape, self.enter = callbacks.escape, callbacks.enter
+        self.escape, self.enter, self.hand_over = callbacks.escape, callbacks.enter, callbacks.hand_over
         self.elements = elements
         self.with_element = with_element
         self.counted = counted
@@ -155,7 +159,9 @@ class Cpp:
             holder[name] = Unknown(f"{name} depends on itself")
             frame = Frame(unit, at)
             self.machine.run(statement, frame)
-            holder[name] = frame.variables.get(statement.name, Unknown("it has no value"))
+            value = frame.variables.get(statement.name, Unknown("it has no value"))
+            zero = library.zero(self.kinds.kind_of(statement.type, frame)) if statement.value is None else None
+            holder[name] = value if zero is None or statement.name in unit.external else zero
         slot = holder[name]
         return library.as_constant(slot) if not isinstance(slot, Alias) else self.machine.value(slot.target, slot.frame)
 

@@ -14,6 +14,7 @@ from kg.holes import label_of
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.containers import COMMAND_LINE, element, elements, is_unset, with_element
+from kg.symbolic.kinds import pointee
 from kg.symbolic.names import NODE_NAME, OWN_NAMESPACE, PARENT_NAMESPACE
 from kg.symbolic.operators import compute, negate
 from kg.symbolic.state import Arguments, Frame
@@ -153,6 +154,14 @@ def type_of(value: Value) -> Kind | None:
         inner = type_of(value.items[0]) if value.items else None
         return Kind(("std", "vector"), (TypeValue(inner),) if inner is not None else ())
     return None
+
+
+def zero(kind: Kind | None) -> Value | None:
+    """Return the value of a variable of namespace scope without one; None if it is not of a number or truth type."""
+    name = kind.name if kind is not None else ""
+    if name == "bool":
+        return Truth(False)
+    return (Number(0.0, "0.0") if name in ("double", "float") else number(0)) if name in NUMBERS else None
 
 
 def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, template: tuple[str, ...]) -> float:
@@ -304,8 +313,13 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         if names[0] == "boost" or (len(values) == 1 and len(names) == 1):
             return Object(Kind(("boost", "format")), native={"format": values[0]})
         return formatted(values[0], values[1:])
-    if name == "get":
+    if name in ("get", "get_if", "any_cast"):
         return _got(values[0], given.template)
+    if name == "visit" and len(values) == _PAIR:
+        results = (
+            language.calls.value(values[0], Arguments([one], frame=given.frame)) for one in alternatives(values[1])
+        )
+        return join(*results)
     if name in ("for_each", "transform"):
         for one in elements(alternatives(values[0])[0]):
             if isinstance(values[-1], (Closure, Bound)):
@@ -360,11 +374,15 @@ def _on_heap(value: Value) -> Value:
 
 
 def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
-    """Return the result of `std::get<index>()`."""
-    index = template[0] if template else None
-    if not isinstance(index, Number) or not isinstance(of, Sequence):
+    """Return the result of `std::get<index>()` of a tuple, or of `std::get<type>()` of a variant."""
+    wanted = template[0] if template else None
+    if isinstance(wanted, TypeValue):
+        cls = pointee(wanted.kind).cls
+        held = [one for one in alternatives(of) if isinstance(one, Object) and one.kind.cls is cls]
+        return join(*held) if held and cls is not None else None
+    if not isinstance(wanted, Number) or not isinstance(of, Sequence):
         return None
-    return of.items[int(index.value)] if index.value < len(of.items) else Unknown("the element does not exist")
+    return of.items[int(wanted.value)] if wanted.value < len(of.items) else Unknown("the element does not exist")
 
 
 def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:

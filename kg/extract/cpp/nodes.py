@@ -29,7 +29,7 @@ from kg.symbolic import form
 from kg.symbolic.containers import COMMAND_LINE
 from kg.symbolic.effects import Framework
 from kg.symbolic.machine import Machine
-from kg.symbolic.names import NODE_NAME
+from kg.symbolic.names import EMPTY, NODE_NAME, below
 from kg.symbolic.state import Arguments, Frame, Site, deep_recursion
 from kg.symbolic.trees import FACTORY, Registered
 from kg.symbolic.values import Bound, Kind, Mapping, Object, Text, Unknown, Value
@@ -432,7 +432,8 @@ class _Nodes:
             for extracted in home.plugin(plugin) if home is not None and plugin is not None else ():
                 kept = [i for i in extracted.node.interfaces if own or not (i.name or "").startswith("~")]
                 interfaces += [
-                    replace(i, name=renamed.get(i.name, i.name) if i.name is not None else None) for i in kept
+                    replace(i, name=renamed.get(i.name, i.name) if i.name is not None else None, resolved=None)
+                    for i in kept
                 ]
                 parameters += extracted.node.parameters if own else ()
         return interfaces, parameters
@@ -538,13 +539,15 @@ def _version(framework: Framework) -> int:
     if len(versions) == 1:
         return versions.pop()
     host = framework.host
-    second = bool(framework.nodes) or (host is not None and host.kind.name in ("Node", "LifecycleNode"))
+    plain = any(key == "rcl.node" for key, *_ in framework.marks)
+    second = plain or bool(framework.nodes) or (host is not None and host.kind.name in ("Node", "LifecycleNode"))
     return _ROS2 if second else 1
 
 
 def _remappings(value: Value) -> Iterator[tuple[str, str]]:
     for key, given in value.items if isinstance(value, Mapping) else ():
-        old, new = (one.exact if isinstance(one, Text) else None for one in (key, given))
+        names = (below(EMPTY, one) for one in (key, given))
+        old, new = (one.exact if isinstance(one, Text) else None for one in names)
         if old is not None and new is not None:
             yield normalise(old), normalise(new)
 

@@ -221,6 +221,12 @@ def _add_subdirectory(run: Run, words: list[str]) -> None:
         run.run_file(path, own_folder=True)
 
 
+def _add_project(run: Run, words: list[str]) -> None:
+    """ExternalProject_Add(name ... SOURCE_DIR folder): build a folder of the sources as a project of its own."""
+    if "SOURCE_DIR" in words[:-1]:
+        _add_subdirectory(run, [words[words.index("SOURCE_DIR") + 1]])
+
+
 def _project(run: Run, words: list[str]) -> None:
     if words:
         run.scope.set("PROJECT_NAME", words[0])
@@ -292,6 +298,7 @@ HANDLERS: Final[dict[str, Callable[[Run, list[str]], None]]] = {
     "aux_source_directory": _aux_source_directory,
     "include": _include,
     "add_subdirectory": _add_subdirectory,
+    "externalproject_add": _add_project,
     "project": _project,
     "find_package": _find_package,
     "cmake_parse_arguments": _parse_arguments,

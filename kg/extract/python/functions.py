@@ -281,6 +281,8 @@ def _environment(values: list[Value], named: Names[str, Value]) -> Value:
     """`os.environ.get("NAME", default)` and `os.getenv`: what the environment gives, or the default."""
     default = values[1] if len(values) > 1 else named.get("default")
     unknown = from_environment(values[0] if values else _COMPUTED)
+    if isinstance(default, (Truth, Number)):
+        return join(default, unknown)  # the type is that of the default, which holds without the variable
     return join(unknown, default) if isinstance(default, Text) else unknown
 
 

@@ -142,7 +142,7 @@ class Python:
         return self.module(module, lazy=True) if module is not None else TypeValue(Kind(tuple(names)))
 
     def _import_all(self, module: str, unit: PythonUnit, frame: Frame) -> None:
-        source = self.modules.find(module, unit) if not GENERATED & set(module.split(".")) else None
+        source = self.modules.find(module, unit) if not self._is_generated(module, unit) else None
         if source is None:
             self._stars.setdefault(id(frame.variables), []).append(module)
             return
@@ -152,10 +152,17 @@ class Python:
                 self._set(frame, name, value)
         self._stars.setdefault(id(frame.variables), []).extend(self._stars.get(id(loaded.fields), ()))
 
+    def _is_generated(self, module: str, unit: PythonUnit) -> bool:
+        """Check whether a module is of interface definitions: a package of that name, or one that no source holds."""
+        if module.startswith(".") or GENERATED.isdisjoint(module.split(".")[1:]):
+            return False
+        source = self.modules.find(module, unit)
+        return source is None or source.is_package
+
     def _imported_name(self, module: str, name: str, unit: PythonUnit) -> Value:
         inner = module.strip(".").split(".")
         outside = TypeValue(_kind((*inner, name) if inner != [""] else (name,)))
-        if GENERATED & set(module.split(".")[1:]) or (name in GENERATED and not module.startswith(".")):
+        if self._is_generated(module, unit) or (name in GENERATED and not module.startswith(".")):
             return outside
         source = self.modules.find(module, unit)
         if source is not None:

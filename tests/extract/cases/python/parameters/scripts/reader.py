@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 
+import os
+
 import rospy
 from std_msgs.msg import String
 
@@ -14,3 +16,4 @@ joints = rospy.get_param("~joints", ["a", "b"])
 if rospy.has_param("/use_sim_time"):
     rospy.set_param("~ready", True)
 rospy.delete_param("/old")
+simulated = rospy.get_param("~simulated", os.environ.get("SIMULATED", False))

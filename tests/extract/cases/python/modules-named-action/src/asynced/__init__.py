@@ -1,0 +1,3 @@
+from .action import AsyncActionServer
+
+__all__ = ["AsyncActionServer"]

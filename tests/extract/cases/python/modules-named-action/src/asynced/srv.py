@@ -1,0 +1,5 @@
+import rospy
+
+
+def offer(name, kind):
+    return rospy.Service(name, kind, lambda request: None)
