@@ -8,7 +8,9 @@ An unknown part is a hole in a text, or `Unknown` with its reason; nothing is gu
 
 from __future__ import annotations
 
+import math
 import re
+import sys
 from dataclasses import dataclass, field, replace
 from itertools import islice, product, repeat
 from operator import is_
@@ -90,6 +92,18 @@ class Number:
     written: str
     parameter: str | None = None
     own: bool = field(default=False, compare=False)
+
+    @property
+    def whole(self) -> int:
+        """The number without its fraction, as an index or a count; infinity is larger than any, and no number is 0."""
+        if math.isfinite(self.value):
+            return int(self.value)
+        return 0 if math.isnan(self.value) else int(math.copysign(sys.maxsize, self.value))
+
+    @property
+    def floating(self) -> bool:
+        """Whether it is not a whole number by its type."""
+        return not self.written.startswith(("0x", "0X")) and any(mark in self.written for mark in ".eEin")
 
 
 @dataclass(unsafe_hash=True, slots=True)
@@ -521,7 +535,8 @@ def without_default(parameter: str) -> Unknown:
 
 def number(value: float, parameter: str | None = None) -> Number:
     """Return a number that was computed."""
-    return Number(value, str(int(value)) if value == int(value) else repr(value), parameter)
+    whole = math.isfinite(value) and value == int(value)
+    return Number(value, str(int(value)) if whole else repr(value), parameter)
 
 
 def concatenate(*values: Value) -> Value:
