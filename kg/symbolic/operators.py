@@ -227,6 +227,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return _alike(left, right, sign)
     if any(isinstance(value, Text) and value.unsure for value in (left, right)):
         return Unknown("it depends on a comparison")
+    if Text.of("") in row and any(isinstance(value, Text) and value.given_name for value in row):
+        return Truth(sign != "==")
     one, other = plain(left), plain(right)
     mixed = isinstance(one, str) is not isinstance(other, str)
     if one is None or other is None or (mixed and sign not in ("==", "!=")):

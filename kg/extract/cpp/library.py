@@ -610,7 +610,7 @@ def _empty(of: Value) -> Value:
             return Truth(False)  # a list of names has no empty ones
         if of.parameter is not None:
             return Guard((f"!{of.parameter}",))
-        if any(isinstance(part, str) and part for part in of.parts):
+        if of.given_name or any(isinstance(part, str) and part for part in of.parts):
             return Truth(False)
         return Truth(True) if of.exact == "" else Unknown("it is not known")
     return Unknown("it is not known")

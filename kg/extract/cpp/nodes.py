@@ -377,14 +377,22 @@ class _Nodes:
     def _run_from_outside(self, language: Cpp, root: Object, *, node: bool) -> None:
         """Run the methods of an object that its loader may call, except for those on which no effect depends.
 
-        Those that get a node come first: the others use it.
+        Those that get a node, and that none of the others calls, come first: the others use it.
         """
         machine = language.machine
         machine.drain()
         described = bool(machine.framework.described(root.kind))
         names = _called_from_outside(language, root.kind, node=node, described=described)
         listed = [(name, function) for name in names for function, _ in language.methods(root.kind, name)[:1]]
-        pending = dict(sorted(listed, key=lambda method: not _gets_node(language, method[1])))
+        words = self._project.words
+        called = {
+            word
+            for name in names
+            for function, _ in language.methods(root.kind, name)  # also those that it overrides, which it may call
+            for word in words(function) or ()
+            if word != name
+        }
+        pending = dict(sorted(listed, key=lambda one: one[0] in called or not _gets_node(language, one[1])))
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
             for name in needed:
                 if id(pending.pop(name)) not in machine.executed:
