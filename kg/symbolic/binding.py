@@ -114,7 +114,7 @@ def unpack(machine: Machine, targets: tuple[Expression, ...], value: Value, fram
 def _part_at(language: Language, index: Number, count: int | None, of: Value) -> Value:
     """Return an element of a collection that is unpacked into `count` targets."""
     row = language.elements(of)
-    return row[int(index.value)] if len(row) == count else language.element(of, index)
+    return row[index.whole] if len(row) == count else language.element(of, index)
 
 
 def _rest_of(before: int, others: int, of: Value) -> Value:

@@ -58,7 +58,7 @@ def _argument_at(index: Value) -> Value:
     """Return one of the arguments of the program, as the parameter `argv[1]`."""
     if isinstance(index, Number) and index.value == 0:
         return Text.hole("it is the name of the program")
-    name = f"argv[{int(index.value)}]" if isinstance(index, Number) else "argv[]"
+    name = f"argv[{index.whole}]" if isinstance(index, Number) else "argv[]"
     return Text(
         (Hole(label_of(name)),), Resolution.LAUNCH_ARGUMENT, name, f"it is the argument {name} of the command line"
     )
@@ -103,7 +103,7 @@ def element(of: Value, key: Value) -> Value:
         of = Unknown("it is a parameter", of.parameter)
     if isinstance(of, Sequence):
         if isinstance(key, Number):
-            index = int(key.value)
+            index = key.whole
             if 0 <= index < len(of.items) or of.parameter is None:
                 return of.items[index] if 0 <= index < len(of.items) else Unknown("the list has no such element")
         if of.parameter is not None:
@@ -158,9 +158,9 @@ def _is_key(key: Value, own: Value) -> bool:
 
 def with_element(of: Value, key: Value, value: Value) -> Value:
     """Return a container with an element set."""
-    if isinstance(of, Sequence) and isinstance(key, Number) and 0 <= int(key.value) < len(of.items):
+    if isinstance(of, Sequence) and isinstance(key, Number) and 0 <= key.whole < len(of.items):
         items = list(of.items)
-        items[int(key.value)] = value
+        items[key.whole] = value
         return replace(of, items=tuple(items))
     if isinstance(of, Sequence) and of.repeated and not isinstance(key, Number):
         return replace(of, items=(*of.items, value) if value not in of.items else of.items)

@@ -136,11 +136,11 @@ def compute(sign: str, row: tuple[Value, ...]) -> Value:
             parts += [Text.of("/"), value]
         return concatenate(*parts)
     if sign == "*" and isinstance(row[-1], Number) and isinstance(row[0], (Text, Sequence)):
-        return _repeated(row[0], int(row[-1].value))
+        return _repeated(row[0], row[-1].whole)
     numbers = [value for value in row if isinstance(value, Number)]
     if len(numbers) != len(row):
         return _COMPUTED
-    whole = not any(is_floating(value) for value in numbers)
+    whole = not any(value.floating for value in numbers)
     result = numbers[0].value
     for other in numbers[1:]:
         try:
@@ -160,12 +160,6 @@ def _number(value: float, of: list[Number], *, whole: bool) -> Number:
     return number(value, parameter) if whole else Number(value, repr(float(value)), parameter)
 
 
-def is_floating(value: Number) -> bool:
-    """Check whether a number is not a whole number by its type."""
-    written = value.written
-    return not written.startswith(("0x", "0X")) and any(mark in written for mark in ".eEin")
-
-
 def _repeated(of: Text | Sequence, times: int) -> Value:
     size = len(of.items) if isinstance(of, Sequence) else len(of.exact or "")
     if size * max(times, 0) > _LONGEST:
@@ -178,7 +172,9 @@ def _repeated(of: Text | Sequence, times: int) -> Value:
 def _sum(row: tuple[Value, ...]) -> Value:
     numbers = [value for value in row if isinstance(value, Number)]
     if len(numbers) == len(row):
-        return _number(sum(value.value for value in numbers), numbers, whole=not any(map(is_floating, numbers)))
+        return _number(
+            sum(value.value for value in numbers), numbers, whole=not any(value.floating for value in numbers)
+        )
     lists = [value for value in row if isinstance(value, Sequence)]
     if len(lists) == len(row):
         return Sequence(tuple(item for value in lists for item in value.items), any(value.open for value in lists))
@@ -231,6 +227,8 @@ def _compared(sign: str, row: tuple[Value, ...]) -> Value:
             return _alike(left, right, sign)
     if any(isinstance(value, Text) and value.unsure for value in (left, right)):
         return Unknown("it depends on a comparison")
+    if Text.of("") in row and any(isinstance(value, Text) and value.given_name for value in row):
+        return Truth(sign != "==")
     one, other = plain(left), plain(right)
     mixed = isinstance(one, str) is not isinstance(other, str)
     if one is None or other is None or (mixed and sign not in ("==", "!=")):
@@ -282,7 +280,7 @@ def plain(value: Value) -> str | float | bool | None:
     if isinstance(value, Text):
         return value.exact
     if isinstance(value, Number):
-        return value.value if is_floating(value) or value.value != value.value // 1 else int(value.value)
+        return value.value if value.floating or value.value != value.value // 1 else int(value.value)
     return value.value if isinstance(value, Truth) else None
 
 

@@ -249,7 +249,7 @@ def type_of_value(value: Value | None) -> str | None:
     if isinstance(value, (Truth, Guard)):
         return "bool"
     if isinstance(value, Number):
-        return "double" if any(c in value.written for c in ".eE") and not value.written.startswith("0x") else "int"
+        return "double" if value.floating else "int"
     if isinstance(value, Sequence) and value.items:
         inner = type_of_value(value.items[0])
         return f"{inner}_array" if inner else None

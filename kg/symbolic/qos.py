@@ -159,7 +159,7 @@ def _constructed(name: str, arguments: list[Value]) -> Qos | None:
 def profile_of(value: Value) -> Qos | None:
     """Return the profile of an argument: a depth, or a profile of rclcpp or rmw; None if any part is unknown."""
     if isinstance(value, Number):
-        return replace(_DEFAULT, depth=int(value.value))
+        return replace(_DEFAULT, depth=value.whole)
     if isinstance(value, Sequence):
         return _constructed("QoS", list(value.items))
     if not isinstance(value, Object):
@@ -197,7 +197,7 @@ def with_fields(qos: Qos, fields: dict[str, Value]) -> Qos | None:
     for name, value in fields.items():
         seconds, policy_name = seconds_of(value), _enumerator(name, value)
         if name == "depth" and isinstance(value, Number):
-            changes["depth"] = int(value.value)
+            changes["depth"] = value.whole
         elif policy_name is not None and policy_name in _POLICIES[name] | _UNSPECIFIED:
             changes[name] = policy_name if policy_name in _POLICIES[name] else None
         elif name in _DURATIONS and seconds is not None:
@@ -210,7 +210,7 @@ def with_fields(qos: Qos, fields: dict[str, Value]) -> Qos | None:
 def _enumerator(name: str, value: Value) -> str | None:
     """Return the enumerator of a policy that a value is, or that has its number."""
     if isinstance(value, Number) and name in _NUMBERED:
-        return dict(enumerate(_NUMBERED[name])).get(int(value.value))
+        return dict(enumerate(_NUMBERED[name])).get(value.whole)
     if name not in _POLICIES:
         return None
     return value.name if isinstance(value, Enumerator) else value.exact if isinstance(value, Text) else None

@@ -321,8 +321,10 @@ class Calls:
         if not fitting and name in of.fields:
             return self._call_member(of.fields[name], given)
         if fitting:
-            self._leave(given, name)
             chosen, bound = self.overload(fitting, given.values)
+            if language.reaches(chosen):  # an object that others made, and that makes something for this node
+                return self._on(of, fitting, given)
+            self._leave(given, name)
             return labelled(language.unknown(chosen.returns, frame_of(chosen, bound), name), name, given.values)
         for cls, bound in self._kinds.chain(of.kind)[0]:
             declared = cls.declared.get(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final
@@ -62,6 +63,8 @@ CONSTANTS: Final = {
     "M_PI": Number(math.pi, repr(math.pi)),
     "M_PI_2": Number(math.pi / 2, repr(math.pi / 2)),
     "M_PI_4": Number(math.pi / 4, repr(math.pi / 4)),
+    "INFINITY": Number(math.inf, repr(math.inf)),
+    "NAN": Number(math.nan, repr(math.nan)),
 }
 """Constants of the standard library, by their last name."""
 _SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
@@ -121,6 +124,19 @@ _RANGE: Final = 3
 _MOST_ITEMS: Final = 64
 _TO_TEXT: Final = frozenset({"lexical_cast", "str", "value_to_string"})
 _FLOATING: Final = frozenset({"double", "float"})
+_BITS: Final = {
+    "int8_t": 7, "uint8_t": 8, "int16_t": 15, "short": 15, "uint16_t": 16, "int": 31, "int32_t": 31, "uint32_t": 32,
+    "unsigned": 32, "long": 63, "int64_t": 63, "uint64_t": 64, "size_t": 64,
+}  # fmt: skip
+"""The bits of the whole numbers of a type, on a machine with 64 bits, without that of the sign."""
+_UNSIGNED: Final = frozenset({"unsigned", "size_t", *(name for name in _BITS if name.startswith("uint"))})
+_LARGEST_FLOAT: Final = 3.4028234663852886e38
+_DOUBLE: Final = sys.float_info
+_LIMITS: Final[dict[str, dict[str, float]]] = {
+    "double": {"max": _DOUBLE.max, "lowest": -_DOUBLE.max, "min": _DOUBLE.min, "epsilon": _DOUBLE.epsilon},
+    "float": {"max": _LARGEST_FLOAT, "lowest": -_LARGEST_FLOAT, "min": 2.0**-126, "epsilon": 2.0**-23},
+}
+_NOT_FINITE: Final = {"infinity": math.inf, "quiet_NaN": math.nan, "signaling_NaN": math.nan}
 _JOINERS: Final = frozenset({"StrCat", "append_path", "concat"})
 _BINDERS: Final = frozenset({"bind", "bind_front", "mem_fn"})
 _PACKERS: Final = frozenset({"make_pair", "make_tuple", "tie", "forward_as_tuple"})
@@ -146,8 +162,7 @@ def type_of(value: Value) -> Kind | None:
     if isinstance(value, (Truth, Guard)):
         return Kind(("bool",))
     if isinstance(value, Number):
-        whole = value.written.startswith(("0x", "0X")) or not set(value.written) & set(".eE")
-        return Kind(("int",) if whole else ("double",))
+        return Kind(("double",) if value.floating else ("int",))
     if isinstance(value, Either):
         return type_of(value.items[0])
     if isinstance(value, Sequence):
@@ -226,8 +241,8 @@ def stored(kind: Kind, value: Value) -> Value:
     if not isinstance(value, Number) or not math.isfinite(value.value):
         return value
     if kind.name in _FLOATING:
-        return value if set(value.written) & set(".eE") else replace(value, written=f"{int(value.value)}.0")
-    whole = int(value.value)
+        return value if set(value.written) & set(".eE") else replace(value, written=f"{value.whole}.0")
+    whole = value.whole
     return Number(whole, str(whole), value.parameter) if kind.name in NUMBERS and value.value != whole else value
 
 
@@ -236,7 +251,7 @@ def _decimal(value: Value) -> Text:
     if not isinstance(value, Number) or not math.isfinite(value.value):
         return as_text(value)
     floating = type_of(value) == Kind(("double",))
-    return as_text(replace(value, written=f"{value.value:.6f}" if floating else str(int(value.value))))
+    return as_text(replace(value, written=f"{value.value:.6f}" if floating else str(value.whole)))
 
 
 def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) -> Value:
@@ -254,7 +269,7 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
             return COMMAND_LINE
         if len(arguments) == _PAIR and kind.name in ("vector", "set", "list"):
             if isinstance(first, Number) and 0 <= first.value <= _MOST_COPIES:
-                return Sequence((arguments[1],) * int(first.value))
+                return Sequence((arguments[1],) * first.whole)
             return first if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)
         if isinstance(first, Number) and kind.name == "vector":
             return Sequence((), open=True)
@@ -292,6 +307,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return Unknown("it is read from the environment", label=label_of(variable or "") or None)
     if name in _PACKERS or (name == "value_type" and len(values) == _PAIR):
         return Sequence(tuple(values))
+    if names[-2:-1] == ("numeric_limits",):
+        return _limit(name, given.template)
     if not values:
         return None
     if name in _SAME:
@@ -354,6 +371,19 @@ def _cased(value: Value, change: Callable[[str], str]) -> Value:
     return replace(value, parts=tuple(change(part) if isinstance(part, str) else part for part in value.parts))
 
 
+def _limit(name: str, template: tuple[Value, ...]) -> Number | None:
+    """Return a limit of a type of numbers: `std::numeric_limits<T>::max()`; None for other types."""
+    of = template[0].kind.name if template and isinstance(template[0], TypeValue) else ""
+    if of in _FLOATING:
+        value = _LIMITS[of].get(name, _NOT_FINITE.get(name))
+        return Number(value, repr(value)) if value is not None else None
+    if of not in _BITS or name not in ("max", "min", "lowest"):
+        return None
+    if name == "max":
+        return number(2 ** _BITS[of] - 1)
+    return number(0 if of in _UNSIGNED else -(2 ** _BITS[of]))
+
+
 def _make_shared(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
     """Return the object of `make_shared<T>()` or `T::make_shared()`."""
     of = given.template[0] if given.template else None
@@ -382,7 +412,7 @@ def _got(of: Value, template: tuple[Value, ...]) -> Value | None:
         return join(*held) if held and cls is not None else None
     if not isinstance(wanted, Number) or not isinstance(of, Sequence):
         return None
-    return of.items[int(wanted.value)] if wanted.value < len(of.items) else Unknown("the element does not exist")
+    return of.items[wanted.whole] if wanted.value < len(of.items) else Unknown("the element does not exist")
 
 
 def _command_line(language: Cpp, name: str, given: Arguments) -> Value | None:
@@ -552,7 +582,7 @@ def _inserted(of: Text, values: list[Value]) -> Value:
         return concatenate(more, of)
     if of.exact is None:
         return Text.hole(_CUT, parameter=of.parameter)
-    at = int(place.value)
+    at = place.whole
     return concatenate(replace(of, parts=(of.exact[:at],)), more, replace(of, parts=(of.exact[at:],)))
 
 
@@ -598,7 +628,7 @@ def _empty(of: Value) -> Value:
             return Truth(False)  # a list of names has no empty ones
         if of.parameter is not None:
             return Guard((f"!{of.parameter}",))
-        if any(isinstance(part, str) and part for part in of.parts):
+        if of.given_name or any(isinstance(part, str) and part for part in of.parts):
             return Truth(False)
         return Truth(True) if of.exact == "" else Unknown("it is not known")
     return Unknown("it is not known")
@@ -634,7 +664,7 @@ def _is_namespace(of: Value) -> bool:
 def _slice(text: Text, bounds: list[Value]) -> Value:
     if bounds == [number(0), _LAST_SLASH] and _is_namespace(text):
         return Text((PARENT_NAMESPACE,))
-    numbers = [int(bound.value) for bound in bounds if isinstance(bound, Number)]
+    numbers = [bound.whole for bound in bounds if isinstance(bound, Number)]
     if numbers == [1] and _of_node(text):
         return text
     if text.exact is None or len(numbers) != len(bounds) or not numbers:

@@ -375,12 +375,24 @@ class _Nodes:
         return root, not given and before == (framework.results(), framework.declared)
 
     def _run_from_outside(self, language: Cpp, root: Object, *, node: bool) -> None:
-        """Run the methods of an object that its loader may call, except for those on which no effect depends."""
+        """Run the methods of an object that its loader may call, except for those on which no effect depends.
+
+        Those that get a node, and that none of the others calls, come first: the others use it.
+        """
         machine = language.machine
         machine.drain()
         described = bool(machine.framework.described(root.kind))
         names = _called_from_outside(language, root.kind, node=node, described=described)
-        pending = {name: function for name in names for function, _ in language.methods(root.kind, name)[:1]}
+        listed = [(name, function) for name in names for function, _ in language.methods(root.kind, name)[:1]]
+        words = self._project.words
+        called = {
+            word
+            for name in names
+            for function, _ in language.methods(root.kind, name)  # also those that it overrides, which it may call
+            for word in words(function) or ()
+            if word != name
+        }
+        pending = dict(sorted(listed, key=lambda one: one[0] in called or not _gets_node(language, one[1])))
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
             for name in needed:
                 if id(pending.pop(name)) not in machine.executed:
@@ -577,6 +589,13 @@ def _called_from_outside(language: Cpp, kind: Kind, *, node: bool, described: bo
                 inherited[name] = None
     first = [name for name in inherited if name not in overriding and name not in possible]
     return [*first, *overriding, *(name for name in possible if name not in overriding)]
+
+
+def _gets_node(language: Cpp, function: Function) -> bool:
+    """Check whether one of the arguments of a function is a node, or a handle of one."""
+    frame = Frame(function.unit, function.scope)
+    given = (language.unknown(parameter.type, frame, parameter.name) for parameter in function.parameters)
+    return any(map(language.machine.framework.is_node, given))
 
 
 def _belongs(owner: Object | None, root: Object | None) -> bool:

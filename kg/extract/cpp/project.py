@@ -112,7 +112,7 @@ class Project:
         self._defined: dict[str, tuple[int, tuple[Function | Class, ...]]] = {}
         """What names stand for, with the revision of which that is true."""
         self._words: dict[Function | Class, tuple[int, frozenset[str]]] = {}
-        """The words in some code, with the number of expansions of macros for which that is true."""
+        """The words in some code, with the number of expansions for which that is true."""
         self._expansions = 0
         self._mentioned: dict[str, tuple[int, int] | None] = {}
         """How many files of programs and headers do not contain a word; None if another one does."""
@@ -134,8 +134,8 @@ class Project:
         """What names mean that are declared in these files alone: the same in all programs of the package."""
         self._listed: dict[CppUnit, None] = {}
         """The headers in the index that follows."""
-        self._macros: dict[str, dict[str, None]] = defaultdict(dict)
-        """What the macros of these and of all programs expand to, by name."""
+        self._stand_for: dict[str, dict[str, None]] = defaultdict(dict)
+        """What the macros, and the other names of types, of these and of all programs stand for, by name."""
         self._declaring: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
         self._implementations: dict[Place, dict[bytes, list[FilePath]]] = {}
         """For each package its sources, by the names in them with the `::` or `(` that follows."""
@@ -291,9 +291,16 @@ class Project:
             else:
                 words = words_of(unit.code(cast("Function", code)))
             if words:
-                expanded = (text for word in words & self._macros.keys() for text in self._macros[word])
-                words = words.union(*unit.uses, *map(words_of, expanded))
+                words = self._expanded(words.union(*unit.uses))
             self._words[code] = (self._expansions, words)
+        return words
+
+    def _expanded(self, words: frozenset[str]) -> frozenset[str]:
+        """Return some words, and those of what macros and other names of types among them stand for."""
+        new = words
+        while names := new & self._stand_for.keys():
+            new = frozenset().union(*(words_of(text) for name in names for text in self._stand_for[name])) - words
+            words |= new
         return words
 
     def assigned(self, code: Function | Class) -> frozenset[str]:
@@ -405,10 +412,10 @@ class Project:
         return nearness
 
     def _index(self, unit: CppUnit) -> None:
-        """Add what the macros of a file expand to, and the names that it defines."""
-        for name, macro in unit.macros.items():
-            self._expansions += macro.text not in self._macros[name]
-            self._macros[name][macro.text] = None
+        """Add what the macros and other names of types in a file stand for, and the names that it defines."""
+        for name, text in unit.stand_for:
+            self._expansions += text not in self._stand_for[name]
+            self._stand_for[name][text] = None
         self._add_names((*unit.functions, *unit.inline, *unit.classes))
 
     def _add_names(self, names: Iterable[str]) -> None:

@@ -78,7 +78,7 @@ def _zip(values: list[Value]) -> Value:
 
 
 def _range(values: list[Value]) -> Value:
-    bounds = [int(value.value) for value in values if isinstance(value, Number)]
+    bounds = [value.whole for value in values if isinstance(value, Number)]
     if not bounds or len(bounds) != len(values) or len(bounds) > 3 or bounds[2:] == [0]:  # noqa: PLR2004 - start, stop, step
         return _COMPUTED
     numbers = range(*bounds)

@@ -57,8 +57,7 @@ CONSTANTS: Final[dict[str, Value]] = {
     "os.path.sep": Text.of("/"),
     "os.pathsep": Text.of(":"),
     "os.linesep": Text.of("\n"),
-    "math.pi": Number(math.pi, repr(math.pi)),
-    "math.tau": Number(math.tau, repr(math.tau)),
+    **{f"math.{name}": number(getattr(math, name)) for name in ("pi", "tau", "e", "inf", "nan")},
     "rclpy.duration.Infinite": duration(INFINITE),
     **{
         f"diagnostic_updater.{name}": TypeValue(Kind(("diagnostic_msgs", "msg", name)))
@@ -78,10 +77,10 @@ def element(of: Value, key: Value) -> Value:
         return from_environment(key)
     if isinstance(of, Sequence | Text) and isinstance(key, Number) and key.value < 0 and not is_unset(of):
         items = elements(of) if not isinstance(of, Text) or of.exact is not None else []
-        count = int(-key.value)
+        count = -key.whole
         return items[-count] if len(items) >= count and not is_open(of) else Unknown("it is one of the last elements")
     if isinstance(of, Text) and of.exact is not None and isinstance(key, Number) and key.value < len(of.exact):
-        return replace(of, parts=(of.exact[int(key.value)],))
+        return replace(of, parts=(of.exact[key.whole],))
     return containers.element(of, key)
 
 
@@ -286,7 +285,7 @@ def _changed(of: Sequence | Mapping, name: str, values: list[Value], given: Argu
     if name in ("append", "add", "appendleft", "put") and values:
         return replace(of, items=(*of.items, values[0])) if len(of.items) < _MOST_ITEMS else replace(of, open=True)
     if name == "insert" and len(values) > 1:
-        at = int(values[0].value) if isinstance(values[0], Number) else 0
+        at = values[0].whole if isinstance(values[0], Number) else 0
         return replace(of, items=(*of.items[:at], values[1], *of.items[at:]))
     if name == "reverse":
         return replace(of, items=of.items[::-1])
@@ -361,7 +360,7 @@ def _begins(of: Text, name: str, value: Value) -> Value:
 
 def _slice(of: Value, bounds: list[Value]) -> Value | None:
     """Return `of[start:stop:step]`."""
-    numbers = [int(one.value) if isinstance(one, Number) else None for one in bounds]
+    numbers = [one.whole if isinstance(one, Number) else None for one in bounds]
     constant = all(isinstance(one, Number) or one == NULL for one in bounds)
     if isinstance(of, Sequence) and of.parameter == "argv":
         return of

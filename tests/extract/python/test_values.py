@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from kg.facts import Resolution
 from kg.holes import Hole
-from kg.symbolic.operators import is_floating
 from kg.symbolic.values import Mapping, Number, Sequence, Text
 
 if TYPE_CHECKING:
@@ -117,7 +116,7 @@ def test_operations_are_what_python_makes_of_them(expression: str) -> None:
     computed = eval(expression)  # noqa: S307 - Python itself is the reference, on the expressions above
     [value] = values_of(f"x = {expression}\n")
     assert plain(value) == computed
-    assert not isinstance(value, Number) or is_floating(value) == isinstance(computed, float)
+    assert not isinstance(value, Number) or value.floating == isinstance(computed, float)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ public:
   rclcpp_action::ServerBase::SharedPtr server_;
 };
 
-// Not a node: only who creates it has what it creates.
+// Not a node, but who calls it has what it creates.
 class Monitor
 {
 public:
