@@ -71,7 +71,7 @@ def test_what_is_told_beside_the_point_counts_less() -> None:
 
 
 def test_what_goes_in_counts_less_than_what_comes_out() -> None:
-    """Words for the input weigh half, as nodes with such a topic are preferred; what goes in and comes out counts whole."""
+    """Words for the input weigh half, because a preference covers them; what also comes out counts whole."""
     weights = {one.text: one.weight for one in parse("turn a laser scan into a point cloud", NAMES).wordings}
     assert weights["laser"] == weights["scan"] == 0.5
     assert weights["point"] == weights["cloud"] == 1
