@@ -70,8 +70,8 @@ class Alternative:
 class Wording:
     """A word or phrase of the need, as typed, with all its alternatives; the first one is the phrase itself.
 
-    An `aside` is not part of the task and has less weight, and so has an `input`, which a wish covers too. `near`
-    contains the spellings searched for a word that no node has; a word that is `unknown` has none.
+    An `aside` is not part of the task and has less weight. `near` contains the spellings searched for a word that no
+    node has; a word that is `unknown` has none.
     """
 
     text: str
@@ -79,7 +79,6 @@ class Wording:
     aside: bool = False
     unknown: bool = False
     near: tuple[str, ...] = ()
-    input: bool = False
 
     @property
     def name(self) -> bool:
@@ -89,8 +88,7 @@ class Wording:
     @property
     def weight(self) -> float:
         """The weight of the wording."""
-        rank = lexicon().weights["rank"]
-        return rank["aside"] if self.aside else rank["input"] if self.input else 1.0
+        return lexicon().weights["rank"]["aside"] if self.aside else 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,10 +137,8 @@ def parse(text: str, names: Names) -> Need:
     """Parse a text into a need; `names` are those of the store. Never fails, and is deterministic."""
     strict, remaining = _strict(text[:_MOST], names)
     tokens = _weighed(remaining)
-    typed = list(_typed(tokens, names))
-    coming, going = (_stems(typed, kind) for kind in ("subscribes", "publishes"))
-    wordings = (replace(one, input=one.alternatives[0].terms[0] in coming - going) for one in _wordings(tokens, names))
-    return Need(text, tuple(wordings), tuple(dict.fromkeys((*strict, *typed, *_hardware(tokens, names)))))
+    wishes = [*strict, *_typed(tokens, names), *_hardware(tokens, names)]
+    return Need(text, tuple(_wordings(tokens, names)), tuple(dict.fromkeys(wishes)))
 
 
 def _strict(text: str, names: Names) -> tuple[list[Wish], str]:
@@ -288,11 +284,6 @@ def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:
             features = tuple(feature for type_ in phrases[stems] for feature in names.types(kind, type_))
             if features:
                 yield Wish(kind, features, wording)
-
-
-def _stems(wishes: Sequence[Wish], kind: str) -> set[str]:
-    """Return the stems of the words of all wishes of a kind."""
-    return {stem(word) for wish in wishes if wish.kind == kind for word in wish.wording.split()}
 
 
 def _side(tokens: Sequence[_Token], begin: int, end: int) -> str:

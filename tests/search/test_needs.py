@@ -70,14 +70,6 @@ def test_what_is_told_beside_the_point_counts_less() -> None:
     assert weights["encoders"] < weights["camera"] == 1
 
 
-def test_what_goes_in_counts_less_than_what_comes_out() -> None:
-    """Words for the input weigh half, because a preference covers them; what also comes out counts whole."""
-    weights = {one.text: one.weight for one in parse("turn a laser scan into a point cloud", NAMES).wordings}
-    assert weights["laser"] == weights["scan"] == 0.5
-    assert weights["point"] == weights["cloud"] == 1
-    assert all(one.weight == 1 for one in parse("merge scans", NAMES).wordings)
-
-
 def test_the_object_of_for_at_the_beginning_is_no_purpose() -> None:
     """`driver for a camera` is about cameras."""
     assert all(wording.weight == 1 for wording in parse("driver for a camera", NAMES).wordings)
