@@ -30,6 +30,7 @@ GRID: Final = {
     ("rank", "synonym"): (0.6, 0.8),
     ("rank", "started"): (0.0, 0.2),
     ("rank", "aside"): (0.25, 1.0),
+    ("rank", "alike"): (0.0, 0.1),
     ("down", "mark"): (0.0, 0.2),
     ("down", "test"): (0.0, 0.5),
 }

@@ -20,6 +20,7 @@ import numpy as np
 from kg import resources
 from kg.search.documents import Document, PackageDocument
 from kg.search.index import Columns, Index
+from kg.search.neighbours import NEIGHBOURS
 from kg.search.reading import Concept
 from kg.store import cachefile
 
@@ -92,6 +93,8 @@ def _parts(index: Index) -> Iterator[tuple[str, bytes]]:
     yield "group", index.group.tobytes()
     yield "order", index.order.tobytes()
     yield "started", index.started.tobytes()
+    yield "near", index.near.tobytes()
+    yield "shares", index.shares.tobytes()
     for name in _COLUMNS:
         columns = getattr(index, name)
         yield f"{name}.starts", columns.starts.tobytes()
@@ -123,6 +126,8 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
         np.frombuffer(parts["group"], np.int32),
         np.frombuffer(parts["order"], np.int32),
         np.frombuffer(parts["started"], np.float32),
+        np.frombuffer(parts["near"], np.int32).reshape(-1, NEIGHBOURS),
+        np.frombuffer(parts["shares"], np.float32).reshape(-1, NEIGHBOURS),
         msgspec.json.decode(parts["passing"], type=frozenset[str]),
     )
 

@@ -16,6 +16,7 @@ import numpy as np
 from kg.search.fields import documents, passing, worths
 from kg.search.folding import bare_name, groups, order
 from kg.search.marking import marks
+from kg.search.neighbours import neighbours
 from kg.search.words import name_terms
 
 if TYPE_CHECKING:
@@ -82,7 +83,8 @@ class Index:
 
     `names` contains the share of each term in the name of a node; the shares of a name sum up to one. `group` contains
     the index of the first node of each node's group, `order` its rank among hits with equal scores, `started` its use
-    in launch files. `passing` contains the terms of `text` that describe no node, but occur in the usage of a package.
+    in launch files. `near` and `shares` are those of `kg.search.neighbours`. `passing` contains the terms of `text`
+    that describe no node, but occur in the usage of a package.
     """
 
     packages: Sequence[PackageDocument]
@@ -94,6 +96,8 @@ class Index:
     group: Places
     order: Places
     started: Floats
+    near: Places
+    shares: Floats
     passing: frozenset[str]
 
     @property
@@ -116,16 +120,18 @@ def build(content: Content) -> Index:
     fields = documents(content, group.tolist())
     wider = {(concept.kind, concept.label): concept.wider for concept in content.concepts}
     features = (_features(node, content.packages[node.package], wider) for node in content.nodes)
+    text = _columns(worths(content, fields, group.tolist()))
     return Index(
         content.packages,
         content.nodes,
         content.concepts,
-        _columns(worths(content, fields, group.tolist())),
+        text,
         _columns(_shares(content.nodes)),
         _columns(dict.fromkeys(names, 1.0) for names in features),
         group,
         order(content.packages, content.nodes),
         _started(content.nodes, group),
+        *neighbours(text, group),
         passing(fields),
     )
 

@@ -1,12 +1,14 @@
 """Score of each node for a need, from 0 to about 1; its parts are the reasons that hits show.
 
     worth = (covered + named + wishes) * prior
+    score = worth + alike * mean worth of the nearest nodes
 
 `covered` is the share of the need's information that the node covers: each word has the information of its rarity, less
 in an aside, times its score in the node (`kg.search.fields`) for the best of its alternatives.
 `named` is the requested share of the node's name: of two nodes with "voxel grid" in the name, the one without other
 words wins. A wish adds its weight times its rarity to the nodes that fulfil it. The prior lowers nodes that are rarely
-wanted, tests and examples, and prefers nodes started by launch files. The numbers are in `ontology/search.toml`.
+wanted, tests and examples, and prefers nodes started by launch files. Neighbours (`kg.search.neighbours`) raise a node
+that says less than others like it. The numbers are in `ontology/search.toml`.
 """
 
 from __future__ import annotations
@@ -36,12 +38,13 @@ def scores(index: Index, need: Need) -> Floats:
     requested = {term for wording in need.wordings for one in wording.alternatives for term in one.terms}
     total *= prior(index, frozenset(requested))
     strict = [wish for wish in need.wishes if wish.strict]
-    if not strict:
-        return total
-    fulfilled = np.zeros(index.size, np.int32)
-    for wish in strict:
-        fulfilled[wish_rows(index, wish)] += 1
-    return np.where(fulfilled == len(strict), total + _FILTERED, 0).astype(np.float32)
+    if strict:
+        fulfilled = np.zeros(index.size, np.int32)
+        for wish in strict:
+            fulfilled[wish_rows(index, wish)] += 1
+        total = np.where(fulfilled == len(strict), total + _FILTERED, 0)
+    alike = np.einsum("ij,ij->i", index.shares, total[index.near])
+    return np.where(total > 0, total + _rank("alike") * alike, 0).astype(np.float32)
 
 
 def covered(index: Index, need: Need) -> Floats:

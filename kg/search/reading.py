@@ -66,6 +66,8 @@ _CLASSES: Final = {
     "capabilities": v.rnkg("hasCapability"),
 }
 _SCHEMES: Final = {"hardware": "/hardware#", "function": "/function#", "capability": "/capability#"}
+_EVIDENCE: Final = {f"{v.RNKG}{name}" for name in ("Sign", "Context", "Bystander", "Exclusion", "CapabilityParameter")}
+"""Classes of individuals of the schemes that rules use, but nobody searches for."""
 _ALTERNATIVE: Final = f"{v.SKOS}altLabel"
 _BROADER: Final = f"{v.SKOS}broader"
 _ROLES: Final = {shape.component: role for role, shape in SHAPES.items()}
@@ -258,7 +260,8 @@ class _Reading:
         for iri, properties in self.individuals.items():
             kind = next((kind for kind, place in _SCHEMES.items() if place in iri), None)
             label = value_of(properties, v.LABEL)
-            if kind is not None and label is not None:
+            types = properties.get(v.bare(v.TYPE), ())
+            if kind is not None and label is not None and _EVIDENCE.isdisjoint(types):
                 concepts.append(Concept(label, kind, tuple(sorted(properties.get(_ALTERNATIVE, ()))), self._wider(iri)))
         return sorted(concepts, key=lambda one: (one.kind, one.label))
 

@@ -95,3 +95,18 @@ def test_what_was_asked_for_is_not_marked_down() -> None:
     assert worth("test", name="test_merger") == 1.0
     assert worth("test", path="tests/tutorials/merger.cpp") == pytest.approx(1 - DOWN["mark"])
     assert worth("merger", name="test_merger") == pytest.approx(1 - DOWN["test"])
+
+
+def test_nodes_like_others_that_fit_are_worth_more() -> None:
+    """A node gains from neighbours with the same rare words; its variants are not its neighbours."""
+    merger, driver = CONTENT.nodes[0], CONTENT.nodes[3]
+    twin = msgspec.structs.replace(merger, iri="https://example.org/twin", name="merger_of_clouds", package=1)
+    index = build(Content(CONTENT.packages, [merger, twin, driver], CONTENT.concepts))
+    assert index.near[0][0] == 1
+    assert index.shares.sum(axis=1).tolist() == pytest.approx([1, 1, 1])
+    need = Search(index).find("merge the scans of several lasers").need
+    with_neighbours = scores(index, need)
+    index.shares = index.shares * 0
+    assert (with_neighbours[:2] > scores(index, need)[:2]).all()
+    variants = build(CONTENT)
+    assert all(variants.group[place] != variants.group[0] for place in variants.near[0][variants.shares[0] > 0])
