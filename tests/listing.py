@@ -40,7 +40,7 @@ PAGES: Final = {
     "address, missing": "/nothing",
     "node": "/node?iri={node}",
     "node, misspelt": "/node?name=scan_fliter",
-    "why": "/why?subject={node}&predicate=rnkg:hasCapability&object=capability:ranging",
+    "why": "/why?subject={node}&predicate=rnkg:hasFunction&object=function:dataProcessing",
     "why, a row": "/why?query=SELECT+%3Fn+%7B+%3Fn+a+rnkg%3ANodeType+%7D&row=%7B%22n%22%3A+%22%3C{node}%3E%22%7D",
     "why not": "/why?subject={node}&predicate=rnkg:hasFunction&object=function:localization",
     "nodes": "/nodes?sort=-publishes&kind=executable",

@@ -57,7 +57,8 @@ def node(data: dict[str, Any], where: Where, *, detail: bool) -> Iterator[str]:
     if data["start"]:
         yield f"start: {data['start']}"
     for kind in ("functions", "hardware", "devices", "capabilities"):
-        shown = [one for one in data[kind] if detail or kind != "capabilities" or one["evidence"]]
+        plain = detail or kind != "capabilities"
+        shown = [one for one in data[kind] if plain or (one["evidence"] and one["grade"] != "weak")]
         if shown:
             graded = (f"{one['label']} ({one['grade']})" if one["grade"] else str(one["label"]) for one in shown)
             yield f"{kind}: {'; '.join(graded)}"

@@ -1,4 +1,4 @@
-"""Which parts of its message the code of a publisher leaves empty.
+"""Which parts of its message the code of a publisher leaves empty, and which it sets.
 
 The types are those of `ontology/message-parts.toml`. All messages of the type that the code creates have to begin
 empty, and nothing else may fill them: no function gets one, and none is assigned as a whole. A part counts as set where
@@ -34,6 +34,8 @@ _PASSED_AFTER: Final = re.compile(r"\s*(?:(?:\.|->)get\(\s*\))?\s*[,)]")
 _PASSED_BEFORE: Final = re.compile(rf"[(,]\s*[&*]?{_SELF}\Z")
 _SENT: Final = re.compile(rf"\b(?:publish|sendTransform|info|move)\(\s*[&*]?(?:std::move\(\s*)?{_SELF}\Z")
 """Calls that do not change the message that they get."""
+_SET: Final = re.compile(r"(?:\s*(?:\.|->)\s*\w+(?:\(\w*\))?|\[[^\[\]]*\])*\s*(?:\+?=(?!=)|<<|[,)])")
+"""What follows a part that is set: fields of it, and an assignment, or the end of an argument."""
 _LOOKED_AT: Final = 200
 """Characters around a name that show what is done with it."""
 
@@ -66,6 +68,19 @@ def unset_parts(
     filled = {part for part in parts for one in read if _sets(part, holders, one)}
     missing = {part for part in parts for one in read if _declares_missing(part, holders, one)}
     return tuple(part for part in parts if part not in filled or part in missing) if filled else ()
+
+
+def set_parts(end: Interface, file: CodeText) -> tuple[str, ...]:
+    """Return the parts of its message that the file that creates a publisher sets, in any message of its type."""
+    return tuple(part for part in _parts().get(end.type or "", ()) if _is_set(part, file))
+
+
+def _is_set(part: str, file: CodeText) -> bool:
+    """Check whether a file assigns a part of a message, passes it to code that may, or gives it as an argument."""
+    named = re.finditer(rf"(?:\.|->)\s*{part}\b", file.code)
+    if any(_SET.match(file.code, one.end()) and not _ZERO.match(file.code, one.end()) for one in named):
+        return True
+    return file.python and re.search(rf"\b{part}\s*=(?!=)\s*\w", file.code) is not None
 
 
 def _is_named(other: CodeText, file: CodeText) -> bool:

@@ -5,7 +5,7 @@ Each is stated only where the text leaves no doubt:
 * `silent`: nothing is published on it. Its variable is found in the statement that creates it, and is only assigned,
   tested, counted or shut down. Any other use, such as passing it on, may publish.
 * `upon`: all calls that publish are in callbacks of subscriptions, or in functions that only these call.
-* `unset`: parts of its message that stay empty (`kg.extract.filling`).
+* `unset` and `filled`: parts of its message that stay empty, and parts that are set (`kg.extract.filling`).
 * `ignored`: the callback of a subscription does nothing with the messages (`kg.extract.ignoring`).
 
 The interpretation does not show it: callbacks in which nothing is declared do not run (`kg.symbolic.reach`).
@@ -20,7 +20,7 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from kg.extract.codetext import CodeText
-from kg.extract.filling import unset_parts
+from kg.extract.filling import set_parts, unset_parts
 from kg.extract.ignoring import ignores_messages
 from kg.facts import FileKind, Role
 
@@ -91,8 +91,9 @@ def _stated(end: Interface, node: NodeType, files: _Files) -> Interface:
     if variable is not None and not uses and any(_declared_at(variable, one) is not None for one in scope):
         return replace(end, silent=True)
     unset = unset_parts(end, node, file, uses, files.with_word)
+    filled = tuple(part for part in set_parts(end, file) if part not in unset)
     upon = _upon(uses, variable, node, files, scope) if variable is not None and uses else ()
-    return replace(end, unset=unset, upon=upon) if unset or upon else end
+    return replace(end, unset=unset, filled=filled, upon=upon) if unset or filled or upon else end
 
 
 @dataclass

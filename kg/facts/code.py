@@ -192,6 +192,8 @@ class Interface:
     """Whether the callback of a subscription does nothing with its messages; False if that is unknown."""
     unset: tuple[str, ...] = ()
     """Parts of its message that the code leaves empty while it sets others."""
+    filled: tuple[str, ...] = ()
+    """Parts of its message that the file that creates it sets."""
 
 
 @dataclass(frozen=True, slots=True)

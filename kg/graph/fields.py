@@ -155,6 +155,7 @@ INTERFACE: Final = Fields(
     _Field("ignored", v.IGNORES_MESSAGES, boolean, lambda text: text == "true", unwritten=False),
     _Field("upon", v.PUBLISHES_UPON, several=True),
     _Field("unset", v.LEAVES_UNSET, several=True),
+    _Field("filled", v.SETS_PART, several=True),
     _REASON,
 )
 QOS: Final = Fields(

@@ -123,13 +123,14 @@ def users(snapshot: EmbeddedSnapshot, iri: str, where: Places, iris: Iris) -> di
     return {"count": len(starts), "instances": starts[:_MOST_USERS]}
 
 
-_REACHED: Final = "SELECT DISTINCT ?c { GRAPH ?g { <%s> ros:hasComponent ?end } GRAPH ?h { ?end rnkg:reaches ?c } }"
+_REACHED: Final = "SELECT DISTINCT ?c { GRAPH ?g { <%s> ros:hasComponent ?end } GRAPH ?h { ?end rnkg:mayReach ?c } }"
 _CLASSES: Final = {
-    "functions": "hasFunction",
-    "hardware": "usesHardware",
-    "devices": "usesDevice",
-    "capabilities": "hasCapability",
+    "functions": ("hasFunction",),
+    "hardware": ("usesHardware",),
+    "devices": ("usesDevice",),
+    "capabilities": ("hasCapability", "mayHaveCapability"),
 }
+"""The properties of each list; a node may have the capabilities that it has."""
 
 
 def node(
@@ -148,7 +149,8 @@ def node(
     * `descriptions`: `text`, `kind`, `heading`, `evidence`; the best first. `package_description`: the same of the
       package, what its manifest says if anything; or None.
     * `functions`, `hardware`, `devices`, `capabilities`: each a list of `iri`, `label`, `inferred`, `fact`, `grade`
-      (`certain`, `strong`, `weak`, or empty) and `evidence` (what shows it: `name`, `text`, `code`); those of
+      (`certain`, `strong`, `weak`, or empty) and `evidence` (what shows it: `name`, `text`, `code`); the node only may
+      have weak capabilities; those of
       `capabilities` also `general`: no interface of the node reaches it, others imply it.
 
     A `fact` is `{"subject", "predicate", "object"}`, IRIs, as the view `why` takes them. `evidence` is as
@@ -242,14 +244,15 @@ def _classes(
 
     Capabilities have whether they are general: no interface of the node reaches them.
     """
-    predicates = " ".join(f"rnkg:{name}" for name in _CLASSES.values())
-    query = f"SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }} }}"
+    predicates = " ".join(f"rnkg:{name}" for names in _CLASSES.values() for name in names)
+    query = f"""SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }}
+      FILTER(?p != rnkg:mayHaveCapability || NOT EXISTS {{ <{iri}> rnkg:hasCapability ?o }}) }}"""
     pairs = list(rows(snapshot, query))
     names, graded = labels(snapshot, {value for _, value in pairs}), grades(snapshot, iri)
     classes: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _CLASSES}
-    for kind, name in _CLASSES.items():
+    for kind, own in _CLASSES.items():
         for predicate, value in pairs:
-            if predicate == v.RNKG + name:
+            if predicate.removeprefix(v.RNKG) in own:
                 label = names.get(value) or value.rpartition("#")[2]
                 derived = value in inferred.get(predicate, ())
                 grade = graded.get(value, Grade())

@@ -30,7 +30,7 @@ def node_relations(node: Mapping[str, Any], *, every: bool = False) -> tuple[Rel
     """Return the relations of a node, from the view `node`; those of one name follow each other.
 
     An interface that the code declares is read, not inferred; functions, hardware and capabilities are what rules say.
-    `every` adds what frameworks create, and capabilities that follow from others.
+    `every` adds what frameworks create, capabilities that follow from others, and those that the node only may have.
     """
     return tuple(dict.fromkeys(_relations(node, every=every)))
 
@@ -44,8 +44,10 @@ def _relations(data: Mapping[str, Any], *, every: bool) -> Iterator[Relation]:
         yield Relation(node, "has executable", f"executable {data['executable']}")
     for kind, name in _CLASSES.items():
         for one in data[kind]:
-            if every or not one.get("general"):
-                yield Relation(node, name, f"{_KINDS[kind]} {one['label']}", one["inferred"])
+            possible = kind == "capabilities" and one.get("grade") == "weak"
+            if every or not (possible or one.get("general")):
+                what = "may have capability" if possible else name
+                yield Relation(node, what, f"{_KINDS[kind]} {one['label']}", one["inferred"])
     for role, name in _ROLES.items():
         for one in data["interfaces"]:
             if one["role"] != role or (one["implicit"] and not every):

@@ -33,7 +33,8 @@ def test_a_launch_file_is_asked_before_it_runs(rover: Program) -> None:
     named = {line[1]: line for line in lines[1:]}
     assert "localizing" not in named
     assert named["drivingAtVelocity"][3:5] == ["write", "forward m/s, left m/s, up m/s, turn rad/s"]
-    assert named["laserScanning"][5] == "/rover1/scan_filtered of /rover1/scan_filter"
+    assert named["sensingPose"][5] == "/rover1/odom of /rover1/base_controller"
+    assert "laserScanning" not in named, "a filter of scans does not scan"
 
 
 def test_json_has_every_capability_with_its_ways(rover: Program) -> None:
@@ -51,27 +52,27 @@ def test_json_has_every_capability_with_its_ways(rover: Program) -> None:
 def test_other_arguments_give_other_capabilities(rover: Program) -> None:
     """A launch file is evaluated again with an argument, and nothing is written."""
     whole = rover("robot", "capabilities", "--launch", "rover.launch").out
-    blind = rover("robot", "capabilities", "--launch", "rover.launch", "--arg", "camera:=false")
-    assert blind.code == Exit.OK
-    assert "\tseeing\t" in whole
-    assert "\tseeing\t" not in blind.out
-    assert "\tdrivingAtVelocity\t" in blind.out
+    other = rover("robot", "capabilities", "--launch", "rover.launch", "--arg", "name:=scout")
+    assert other.code == Exit.OK
+    assert "/rover1/odom" in whole
+    assert "/rover1/odom" not in other.out
+    assert "\tsensingPose\t" in other.out
 
 
 def test_why_shows_the_line_of_code(rover: Program) -> None:
     """The proof of a capability ends in the line that creates the publisher, and in the line of the ontology."""
-    run = rover("robot", "capabilities", "--launch", "rover.launch", "--why", "scan with a laser")
+    run = rover("robot", "capabilities", "--launch", "rover.launch", "--why", "sense its pose")
     assert run.code == Exit.OK
-    assert "scan_filter_nodelet.cpp:30" in run.out
+    assert "base_controller.cpp:" in run.out
     assert "ontology/capability.ttl:" in run.out
 
 
 def test_why_of_what_it_cannot_do_is_an_error(rover: Program) -> None:
     """A missing capability is reported as such, with a suggestion."""
-    run = rover("robot", "capabilities", "--launch", "rover.launch", "--why", "laserScaning")
+    run = rover("robot", "capabilities", "--launch", "rover.launch", "--why", "sensingPos")
     assert run.code == Exit.FOUND
     assert "KG818" in run.err
-    assert "laserScanning" in run.err
+    assert "sensingPose" in run.err
 
 
 def test_a_package_is_asked_by_itself_and_for_what_it_would_add(rover: Program) -> None:

@@ -70,7 +70,7 @@ def interface_record(item: Interface) -> Record:
     del record["role"], record["location"]
     if item.qos is not None:
         record["qos"] = quality(item.qos)
-    record |= {name: list(record[name]) for name in ("switches", "upon", "unset")}
+    record |= {name: list(record[name]) for name in ("switches", "upon", "unset", "filled")}
     return {**record, "resolution": item.resolution.value, **evidence_record(item)}
 
 

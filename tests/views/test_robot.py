@@ -17,7 +17,7 @@ def test_a_system_tells_what_it_can_do(snapshot: EmbeddedSnapshot, settings: Set
     found = capabilities(snapshot, settings, system="rover.launch")
     names = {one["name"] for one in found["capabilities"]}
     assert found["of"] == "rover_robot/launch/rover.launch"
-    assert {"drivingAtVelocity", "laserScanning"} <= names
+    assert {"drivingAtVelocity", "sensingPose"} <= names
     assert found["general"] > 0
     every = capabilities(snapshot, settings, system="rover.launch", every="yes")
     assert len(every["capabilities"]) == len(names) + found["general"]

@@ -41,7 +41,7 @@ QUESTIONS: Final = (
     "demo/named-by-parameters",
     "demo/made-at-run-time",
 )
-FACT: Final = ("scan_filter", "rnkg:hasCapability", "capability:ranging")
+FACT: Final = ("base_controller", "rnkg:hasCapability", "capability:localizing")
 """What rules inferred and the demo proves."""
 _TEMPORARY: Final = """
 The demo store is temporary. To keep one and explore it:

@@ -9,29 +9,36 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
+from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
+from kg.graph.queries import texts
+from kg.graph.systems import system_triples
 from kg.pipeline.launching import chosen
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.pipeline.systems import node_types
 from kg.robot.capabilities import Askable, capabilities_of, find, package_iri, proofs, read
 from kg.robot.lifecycle import available
-from kg.robot.live.inference import knowledge, now, world_of
+from kg.robot.live.inference import knowledge, now
 from kg.robot.live.systems import Seen, name_of, system_of
 from kg.rules.explain.view import View
 from kg.store.opening import existing
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.facts import System
+    from kg.graph.reading import NodeRecord
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
     from kg.rules.explain.proof import Proof
     from kg.rules.form import Rule
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
+
+
+_CONFIRMED: Final = "?node ros:hasComponent ?end . ?end rnkg:confirms ?what ."
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +85,7 @@ def launched(
             return
         packages = {one.package for item in system.instances for one in (item.type, *item.plugins) if one}
         _, records = node_types(snapshot, packages)
-        yield _in_memory(system, settings, own.name, records)
+        yield _in_memory(system, settings, own.name, records, _confirmed(snapshot, records.values()))
 
 
 @contextmanager
@@ -100,10 +107,19 @@ def _stored(snapshot: EmbeddedSnapshot, settings: Settings, iri: str, of: str) -
     return Subject(capabilities_of(snapshot, iri, of), view, snapshot, iri, rules)
 
 
-def _in_memory(system: System, settings: Settings, of: str, records: Mapping[Any, Any] | None = None) -> Subject:
+def _confirmed(snapshot: EmbeddedSnapshot, nodes: Iterable[NodeRecord]) -> bytes:
+    """Return what the code of node types confirms (`rnkg:confirms`), as N-Triples: the store has their functions."""
+    query = f"SELECT ?end ?what {{ VALUES ?node {{ {' '.join(f'<{one.iri}>' for one in nodes)} }} {_CONFIRMED} }}"
+    return "".join(f"<{end}> {v.rnkg('confirms')} <{what}> .\n" for end, what in texts(snapshot, query)).encode()
+
+
+def _in_memory(
+    system: System, settings: Settings, of: str, records: Mapping[Any, Any] | None = None, confirmed: bytes = b""
+) -> Subject:
     own = system.configuration
     read_knowledge = knowledge(settings)
-    world = world_of(system, settings, read_knowledge, records, whole=True)
+    content = system_triples(system, records or {}, Iris(settings.base), whole=True)
+    world = read_knowledge.world(content + confirmed, whole=True)
     iri = Iris(settings.base).configuration(own.repository, own.path)
     view = View(world, explained_vocabulary(settings), read_knowledge.rules.rules)
     return Subject(read(world, iri, of, read_knowledge.definitions), view, world, iri, read_knowledge.rules.rules)

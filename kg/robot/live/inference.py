@@ -225,20 +225,8 @@ def infer_system(
     own = system.configuration
     iri = Iris(settings.base).configuration(own.repository, own.path)
     shared = knowledge(settings)
-    return read(world_of(system, settings, shared, records), iri, of, shared.definitions)
-
-
-def world_of(
-    system: System,
-    settings: Settings,
-    shared: Knowledge,
-    records: Mapping[NodeReference, NodeRecord] | None = None,
-    *,
-    whole: bool = False,
-) -> MemorySnapshot:
-    """Return a snapshot of a system with its inferences; `whole` as in `Knowledge.world`."""
-    content = system_triples(system, records or {}, Iris(settings.base), whole=True)
-    return shared.world(content, whole=whole)
+    world = shared.world(system_triples(system, records or {}, Iris(settings.base), whole=True))
+    return read(world, iri, of, shared.definitions)
 
 
 _OF: Final = "the ontology"
