@@ -38,7 +38,7 @@ from kg.corpus.fetching_list import wanted_among
 from kg.corpus.fetching_one import Options
 from kg.corpus.files import Pin
 from kg.pipeline.build import build
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.settings import load
 from kg.store.backups import canonical
 from kg.store.embedded import EmbeddedStore
@@ -117,7 +117,7 @@ def _digest(store: EmbeddedStore) -> str:
     return hashlib.blake2b(b"".join(lines), digest_size=16).hexdigest()
 
 
-class _Killer(Silent):
+class _Killer(Report):
     """Kills one process of the cluster at a random moment after the first worker has begun."""
 
     def __init__(self, generator: random.Random) -> None:
