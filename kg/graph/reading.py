@@ -13,7 +13,7 @@ from kg import facts
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
 from kg.graph.fields import INTERFACE, NODE, PARAMETER, QOS, Properties, one, place_of
-from kg.graph.interfaces import SHAPES
+from kg.graph.interfaces import ROLE_OF_CLASS, SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 _Ends: TypeAlias = "list[tuple[facts.Interface, str]]"
 _Settable: TypeAlias = "list[tuple[facts.Parameter, str]]"
 
-_ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 _KIND: Final = v.bare(v.TYPE)
 _ANY: Final = "?node a rnkg:NodeType ."
 _PLACE: Final = (v.PATH, v.LINE, v.IN_REPOSITORY)
@@ -277,7 +276,7 @@ def which(package: str | None, node: str | None = None, packages: Iterable[str] 
 
 def end_of(properties: Properties, types: Mapping[str, str]) -> facts.Interface | None:
     """Return the interface of an end with properties of its own; `types` are names of types by IRI."""
-    roles = [_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES]
+    roles = [ROLE_OF_CLASS[kind] for kind in properties.get(_KIND, ()) if kind in ROLE_OF_CLASS]
     return _interface(roles[0], properties, types.get(type_of(properties) or ""), {}) if roles else None
 
 
@@ -312,7 +311,7 @@ def _facts(graph: Queryable, parts: Mapping[str, Properties]) -> dict[str, facts
     ends = {
         iri: (role, type_of(properties))
         for iri, properties in parts.items()
-        if (role := next((_ROLES[kind] for kind in properties.get(_KIND, ()) if kind in _ROLES), None))
+        if (role := next((ROLE_OF_CLASS[kind] for kind in properties.get(_KIND, ()) if kind in ROLE_OF_CLASS), None))
     }
     types = _types(graph, {kind for _, kind in ends.values() if kind})
     quality_by_iri = qualities(

@@ -24,7 +24,6 @@ from kg.similar import unknown
 from kg.views.evidence import Places, places
 from kg.views.system_rows import MISMATCHES, set_at
 from kg.views.systems import chosen_systems
-from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -226,7 +225,7 @@ class _Endpoints:
         source = owner.repository
         return {
             "role": str(fact.role),
-            "title": TITLES[fact.role],
+            "title": fact.role.title,
             "types": [fact.type] if fact.type else [],
             "plugins": [],
             "systems": [],

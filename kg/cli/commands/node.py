@@ -20,7 +20,6 @@ from kg.render.text import count, printable
 from kg.settings import Settings
 from kg.store.opening import reading
 from kg.views.names import one_node, starting_system
-from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -37,6 +36,7 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.cli.node_view import left_out, node_lines
+    from kg.facts import Role
     from kg.graph.classes_reading import classes
     from kg.graph.pictures import node_picture
     from kg.graph.records import instance_object, node_object
@@ -195,9 +195,7 @@ def instance_view(
     """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
     repository = system.configuration.repository
     ends = [end for end in instance.interfaces if every or not end.declared.implicit]
-    groups = [
-        (title, [_end(end, repository) for end in ends if end.declared.role is role]) for role, title in TITLES.items()
-    ]
+    groups = [(role.title, [_end(end, repository) for end in ends if end.declared.role is role]) for role in Role]
     remaps = [
         Row(one.source, one.target, "" if one.used else "changes nothing", one.remap.location, dim=False)
         for one in instance.remaps
