@@ -139,7 +139,7 @@ def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[R
                 name = one.name if one.name is not None else "(not resolved)"
                 kind, calls = one.type or "(type not known)", one.via if via else ()
                 rows.append(Row(name, kind, how(one), one.location, one.implicit, calls))
-            groups.append((role.title, rows))
+            groups.append((role.heading, rows))
     return groups
 
 

@@ -62,7 +62,7 @@ class Role(StrEnum):
         return _ENDS[self][3]
 
     @property
-    def title(self) -> str:
+    def heading(self) -> str:
         """What the node does with several channels, in words: `publishes`, `offers services`."""
         return str(self) if self.channel == "topic" else f"{self.verb} {self.channel}s"
 

@@ -225,7 +225,7 @@ class _Endpoints:
         source = owner.repository
         return {
             "role": str(fact.role),
-            "title": fact.role.title,
+            "title": fact.role.heading,
             "types": [fact.type] if fact.type else [],
             "plugins": [],
             "systems": [],

@@ -52,7 +52,7 @@ def _interface(
     return {
         **interface_object(one),
         "role": str(role),
-        "title": role.title,
+        "title": role.heading,
         "kind": role.channel,
         "outward": role.outward,
         "iri": record.ends.get(one),

@@ -116,7 +116,7 @@ class _Rows:
         return {
             **end_object(end),
             "role": str(role),
-            "title": role.title,
+            "title": role.heading,
             "kind": role.channel,
             "outward": role.outward,
             "written_as": declared.name or declared.written,

@@ -195,7 +195,7 @@ def instance_view(
     """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
     repository = system.configuration.repository
     ends = [end for end in instance.interfaces if every or not end.declared.implicit]
-    groups = [(role.title, [_end(end, repository) for end in ends if end.declared.role is role]) for role in Role]
+    groups = [(role.heading, [_end(end, repository) for end in ends if end.declared.role is role]) for role in Role]
     remaps = [
         Row(one.source, one.target, "" if one.used else "changes nothing", one.remap.location, dim=False)
         for one in instance.remaps
