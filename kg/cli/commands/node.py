@@ -15,6 +15,7 @@ from kg.cli.options import Json, Via, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
+from kg.facts import Role
 from kg.lazily import lazily
 from kg.render.text import count, printable
 from kg.settings import Settings
@@ -36,7 +37,6 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.cli.node_view import left_out, node_lines
-    from kg.facts import Role
     from kg.graph.classes_reading import classes
     from kg.graph.pictures import node_picture
     from kg.graph.records import instance_object, node_object
