@@ -8,7 +8,7 @@ import typer
 from kg.cli.diagnostics import note
 from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
 from kg.cli.numbers import whole
-from kg.cli.options import Json, with_settings
+from kg.cli.options import All, Json, with_settings
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.systems import (
     Arguments,
@@ -58,7 +58,6 @@ Expand = Annotated[
     list[str] | None,
     typer.Option("--expand", metavar="NAMESPACE", help="Expand this namespace, however large; `/` expands all."),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (tf, rosout, ...).")]
 
 
 @with_settings("store")

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, require_one_of, with_settings
+from kg.cli.options import All, Json, require_one_of, with_settings
 from kg.cli.output import Column, listing, terminal
 from kg.lazily import lazily
 from kg.render.text import count
@@ -21,10 +21,6 @@ with lazily():
     from kg.views.answers import channels
 
 _SORTS: Final = ("code", "both", "text", "other")
-
-All = Annotated[
-    bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (/rosout, /tf, ...).")
-]
 
 
 @with_settings("store")

@@ -11,7 +11,7 @@ from kg.cli.diagnostics import note
 from kg.cli.drawing import deliver
 from kg.cli.group import KgCommand
 from kg.cli.interface_table import Row, interface_table
-from kg.cli.options import Json, Via, with_settings
+from kg.cli.options import All, Json, Via, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
@@ -56,7 +56,6 @@ Name = Annotated[
         autocompletion=nodes,
     ),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (rosout, tf, ...).")]
 Code = Annotated[bool, typer.Option("--code", help="Show the lines of code, from the store where files are not here.")]
 Picture = Annotated[
     str | None,
