@@ -211,21 +211,15 @@ def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", nam
     return available(capabilities, graph)
 
 
-def infer_system(
-    system: System,
-    settings: Settings,
-    *,
-    of: str,
-    records: Mapping[NodeReference, NodeRecord] | None = None,
-) -> Capabilities:
+def infer_system(system: System, settings: Settings, *, of: str) -> Capabilities:
     """Return the capabilities of a system by its facts, whether it runs or would be started by a launch file.
 
-    `records` are the node types of its instances. Raises as `knowledge`.
+    Raises as `knowledge`.
     """
     own = system.configuration
     iri = Iris(settings.base).configuration(own.repository, own.path)
     shared = knowledge(settings)
-    return read(world_of(system, settings, shared, records), iri, of, shared.definitions)
+    return read(world_of(system, settings, shared), iri, of, shared.definitions)
 
 
 def world_of(
