@@ -41,7 +41,7 @@ from kg.store.failure import translated
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
     from kg.corpus.files import Pin
     from kg.corpus.workspace import PackageFolder, Source
     from kg.pipeline.corpus import Corpus

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kg.facts import Problem  # noqa: TC001 - results are read by these annotations
 
 if TYPE_CHECKING:
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
     from kg.errors import KgError
     from kg.facts import Repository
     from kg.pipeline.state import Systems

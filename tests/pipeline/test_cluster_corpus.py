@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import pytest
 from corpus.repositories import commit_tree, git, repository
 
-from kg.corpus.fetching import fetch
-from kg.corpus.fetching_cache import fetch_source
-from kg.corpus.fetching_list import wanted_among
-from kg.corpus.fetching_lock import Lock, checkouts, read_lock, standing, write_lock
-from kg.corpus.fetching_one import Options
+from kg.corpus.fetching.cache import fetch_source
+from kg.corpus.fetching.lock import Lock, checkouts, read_lock, standing, write_lock
+from kg.corpus.fetching.many import fetch
+from kg.corpus.fetching.one import Options
+from kg.corpus.fetching.wanted import wanted_among
 from kg.errors import SourceError
 from kg.pipeline import cluster, corpus, extracting
 from kg.pipeline.build import build
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from pipeline.conftest import Bench
 
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
     from kg.corpus.files import Pin, Source
     from kg.pipeline.pool import Task
     from kg.pipeline.report import BuildReport

@@ -15,10 +15,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.fetching_branches import branches_to_try
-from kg.corpus.fetching_git import FetchingError, Limits, Watch, folder_bytes
-from kg.corpus.fetching_list import Wanted, protocols
-from kg.corpus.fetching_lock import FETCHED, Entry
+from kg.corpus.fetching.branches import branches_to_try
+from kg.corpus.fetching.git import FetchingError, Limits, Watch, folder_bytes
+from kg.corpus.fetching.lock import FETCHED, Entry
+from kg.corpus.fetching.wanted import Wanted, protocols
 from kg.corpus.git import run_git, without_password
 
 if TYPE_CHECKING:

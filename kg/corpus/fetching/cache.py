@@ -19,10 +19,10 @@ from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.fetching import wanted_of
-from kg.corpus.fetching_git import Limits
-from kg.corpus.fetching_lock import FETCHED, Entry
-from kg.corpus.fetching_one import Options, fetch_one
+from kg.corpus.fetching.git import Limits
+from kg.corpus.fetching.lock import FETCHED, Entry
+from kg.corpus.fetching.many import wanted_of
+from kg.corpus.fetching.one import Options, fetch_one
 from kg.corpus.scanning import scan
 from kg.errors import SourceError
 

@@ -9,16 +9,16 @@ from typing import Any, Final
 
 import pytest
 
-from kg.corpus.selection import select
-from kg.corpus.selection_criteria import default_criteria, read_criteria
-from kg.corpus.selection_data import read_dataset
-from kg.corpus.selection_figures import paper_figures
+from kg.corpus.selection.criteria import default_criteria, read_criteria
+from kg.corpus.selection.data import read_dataset
+from kg.corpus.selection.figures import paper_figures
+from kg.corpus.selection.select import select
 from kg.errors import KgError
 
-CASES: Final = Path(__file__).parent / "cases"
+CASES: Final = Path(__file__).parents[1] / "cases"
 SELECTIONS: Final = sorted(path for path in (CASES / "selections").iterdir() if path.is_dir())
 MALFORMED: Final = tomllib.loads((CASES / "malformed" / "cases.toml").read_text("utf-8"))
-SHARED: Final = Path(__file__).parents[3] / "shared" / "data" / "robot-projects" / "repos_dataset_all.csv"
+SHARED: Final = Path(__file__).parents[4] / "shared" / "data" / "robot-projects" / "repos_dataset_all.csv"
 CRITERIA: Final = """\
 project = "ID"
 address = "URL"

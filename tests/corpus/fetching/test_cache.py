@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from corpus.repositories import MANIFESTS, commit_tree, git, repository
 
-from kg.corpus import fetching_cache
-from kg.corpus.fetching_cache import checkout, fetch_source
-from kg.corpus.fetching_git import Limits
-from kg.corpus.fetching_one import fetch_one
+from kg.corpus.fetching import cache
+from kg.corpus.fetching.cache import checkout, fetch_source
+from kg.corpus.fetching.git import Limits
+from kg.corpus.fetching.one import fetch_one
 from kg.corpus.files import Pin
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
 
 FILES = {"package.xml": MANIFESTS["2"], "src/node.cpp": "int main() {}\n"}
 
@@ -98,7 +98,7 @@ def test_requests_at_once_fetch_once(pin: Pin, tmp_path: Path, monkeypatch: pyte
         finally:
             running.pop()
 
-    monkeypatch.setattr("kg.corpus.fetching_cache.fetch_one", counted)
+    monkeypatch.setattr("kg.corpus.fetching.cache.fetch_one", counted)
     threads = [threading.Thread(target=checkout, args=(pin, "robot", tmp_path / "cache")) for _ in range(3)]
     for thread in threads:
         thread.start()
@@ -123,7 +123,7 @@ def test_entries_that_lead_elsewhere_are_refused(
 
 def test_a_large_repository_leaves_nothing(pin: Pin, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A repository that exceeds a limit is missing in the cache, and the entry says why."""
-    monkeypatch.setattr(fetching_cache, "LIMITS", Limits(bytes=10))
+    monkeypatch.setattr(cache, "LIMITS", Limits(bytes=10))
     entry, folder = checkout(pin, "robot", tmp_path / "cache")
     assert (entry.state, [one.name for one in folder.parent.iterdir()]) == ("too large", [".lock"])
 
@@ -134,7 +134,7 @@ def test_a_full_disk_leaves_nothing(pin: Pin, tmp_path: Path, monkeypatch: pytes
     def full(_: Path) -> str:
         raise OSError(ENOSPC, strerror(ENOSPC))
 
-    monkeypatch.setattr("kg.corpus.fetching_one.ros_versions", full)
+    monkeypatch.setattr("kg.corpus.fetching.one.ros_versions", full)
     entry, folder = checkout(pin, "robot", tmp_path / "cache")
     assert (entry.state, entry.reason.partition(":")[0]) == ("failed", "No space left on device")
     assert [one.name for one in folder.iterdir()] == [".lock"]

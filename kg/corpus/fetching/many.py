@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 from threading import Event
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.corpus.fetching_git import StoppedError
-from kg.corpus.fetching_list import Wanted, wanted_among
-from kg.corpus.fetching_lock import FETCHED, Entry, Lock, read_lock, write_lock
-from kg.corpus.fetching_one import Options, fetch_one
+from kg.corpus.fetching.git import StoppedError
+from kg.corpus.fetching.lock import FETCHED, Entry, Lock, read_lock, write_lock
+from kg.corpus.fetching.one import Options, fetch_one
+from kg.corpus.fetching.wanted import Wanted, wanted_among
 from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:

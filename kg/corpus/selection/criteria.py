@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from kg.corpus.selection_data import Dataset, Project
+    from kg.corpus.selection.data import Dataset, Project
 
 _FILE_KEYS: Final = ("project", "address", "closed", "figures", "criterion")
 _KEYS: Final = ("name", "applies", "column", "is", "is_not", "least", "most", "says")

@@ -10,7 +10,7 @@ from corpus.repositories import git
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.corpus.fetching_lock import Entry, Lock, checkouts, read_lock, standing, write_lock
+from kg.corpus.fetching.lock import Entry, Lock, checkouts, read_lock, standing, write_lock
 from kg.errors import SourceError
 
 if TYPE_CHECKING:

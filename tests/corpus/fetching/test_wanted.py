@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.corpus.fetching_list import protocols, read_wanted, wanted_among
+from kg.corpus.fetching.wanted import protocols, read_wanted, wanted_among
 from kg.errors import SourceError
 
 if TYPE_CHECKING:

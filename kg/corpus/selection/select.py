@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kg.corpus.selection_figures import Figures, figures
+from kg.corpus.selection.figures import Figures, figures
 from kg.errors import Place, SourceError
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kg.corpus.selection_criteria import Criteria, Criterion
-    from kg.corpus.selection_data import Dataset, Project
+    from kg.corpus.selection.criteria import Criteria, Criterion
+    from kg.corpus.selection.data import Dataset, Project
 
 
 @dataclass(frozen=True, slots=True)

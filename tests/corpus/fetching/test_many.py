@@ -15,12 +15,12 @@ import pytest
 from corpus.repositories import MANIFESTS, Behaviour, commit_tree, git, plumb, repository, served
 from patience import patient
 
-from kg.corpus import fetching
-from kg.corpus.fetching import Fetched, fetch, pinned
-from kg.corpus.fetching_git import Limits
-from kg.corpus.fetching_list import wanted_among
-from kg.corpus.fetching_lock import Entry, read_lock, write_lock
-from kg.corpus.fetching_one import Options
+from kg.corpus.fetching import many
+from kg.corpus.fetching.git import Limits
+from kg.corpus.fetching.lock import Entry, read_lock, write_lock
+from kg.corpus.fetching.many import Fetched, fetch, pinned
+from kg.corpus.fetching.one import Options
+from kg.corpus.fetching.wanted import wanted_among
 from kg.errors import SourceError
 
 if TYPE_CHECKING:
@@ -285,7 +285,7 @@ def test_a_commit_that_is_gone(tmp_path: Path) -> None:
 
 def test_one_process_at_a_time(tmp_path: Path) -> None:
     """A second process that fetches into the same folder is rejected."""
-    with fetching._workspace(tmp_path), pytest.raises(SourceError) as caught, fetching._workspace(tmp_path):
+    with many._workspace(tmp_path), pytest.raises(SourceError) as caught, many._workspace(tmp_path):
         raise AssertionError
     assert caught.value.code == "KG138"
 

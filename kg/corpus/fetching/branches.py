@@ -8,7 +8,7 @@ are not, since many repositories moved from ROS 1 to ROS 2 on them. Branches are
   default, the branches marked for this one, the newest distribution first; an unmarked default branch; `main`,
   `master`, `devel` and the like; finally, marked branches that were skipped.
 
-The manifests in a branch decide in the end (`kg.corpus.fetching_one`): a branch for the other version is rejected for
+The manifests in a branch decide in the end (`kg.corpus.fetching.one`): a branch for the other version is rejected for
 the next one.
 """
 
