@@ -7,19 +7,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.git import repository_name
-from kg.corpus.sources import listed, parse_source
+from kg.corpus.sources import address_problem, listed, parse_source
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-_URL: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)$")
-_SCP: Final = re.compile(
-    r"^[A-Za-z0-9_.][A-Za-z0-9_.-]*@(?P<authority>[A-Za-z0-9_.][A-Za-z0-9_.-]*):(?!/?/)(?P<path>[^\s:]+)$"
-)
-_SCHEMES: Final = {"https": "https", "http": "http:https", "ssh": "ssh", "git": "git", "file": "file"}
+_PROTOCOLS: Final = {"https": "https", "http": "http:https", "ssh": "ssh", "git": "git", "file": "file"}
 """Schemes of addresses, and the protocols allowed for each: a server cannot redirect to others."""
-_REF: Final = re.compile(r"(?!-)[^\s:^~?*\[\\\x00-\x20\x7f]+")
 _PART: Final = re.compile(r"(?!-)[A-Za-z0-9._+~-]+")
 
 
@@ -77,9 +72,12 @@ def _whole(one: Wanted) -> str:
 
 def _wanted(address: str) -> Wanted:
     source = parse_source(address)
-    problem = address_problem(source.address)
-    if not problem and source.ref is not None and (not _REF.fullmatch(source.ref) or ".." in source.ref):
-        problem = f"{source.ref!r} is not a branch, tag or commit"
+    if " " in source.address:
+        problem = "the address holds blanks"
+    else:
+        problem = address_problem(source.address, source.ref, _PROTOCOLS)
+    if not problem and ".." in source.address.split("/"):
+        problem = "the address leads out of itself"
     name = (
         repository_name(source.address) or f"local/{source.address.rstrip('/').rpartition('/')[2].removesuffix('.git')}"
     )
@@ -89,28 +87,6 @@ def _wanted(address: str) -> Wanted:
     return Wanted(address if problem else name, source.address, source.ref, problem)
 
 
-def address_problem(url: str) -> str:
-    """Return why an address is refused; empty if git may use it."""
-    if re.search(r"[\s\x00-\x1f\x7f]", url):
-        return "the address holds blanks or control characters"
-    if url.startswith("-"):
-        return "the address is an option for git"
-    if "::" in url.partition("/")[0]:
-        return "the address names a program"
-    match = _URL.match(url) or _SCP.match(url)
-    if match is None:
-        return "not the address of a git repository"
-    scheme = match.groupdict().get("scheme")
-    if scheme is not None and scheme.lower() not in _SCHEMES:
-        return f"addresses of the scheme {scheme} are not fetched"
-    if match["authority"].rpartition("@")[2].startswith("-"):
-        return "the host is an option for ssh"
-    if ".." in match["path"].split("/"):
-        return "the address leads out of itself"
-    return ""
-
-
 def protocols(url: str) -> str:
     """Return the protocols that git may use for an address, as `GIT_ALLOW_PROTOCOL`."""
-    match = _URL.match(url)
-    return _SCHEMES[match["scheme"].lower()] if match else "ssh"
+    return _PROTOCOLS.get(url.partition("://")[0].lower(), "ssh")
