@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import statistics
-import tomllib
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
-from kg.resources import folder
+from kg.resources import table_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -50,7 +49,7 @@ def figures(values: Sequence[int]) -> Figures:
 @cache
 def paper_figures() -> PaperFigures:
     """Return the figures of the paper (`corpus/rnkg.toml`)."""
-    content = tomllib.loads((folder("corpus") / "rnkg.toml").read_text("utf-8"))
+    content = table_of("corpus", "rnkg.toml")
     projects = content["projects"]
     table = {name: dict(one) for name, one in projects.items() if isinstance(one, dict)}
     return PaperFigures(content["source"], projects["count"], table, content["graph"])
