@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
 from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
-from kg.graph.classes_reading import Class, Classes
+from kg.graph.reading.classes import Class, Classes
 from kg.graph.records import how_to_start
 from kg.lazily import lazily
 from kg.render.text import count, printable, some
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from kg.cli.links import Links
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.views.evidence import Places
 
 with lazily():

@@ -11,14 +11,14 @@ from urllib.parse import unquote
 
 from kg.facts import InstanceInterface, Interface, LaunchParameter, NodeReference, Resolution, Role
 from kg.graph.interfaces import ROLE_OF_CLASS
-from kg.graph.queries import among, column, one_of, texts
+from kg.graph.reading.queries import among, column, one_of, texts
 from kg.holes import is_known
 from kg.launch.wiring.place import Place
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _MET: Final = """
 SELECT DISTINCT ?system ?channel ?name WHERE {

@@ -6,7 +6,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
-from kg.graph.channels_reading import (
+from kg.graph.iris import Iris
+from kg.graph.reading.channels import (
     channels_called,
     ends_in_code,
     findings_about,
@@ -15,10 +16,9 @@ from kg.graph.channels_reading import (
     names_written,
     systems_at,
 )
-from kg.graph.iris import Iris
-from kg.graph.overview import channels
+from kg.graph.reading.overview import channels
+from kg.graph.reading.systems import system_names
 from kg.graph.records import end_object, interface_object
-from kg.graph.systems_reading import system_names
 from kg.names import normalise
 from kg.similar import unknown
 from kg.views.evidence import Places, places

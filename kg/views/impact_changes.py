@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.facts import Location
-from kg.graph.impact_reading import definition_records, file_records
-from kg.graph.reading import node_records
-from kg.graph.systems_reading import systems
+from kg.graph.reading.impact import definition_records, file_records
+from kg.graph.reading.nodes import node_records
+from kg.graph.reading.systems import systems
 from kg.impact.changes import Broken, broken, definition_changes
 from kg.impact.model import Kind, Subject
 from kg.launch.comparison import Finding, Sources, compare
@@ -19,8 +19,8 @@ from kg.views.systems import configuration_names
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.graph.reading import NodeRecord
-    from kg.graph.systems_reading import SystemName
+    from kg.graph.reading.nodes import NodeRecord
+    from kg.graph.reading.systems import SystemName
     from kg.lint.finding import Finding as Found
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.graph.iris import Iris
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.views.evidence import Places
 
 DIRECT: Final = {role: role.relation.replace(" action", "Action") for role in Role}

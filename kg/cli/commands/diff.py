@@ -17,17 +17,17 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kg.graph.reading.systems import SystemName
     from kg.graph.source_states import SourceState
-    from kg.graph.systems_reading import SystemName
     from kg.launch.comparison import Difference, Side
     from kg.store.embedded import EmbeddedStore
 
 with lazily():
     from kg.cli.links import Links
     from kg.cli.progress import for_people
-    from kg.graph.reading import node_records
+    from kg.graph.reading.nodes import node_records
+    from kg.graph.reading.systems import system_names
     from kg.graph.source_states import sources
-    from kg.graph.systems_reading import system_names
     from kg.launch.comparison import Sources, compare
     from kg.launch.comparison.report import (
         changed_keys,

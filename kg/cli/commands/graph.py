@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
 
 with lazily():
-    from kg.graph.systems_reading import included, system_names
+    from kg.graph.reading.systems import included, system_names
     from kg.render.system_graph import system_graph
     from kg.render.system_notations import system_object
     from kg.render.system_text import system_lines, system_rows

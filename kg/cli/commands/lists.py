@@ -17,7 +17,7 @@ from kg.similar import unknown
 from kg.store.opening import reading
 
 with lazily():
-    from kg.graph import overview
+    from kg.graph.reading import overview
     from kg.views.answers import channels
 
 _SORTS: Final = ("code", "both", "text", "other")
@@ -126,7 +126,7 @@ def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
 
 
 def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
-    """Write topics, services or actions as a list: objects as of `kg.graph.overview.Channel`."""
+    """Write topics, services or actions as a list: objects as of `kg.graph.reading.overview.Channel`."""
     verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
     columns = (
         Column(kind, "name"),

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from kg.facts import InstanceInterface, NodeInstance, System
-    from kg.graph.classes_reading import Classes
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.classes import Classes
+    from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
@@ -37,11 +37,11 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.cli.node_view import left_out, node_lines
-    from kg.graph.classes_reading import classes
     from kg.graph.pictures import node_picture
+    from kg.graph.reading.classes import classes
+    from kg.graph.reading.systems import system_names, systems
     from kg.graph.records import instance_object, node_object
     from kg.graph.source_states import sources
-    from kg.graph.systems_reading import system_names, systems
     from kg.render import node_graph
     from kg.views.evidence import places
     from kg.views.node_graph import node_relations

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.facts import NodeReference, System
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.robot.connection import ComputationGraph
     from kg.rules.engine.facts import Facts
     from kg.rules.files import RuleSet

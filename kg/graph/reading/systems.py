@@ -17,8 +17,7 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, likely_chain
 from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, place_of, word
 from kg.graph.iris import RUNNING, Iris
-from kg.graph.queries import among, grouped, one_of, texts
-from kg.graph.reading import (
+from kg.graph.reading.nodes import (
     Queryable,
     Readable,
     code_facts,
@@ -28,6 +27,7 @@ from kg.graph.reading import (
     these,
     type_of,
 )
+from kg.graph.reading.queries import among, grouped, one_of, texts
 from kg.graph.starts import STARTS
 from kg.graph.usual_ends import UsualEnd, namespace_of, usual_ends, usual_resolution
 

@@ -17,7 +17,7 @@ from kg.graph.interfaces import ROLE_OF_CLASS, SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
-from kg.graph.queries import among, column, grouped, one_of, texts
+from kg.graph.reading.queries import among, column, grouped, one_of, texts
 from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class Readable(Queryable, Protocol):
     """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
-        """Return the properties of each subject of a graph, as `kg.graph.queries.grouped` does."""
+        """Return the properties of each subject of a graph, as `kg.graph.reading.queries.grouped` does."""
         ...
 
 

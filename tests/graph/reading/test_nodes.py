@@ -27,7 +27,7 @@ from kg.facts import (
     Role,
 )
 from kg.graph.iris import Iris
-from kg.graph.reading import NodeRecord, node_names, node_records
+from kg.graph.reading.nodes import NodeRecord, node_names, node_records
 from kg.graph.records import node_object
 from kg.graph.sources import source_triples
 

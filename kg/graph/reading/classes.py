@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from kg.graph import vocabulary as v
-from kg.graph.queries import texts
+from kg.graph.reading.queries import texts
 
 if TYPE_CHECKING:
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _QUERY: Final = """
 SELECT DISTINCT ?property ?class (STR(?label) AS ?text) WHERE {{

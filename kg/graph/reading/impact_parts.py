@@ -1,4 +1,4 @@
-"""The parts of systems that a change to a name may reach, as `kg.graph.systems_reading.partial_systems` takes them.
+"""The parts of systems that a change to a name may reach, as `kg.graph.reading.systems.partial_systems` takes them.
 
 Each is a relation and a pattern that binds ?graph, ?instance and ?part. Whole systems would take time in proportion to
 the store.
@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
-from kg.graph.queries import among, column, one_of
+from kg.graph.reading.queries import among, column, one_of
 from kg.graph.usual_ends import UsualEnd, unstated_ends
 from kg.holes import fits
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _Parts: TypeAlias = "list[tuple[str, str]]"
 _HAVING: Final = "?instance ros:hasComponent ?part"

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import FileKind, Location, NodeKind
 from kg.graph import vocabulary as v
-from kg.graph.queries import column, one_of, texts
-from kg.graph.reading import Queryable, which
+from kg.graph.reading.nodes import Queryable, which
+from kg.graph.reading.queries import column, one_of, texts
 from kg.graph.usual_ends import unstated_ends
 
 if TYPE_CHECKING:

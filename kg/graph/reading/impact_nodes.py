@@ -8,12 +8,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.graph.ntriples import literal
-from kg.graph.queries import among, column, one_of, texts
+from kg.graph.reading.queries import among, column, one_of, texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _PARTS: Final = "ros:hasComponent|rnkg:hasParameter|rnkg:hasPluginSlot"
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import Dependency, Field, FileKind, InterfaceDefinition, Location
 from kg.graph.definitions import message_of
 from kg.graph.ntriples import literal
-from kg.graph.queries import among, column, one_of, texts
+from kg.graph.reading.queries import among, column, one_of, texts
 from kg.impact.model import DefinitionRecord, FileRecord, PackageRecord
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _DEPENDENTS: Final = """
 SELECT ?package ?repository ?name ?folder ?manifest ?on ?kind ?line WHERE {

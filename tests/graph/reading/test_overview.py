@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
-from graph.test_reading import stored
+from graph.reading.test_nodes import stored
 
 from kg.facts import Access, Interface, Location, NodeKind, NodeType, Parameter, Resolution, Role
-from kg.graph.overview import Channel, NodeSummary, channels, nodes
+from kg.graph.reading.overview import Channel, NodeSummary, channels, nodes
 
 HERE: Final = Location("src/rover.cpp", 12)
 

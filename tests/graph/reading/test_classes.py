@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pyoxigraph import RdfFormat, Store
 
-from kg.graph.classes_reading import Class, Classes, Grade, classes
+from kg.graph.reading.classes import Class, Classes, Grade, classes
 
 NODE = "https://w3id.org/rnkg/node/local/ws/base/driver"
 INFERRED = f"""

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import pytest
 from workspaces import example
 
-from kg.graph.channels_reading import CLASSES, ends_in_code, names, names_written, systems_at
 from kg.graph.iris import DEFAULT_BASE, Iris
-from kg.graph.parameters_reading import set_parameters
-from kg.graph.reading import node_records
-from kg.graph.systems_reading import started_names, system_names, systems
+from kg.graph.reading.channels import CLASSES, ends_in_code, names, names_written, systems_at
+from kg.graph.reading.nodes import node_records
+from kg.graph.reading.parameters import set_parameters
+from kg.graph.reading.systems import started_names, system_names, systems
 from kg.graph.usual_ends import unstated_ends
 from kg.holes import is_known
 from kg.settings import load

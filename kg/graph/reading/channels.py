@@ -14,9 +14,9 @@ from kg.facts import Interface, NodeReference, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.ntriples import literal
-from kg.graph.queries import column, one_of, texts
-from kg.graph.reading import Queryable, code_facts
-from kg.graph.systems_reading import partial_systems
+from kg.graph.reading.nodes import Queryable, code_facts
+from kg.graph.reading.queries import column, one_of, texts
+from kg.graph.reading.systems import partial_systems
 from kg.graph.usual_ends import channels_by_system, unstated_ends
 
 if TYPE_CHECKING:

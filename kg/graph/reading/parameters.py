@@ -10,8 +10,8 @@ from kg.facts import Location, NodeReference, Parameter
 from kg.graph import vocabulary as v
 from kg.graph.fields import one, place_of
 from kg.graph.ntriples import literal
-from kg.graph.queries import among, column, grouped, one_of, texts
-from kg.graph.reading import Queryable, code_facts
+from kg.graph.reading.nodes import Queryable, code_facts
+from kg.graph.reading.queries import among, column, grouped, one_of, texts
 
 if TYPE_CHECKING:
     from collections.abc import Collection
