@@ -188,7 +188,7 @@ def _rule(file: RuleFile) -> str:
 def rover_picture() -> str:
     """Return docs/rover.svg: what `kg graph` draws of a launch file of the example workspace."""
     from kg import api  # noqa: PLC0415 - only this picture needs a store
-    from kg.graph.systems_reading import system_names, systems  # noqa: PLC0415 - as above
+    from kg.graph.reading.systems import system_names, systems  # noqa: PLC0415 - as above
     from kg.render.system_graph import system_graph  # noqa: PLC0415 - as above
     from kg.render.system_svg import system_svg  # noqa: PLC0415 - as above
     from kg.settings import load  # noqa: PLC0415 - as above

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from kg.store.rdflib_view import SnapshotDataset
 
 with lazily():
-    from kg.graph.reading import node_records
+    from kg.graph.reading.nodes import node_records
     from kg.graph.records import instance_object, node_object
     from kg.lint.objects import as_object
     from kg.lint.running import check_store, read_folders

@@ -8,12 +8,12 @@ from __future__ import annotations
 import hashlib
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-__all__ = ["digest", "folder"]
+__all__ = ["digest", "folder", "table_of"]
 
 _BYTES: Final = 16
 _BYTECODE: Final = "__pycache__"
@@ -28,6 +28,13 @@ def folder(name: str) -> Path:
     """
     installed = _PACKAGE / "_data" / name
     return installed if installed.is_dir() else _PACKAGE.parent / name
+
+
+def table_of(name: str, file: str) -> dict[str, Any]:
+    """Return the content of a TOML file in one of the folders."""
+    import tomllib  # noqa: PLC0415 - start-up time
+
+    return tomllib.loads((folder(name) / file).read_text("utf-8"))
 
 
 def digest(roots: Iterable[Path]) -> str:

@@ -50,11 +50,11 @@ def compose_yaml(text: str, loader: Any = LOADER) -> Node | None:
         return yaml.compose(text, Loader=loader)
 
 
-def compose_documents(text: str, loader: Any = LOADER) -> list[Node]:
+def compose_documents(text: str) -> list[Node]:
     """Return the root nodes of all documents in `text`; raises as `compose_yaml`."""
     with _faults():
-        _require_shallow(text, loader)
-        return [*yaml.compose_all(text, Loader=loader)]
+        _require_shallow(text, LOADER)
+        return [*yaml.compose_all(text, Loader=LOADER)]
 
 
 @contextmanager

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from repository import ROOT
 
-from kg.corpus.fetching_list import wanted_among
-from kg.corpus.fetching_lock import read_lock, standing
+from kg.corpus.fetching.lock import read_lock, standing
+from kg.corpus.fetching.wanted import wanted_among
 
 if TYPE_CHECKING:
     from pathlib import Path

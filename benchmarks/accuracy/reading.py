@@ -9,7 +9,7 @@ from multiprocessing import get_context
 from typing import TYPE_CHECKING, Any
 
 from kg.corpus.workspace import Workspace, scan
-from kg.graph.reading import NodeRecord
+from kg.graph.reading.nodes import NodeRecord
 from kg.graph.records import node_object
 from kg.pipeline.work import read_package
 

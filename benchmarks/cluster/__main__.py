@@ -33,12 +33,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from cluster.dividing import compare
 
-from kg.corpus.fetching import fetch
-from kg.corpus.fetching_list import wanted_among
-from kg.corpus.fetching_one import Options
+from kg.corpus.fetching.many import fetch
+from kg.corpus.fetching.one import Options
+from kg.corpus.fetching.wanted import wanted_among
 from kg.corpus.files import Pin
 from kg.pipeline.build import build
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.settings import load
 from kg.store.backups import canonical
 from kg.store.embedded import EmbeddedStore
@@ -46,7 +46,7 @@ from kg.store.embedded import EmbeddedStore
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
 
 _EXAMPLES: Final = Path(__file__).resolve().parents[2] / "examples" / "workspace"
 _PAUSE_SECONDS: Final = 0.05
@@ -117,7 +117,7 @@ def _digest(store: EmbeddedStore) -> str:
     return hashlib.blake2b(b"".join(lines), digest_size=16).hexdigest()
 
 
-class _Killer(Silent):
+class _Killer(Report):
     """Kills one process of the cluster at a random moment after the first worker has begun."""
 
     def __init__(self, generator: random.Random) -> None:

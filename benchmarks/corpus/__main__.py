@@ -34,10 +34,10 @@ from corpus.building import HEAD, build, failures, row, subset
 from corpus.checkouts import check_out_all
 from corpus.searching import Found, Search
 
-from kg.corpus.fetching_list import read_wanted
-from kg.corpus.selection_criteria import default_criteria, read_criteria
-from kg.corpus.selection_data import read_dataset
-from kg.corpus.selection_figures import paper_figures
+from kg.corpus.fetching.wanted import read_wanted
+from kg.corpus.selection.criteria import default_criteria, read_criteria
+from kg.corpus.selection.data import read_dataset
+from kg.corpus.selection.figures import paper_figures
 
 LEAST: Final = {
     "commits": (101, 102, 103, 105, 110),

@@ -12,8 +12,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "build"))
 
 from measuring import Measurement, measure, python
 
-from kg.corpus.fetching_git import folder_bytes
-from kg.corpus.fetching_lock import FETCHED, Lock, write_lock
+from kg.corpus.fetching.git import folder_bytes
+from kg.corpus.fetching.lock import FETCHED, Lock, write_lock
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

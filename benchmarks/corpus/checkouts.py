@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 from bugs.workspaces import MissingError, git_folder, unpack
 
-from kg.corpus.fetching_lock import FETCHED, Entry, Lock, read_lock, write_lock
-from kg.corpus.fetching_one import is_at_commit, ros_versions
+from kg.corpus.fetching.lock import FETCHED, Entry, Lock, read_lock, write_lock
+from kg.corpus.fetching.one import is_at_commit, ros_versions
 from kg.corpus.git import environment, run_git
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
-    from kg.corpus.fetching_list import Wanted
+    from kg.corpus.fetching.wanted import Wanted
 
 __all__ = ["check_out_all"]
 

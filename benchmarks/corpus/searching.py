@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kg.corpus.selection_criteria import Criteria
-    from kg.corpus.selection_data import Dataset
-    from kg.corpus.selection_figures import PaperFigures
+    from kg.corpus.selection.criteria import Criteria
+    from kg.corpus.selection.data import Dataset
+    from kg.corpus.selection.figures import PaperFigures
 
 __all__ = ["Found", "Search"]
 

@@ -14,7 +14,7 @@ from kg.graph.builds import BuildRecord, build_triples, count
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
 from kg.graph.packages import package_parts
-from kg.graph.reading import NodeRecord
+from kg.graph.reading.nodes import NodeRecord
 from kg.graph.shared import SHARED, split
 from kg.graph.sources import repository_triples
 from kg.graph.starts import STARTS, starts_apart

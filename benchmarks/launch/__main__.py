@@ -29,7 +29,7 @@ from kg.graph.iris import Iris
 from kg.graph.systems import system_triples
 from kg.launch.files import read_launches
 from kg.launch.wiring.systems import wire
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.pipeline.sources import gather
 from kg.pipeline.systems import node_types, used_packages
 from kg.settings import load
@@ -50,7 +50,7 @@ def main() -> int:
         store = given.store or f"{scratch}/store"
         if not Path(store).exists():
             build(given.folders, store=store)
-        workspace = Workspace(gather(given.folders, Path(scratch), Silent()))
+        workspace = Workspace(gather(given.folders, Path(scratch), Report()))
         packages = [(source, package) for source in workspace.sources for package in source.packages]
         began = time.process_time()
         configurations = [one for source, package in packages for one in _read(workspace, source, package)]

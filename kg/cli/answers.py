@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from kg.cli.diagnostics import note
 from kg.cli.output import Column, Linked, line_width, print_table, terminal, write, write_bytes
 from kg.cli.places import fitted
 from kg.errors import QueryError
-from kg.query.formats import GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
+from kg.query.formats import ALIASES, GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
 from kg.query.formats import write as written
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
@@ -20,17 +20,6 @@ if TYPE_CHECKING:
 
     from kg.cli.links import Links
 
-_OTHER_NAMES: Final = {
-    "md": "markdown",
-    "ndjson": "jsonl",
-    "ttl": "turtle",
-    "nt": "ntriples",
-    "nq": "nquads",
-    "n3": "turtle",  # a subset of it
-    "rdf": "rdfxml",
-    "json-ld": "jsonld",
-}
-
 
 def format_for(name: str) -> str:
     """Return the format for the setting `format`; `auto` is a table for people and TSV for programs.
@@ -40,7 +29,7 @@ def format_for(name: str) -> str:
     """
     if name == "auto":
         return "table" if terminal() else "tsv"
-    full = _OTHER_NAMES.get(name, name)
+    full = ALIASES.get(name, name)
     formats = ("table", *SOLUTION_FORMATS, parquet.NAME, *GRAPH_FORMATS)
     if full not in formats:
         near = did_you_mean(name, formats)

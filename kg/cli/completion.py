@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 with lazily():
-    from kg.graph.overview import package_names
-    from kg.graph.parameters_reading import declared_names, set_names
-    from kg.graph.reading import node_names
-    from kg.graph.systems_reading import system_names
+    from kg.graph.reading.nodes import node_names
+    from kg.graph.reading.overview import package_names
+    from kg.graph.reading.parameters import declared_names, set_names
+    from kg.graph.reading.systems import system_names
     from kg.query.stored import discover
     from kg.rules.authoring.library import Library
     from kg.search.searching import open_search
@@ -93,7 +93,7 @@ def channels(kind: str) -> Callable[[str], list[str]]:
 
     @completing
     def complete(incomplete: str) -> Iterable[str]:
-        from kg.graph.channels_reading import names as filter_values  # noqa: PLC0415 - start-up time
+        from kg.graph.reading.channels import names as filter_values  # noqa: PLC0415 - start-up time
 
         with reading(load()) as snapshot:
             names = filter_values(snapshot, kind)

@@ -6,12 +6,12 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.output import Column
-from kg.corpus.selection_figures import STATISTICS, paper_figures
+from kg.corpus.selection.figures import STATISTICS, paper_figures
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.corpus.selection import Selection
+    from kg.corpus.selection.select import Selection
     from kg.query.counting import Counted
 
 STEP_COLUMNS: Final = (

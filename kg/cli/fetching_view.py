@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.diagnostics import note, problem, say
 from kg.cli.progress import ProgressBar
-from kg.corpus.fetching_lock import FETCHED, Entry, Lock, Standing
+from kg.corpus.fetching.lock import FETCHED, Entry, Lock, Standing
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.corpus.fetching import Fetched
+    from kg.corpus.fetching.many import Fetched
 
 _CODES: Final = {"refused": "KG134", "too large": "KG135", "too slow": "KG135", "in the way": "KG137"}
 _LONGEST_NAME: Final = 40

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.cli.interface_table import Row, interface_table, place_text
-from kg.facts import NodeKind, NodeType, Parameter, PluginSlot
-from kg.graph.classes_reading import Class, Classes
+from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
+from kg.graph.reading.classes import Class, Classes
 from kg.graph.records import how_to_start
 from kg.lazily import lazily
 from kg.render.text import count, printable, some
-from kg.views.wording import LANGUAGES, TITLES, accesses, how, how_loaded, parameter_groups, quoted
+from kg.views.wording import LANGUAGES, accesses, how, how_loaded, parameter_groups, quoted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from kg.cli.links import Links
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.views.evidence import Places
 
 with lazily():
@@ -130,7 +130,7 @@ def _field(name: str, value: str) -> Text:
 
 def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[Row]]]:
     groups: list[tuple[str, list[Row]]] = []
-    for role, title in TITLES.items():
+    for role in Role:
         chosen = [one for one in node.interfaces if one.role is role and (every or not one.implicit)]
         if chosen:
             chosen.sort(key=lambda one: one.implicit)
@@ -139,7 +139,7 @@ def _groups(node: NodeType, *, every: bool, via: bool) -> list[tuple[str, list[R
                 name = one.name if one.name is not None else "(not resolved)"
                 kind, calls = one.type or "(type not known)", one.via if via else ()
                 rows.append(Row(name, kind, how(one), one.location, one.implicit, calls))
-            groups.append((title, rows))
+            groups.append((role.heading, rows))
     return groups
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from kg.cli.completion import launches, packages
+from kg.cli.completion import launches, packages, rules
 from kg.cli.session import session
 from kg.errors import UsageError
 from kg.settings import DECLARED, Declaration, Settings
@@ -118,8 +118,15 @@ OutputFile = Annotated[str | None, typer.Option("--output", "-o", metavar="FILE"
 Exclusive = Annotated[
     bool, typer.Option("--exclusive", help="Refuse to move what another node also moves, and stop if one appears.")
 ]
+All = Annotated[
+    bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (/rosout, /tf, ...).")
+]
+Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
 Json = Annotated[bool, typer.Option("--json", help="Write JSON Lines: one object per line.")]
 NoRules = Annotated[bool, typer.Option("--no-rules", help="Do not run rules; the next build updates inferred triples.")]
+RuleName = Annotated[
+    str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rules)
+]
 PackageName = Annotated[
     str | None,
     typer.Option(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from kg.cli.diagnostics import colored, note
 from kg.errors import Place, UsageError
@@ -110,9 +110,9 @@ def json_line(record: Any) -> str:
     return json_text(record) + "\n"
 
 
-def console(stream: IO[str] | None = None) -> Console:
-    """Return rich's console for a stream (default: standard output); lines are folded on terminals only."""
-    stream = stream or sys.stdout
+def console() -> Console:
+    """Return rich's console for standard output; lines are folded on terminals only."""
+    stream = sys.stdout
     is_terminal = stream.isatty()
     return Console(
         file=stream,
@@ -154,17 +154,17 @@ def show(*parts: RenderableType) -> None:
         write(line.rstrip())
 
 
-def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> None:
+def print_table(columns: Sequence[Column], rows: Iterable[Sequence[object]]) -> None:
     """Write a table for people, and report columns that did not fit."""
     every = list(rows)
-    show(make_table(columns, every, title=title))
+    show(make_table(columns, every))
     visible = _fitting(columns, [[_cell(value) for value in row] for row in every])
     absent = [column.title for index, column in enumerate(columns) if index not in visible]
     if absent:
         note(f"hidden on a narrow terminal: {', '.join(absent)}")
 
 
-def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, title: str | None = None) -> Table:
+def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]]) -> Table:
     """Return a table of printable cells, without the spare columns that do not fit."""
     from rich.box import SIMPLE_HEAD  # noqa: PLC0415 - start-up time
 
@@ -172,8 +172,6 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]], *, t
     visible = _fitting(columns, cells)
     table = Table(
         box=SIMPLE_HEAD,
-        title=title,
-        title_justify="left",
         pad_edge=False,
         collapse_padding=True,
         show_edge=False,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, Self
 
 from kg.cli.diagnostics import say
 from kg.lazily import lazily
-from kg.pipeline.report import PackageResult, Silent
+from kg.pipeline.report import PackageResult, Report
 from kg.render.text import count, printable
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ with lazily():
 _LONGEST_NAME: Final = 32
 
 
-class Lines(Silent):
+class Lines(Report):
     """One line per event, for logs and pipes."""
 
     def fetching(self, message: str) -> None:
@@ -99,7 +99,7 @@ class ProgressBar:
         self._progress.update(self._task, total=total, completed=0)
 
 
-class Bar(ProgressBar, Silent):
+class Bar(ProgressBar, Report):
     """A bar that grows by packages; no thread draws it, because the build forks its workers."""
 
     def __init__(self) -> None:
@@ -131,14 +131,14 @@ class Bar(ProgressBar, Silent):
         self.show("inferring")
 
 
-def for_this_stream() -> AbstractContextManager[Silent]:
+def for_this_stream() -> AbstractContextManager[Report]:
     """Return the display that suits standard error."""
     return Bar() if sys.stderr.isatty() else nullcontext(Lines())
 
 
-def for_people() -> AbstractContextManager[Silent]:
+def for_people() -> AbstractContextManager[Report]:
     """Return the display for commands that build as a side effect: a bar on a terminal, else nothing."""
-    return Bar() if sys.stderr.isatty() else nullcontext(Silent())
+    return Bar() if sys.stderr.isatty() else nullcontext(Report())
 
 
 @contextmanager

@@ -11,12 +11,15 @@ from kg.corpus.git import run_git, without_password
 from kg.errors import Place, SourceError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
     from pathlib import Path
 
+_URL: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)?$")
+_SCP: Final = re.compile(
+    r"^[A-Za-z0-9_.][A-Za-z0-9_.-]*@(?P<authority>[A-Za-z0-9_.][A-Za-z0-9_.-]*):(?!/?/)(?P<path>\S+)$"
+)
 _SCHEMES: Final = ("https", "ssh", "git", "file")
-_SCHEME: Final = re.compile(r"^(?P<scheme>[A-Za-z][A-Za-z0-9+.-]*)://(?P<authority>[^/]*)(?P<path>/.*)?$")
-_SCP: Final = re.compile(r"^(?P<authority>[A-Za-z0-9_.-]+@[A-Za-z0-9_.-]+):(?!/?/)(?P<path>[^\s]+)$")
+_REF: Final = re.compile(r"(?!-)[^\s:^~?*\[\\\x00-\x20\x7f]+")
 _FETCH_SECONDS: Final = 3600.0
 
 
@@ -31,16 +34,37 @@ class ListedSource:
 
 def is_address(text: str) -> bool:
     """Return whether `text` is the address of a git repository rather than a folder."""
-    return bool(_SCHEME.match(text) or _SCP.match(text))
+    return bool(_URL.match(text) or _SCP.match(text))
 
 
 def parse_source(text: str, line: int | None = None) -> ListedSource:
     """Split `URL[@ref]`; in a folder, `@` is part of the name."""
-    match = _SCHEME.match(text) or _SCP.match(text)
+    match = _URL.match(text) or _SCP.match(text)
     if match is None or not match["path"]:
         return ListedSource(text, None, line)
     path, mark, ref = match["path"].partition("@")
     return ListedSource(text[: match.start("path")] + path, ref if mark and ref else None, line)
+
+
+def address_problem(url: str, ref: str | None, schemes: Collection[str]) -> str:
+    """Return why git must not be given an address and a ref; empty if it may."""
+    if re.search(r"[\x00-\x1f\x7f]", url):
+        return "the address holds control characters"
+    if url.startswith("-"):
+        return "the address is an option for git"
+    if "::" in url.partition("/")[0]:
+        return "the address names a program"
+    match = _URL.match(url) or _SCP.match(url)
+    if match is None or not match["path"]:
+        return "not the address of a git repository"
+    scheme = match.groupdict().get("scheme")
+    if scheme is not None and scheme.lower() not in schemes:
+        return f"addresses of the scheme {scheme} are not fetched"
+    if match["authority"].rpartition("@")[2].startswith("-"):
+        return "the host is an option for ssh"
+    if ref is not None and (not _REF.fullmatch(ref) or ".." in ref):
+        return f"{ref!r} is not a branch, tag or commit"
+    return ""
 
 
 def read_list(path: Path) -> tuple[ListedSource, ...]:
@@ -70,7 +94,8 @@ def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[st
     Only the files of that commit are fetched, without history and submodules; an existing target is updated. `progress`
     receives status messages. Raises `SourceError` (KG103) with git's message.
     """
-    _check(url, ref)
+    if problem := address_problem(url, ref, _SCHEMES):
+        raise SourceError("KG103", problem, place=Place(without_password(url)))
     try:
         if not (target / ".git").exists():
             target.mkdir(parents=True, exist_ok=True)
@@ -88,17 +113,6 @@ def fetch_source(url: str, ref: str | None, target: Path, progress: Callable[[st
     except subprocess.SubprocessError as error:
         raise SourceError("KG103", f"{without_password(url)} was not fetched: {_words(error)}") from error
     return target
-
-
-def _check(url: str, ref: str | None) -> None:
-    match = _SCHEME.match(url)
-    place = Place(without_password(url))
-    if match and match["scheme"].lower() not in _SCHEMES:
-        raise SourceError("KG103", f"addresses of the scheme {match['scheme']} are not fetched", place=place)
-    if not match and not _SCP.match(url):
-        raise SourceError("KG103", "not the address of a git repository", place=place)
-    if ref is not None and (ref.startswith("-") or re.search(r"[\s:^~?*\[\\]|\.\.", ref)):
-        raise SourceError("KG103", f"{ref!r} is not a branch, tag or commit", place=place)
 
 
 def _words(error: subprocess.SubprocessError) -> str:

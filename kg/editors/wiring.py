@@ -25,7 +25,7 @@ def diagnostics(checked: Checked, workspace: Workspace) -> dict[str, list[types.
     result: dict[str, list[types.Diagnostic]] = {}
     for each in checked.report.findings:
         for place in places(each, lines):
-            file = lines.file(place)
+            file = lines.file(place.repository, place.path)
             text = read(file, workspace) if file is not None else None
             if file is not None and text is not None:
                 of_file = result.setdefault(uri_of(file, workspace), [])
@@ -48,7 +48,7 @@ def _diagnostic(finding: Finding, place: Evidence, text: Text, lines: Lines, wor
         )
         for each in (*([finding.place] if finding.place else ()), *finding.evidence)
         if each != place
-        if (file := lines.file(each)) and (other := read(file, workspace))
+        if (file := lines.file(each.repository, each.path)) and (other := read(file, workspace))
     ]
     return result
 
@@ -68,7 +68,7 @@ def _fix(
     repair: Repair, at: Evidence, marked: types.Range, lines: Lines, workspace: Workspace
 ) -> dict[str, Any] | None:
     """Return the edit of a repair; its title names the line unless that is what is marked."""
-    file = lines.file(repair.place)
+    file = lines.file(repair.place.repository, repair.place.path)
     text = read(file, workspace) if file is not None else None
     if file is None or text is None:
         return None

@@ -31,7 +31,7 @@ from kg.graph.iris import is_source_graph
 from kg.query.rows import rows
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.evaluate.source_lines import SourceLines
     from kg.store.interface import Snapshot
@@ -381,7 +381,7 @@ def _facts(facts: Facts, lines: SourceLines, size: int, seed: int) -> tuple[list
             source = fact.call.repository or fact.repository
             fact = replace(fact, file_repository=source, path=fact.call.path, line=fact.call.line)
         text = lines.lines(fact.file_repository, fact.path)
-        if text is None or not 0 < fact.line <= len(text):
+        if not 0 < fact.line <= len(text):
             absent += 1
         else:
             judged.append((fact, holds(fact, text)))
@@ -403,7 +403,7 @@ _BLANKS: Final = re.compile(r"\s+")
 _SEGMENTS: Final = re.compile(r"[/.~]|\{[^}]*\}")
 
 
-def holds(fact: Fact, lines: list[str]) -> bool:
+def holds(fact: Fact, lines: Sequence[str]) -> bool:
     """Return whether the statement at a fact's line contains its call, and its name or written expression.
 
     Only the last part of a name counts, since namespaces and prefixes are written elsewhere. Parameter files only need

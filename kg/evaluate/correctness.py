@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.completeness import grounds, remarks, share
+from kg.evaluate.references import PARAMETERS
 from kg.evaluate.tables import Cell, Share, Table, with_paper
+from kg.facts import Role
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,15 +20,7 @@ if TYPE_CHECKING:
 _RECALL: Final = "correctness/reference-recall"
 _PRECISION: Final = "correctness/reference-precision"
 _TYPES: Final = "correctness/reference-types"
-_RELATIONS: Final = {
-    "publishes": "publishes",
-    "subscribes": "subscribes",
-    "provides": "services",
-    "calls": "clients",
-    "serves action": "action_servers",
-    "calls action": "action_clients",
-    "has parameter": "parameters",
-}
+_RELATIONS: Final = {**{role.relation: str(role) for role in Role}, "has parameter": PARAMETERS}
 """The relations of RNKG by the roles of references."""
 _OPEN: Final = (
     "No precision without references that name all that a node has (`closed_world` in the file, or --closed): what "

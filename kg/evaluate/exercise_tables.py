@@ -5,12 +5,11 @@ The known rows and figures of the paper are in `corpus/onto-ros.toml`.
 
 from __future__ import annotations
 
-import tomllib
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.evaluate.exercises import ROBOTS, Outcome, exercises, program_of
 from kg.evaluate.tables import Cell, Table
-from kg.resources import folder
+from kg.resources import table_of
 from kg.robot.connecting import connect
 from kg.robot.live import infer
 from kg.robot.programs.converting import convert
@@ -113,5 +112,5 @@ def runs_table(outcomes: Iterable[Outcome]) -> Table:
 
 def paper_figures(table: str) -> dict[str, Any]:
     """Return a table of the paper's figures: by robot, or by exercise and robot (`1 office`)."""
-    content: dict[str, Any] = tomllib.loads((folder("corpus") / "onto-ros.toml").read_text("utf-8"))[table]
+    content: dict[str, Any] = table_of("corpus", "onto-ros.toml")[table]
     return content

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 from urllib.parse import unquote
 
+from kg.facts import Role
 from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of
+from kg.graph.interfaces import SHAPES
 from kg.graph.iris import is_source_graph
 from kg.query.rows import rows
 
@@ -20,15 +22,7 @@ if TYPE_CHECKING:
     from kg.facts import Location
     from kg.store.interface import Snapshot
 
-STATED: Final = {
-    "publishes": v.PUBLISHER,
-    "subscribes": v.SUBSCRIBER,
-    "provides": v.SERVICE_SERVER,
-    "calls": v.SERVICE_CLIENT,
-    "serves action": v.ACTION_SERVER,
-    "calls action": v.ACTION_CLIENT,
-    "has parameter": v.PARAMETER,
-}
+STATED: Final = {**{role.relation: SHAPES[role].component_class for role in Role}, "has parameter": v.PARAMETER}
 """Relations read from code, by the class of their objects."""
 INFERRED: Final = {
     "has function": v.rnkg("hasFunction"),

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import csv
 import io
-import tomllib
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.render.text import printable
-from kg.resources import folder
+from kg.resources import table_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -68,7 +67,7 @@ def with_paper(table: Table, keys: tuple[str, ...], figures: Mapping[str, float]
     The table is unchanged if no figure is known; `figures` replaces those of the file.
     """
     if figures is None:
-        figures = tomllib.loads((folder("corpus") / "rnkg.toml").read_text("utf-8")).get(table.name, {})
+        figures = table_of("corpus", "rnkg.toml").get(table.name, {})
     places = [table.columns.index(key) for key in keys]
     column = [figures.get(" ".join(str(row[place]) for place in places)) for row in table.rows]
     if all(figure is None for figure in column):

@@ -8,13 +8,12 @@ the code names it, unless it sets it to zero, or sets the covariance that means 
 from __future__ import annotations
 
 import re
-import tomllib
 from functools import cache
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Role
-from kg.resources import folder
+from kg.resources import table_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -135,5 +134,4 @@ def _declares_missing(part: str, holders: str, file: CodeText) -> bool:
 @cache
 def _parts() -> dict[str, tuple[str, ...]]:
     """Return the parts of messages that code may leave empty, by type."""
-    with (folder("ontology") / "message-parts.toml").open("rb") as stream:
-        return {kind: tuple(parts) for kind, parts in tomllib.load(stream).items()}
+    return {kind: tuple(parts) for kind, parts in table_of("ontology", "message-parts.toml").items()}

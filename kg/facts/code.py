@@ -56,16 +56,31 @@ class Role(StrEnum):
         """The role at the other end of the channel."""
         return _ENDS[self][2]
 
+    @property
+    def verb(self) -> str:
+        """What the node does with a channel, in words: `publishes`, `subscribes to`, `offers` or `calls`."""
+        return _ENDS[self][3]
 
-_ENDS: Final[dict[Role, tuple[str, bool, Role]]] = {
-    Role.PUBLISHES: ("topic", True, Role.SUBSCRIBES),
-    Role.SUBSCRIBES: ("topic", False, Role.PUBLISHES),
-    Role.SERVICES: ("service", False, Role.CLIENTS),
-    Role.CLIENTS: ("service", True, Role.SERVICES),
-    Role.ACTION_SERVERS: ("action", False, Role.ACTION_CLIENTS),
-    Role.ACTION_CLIENTS: ("action", True, Role.ACTION_SERVERS),
+    @property
+    def heading(self) -> str:
+        """What the node does with several channels, in words: `publishes`, `offers services`."""
+        return str(self) if self.channel == "topic" else f"{self.verb} {self.channel}s"
+
+    @property
+    def relation(self) -> str:
+        """The relation of RNKG from the node to a channel, in words: `serves action`."""
+        return _ENDS[self][4]
+
+
+_ENDS: Final[dict[Role, tuple[str, bool, Role, str, str]]] = {
+    Role.PUBLISHES: ("topic", True, Role.SUBSCRIBES, "publishes", "publishes"),
+    Role.SUBSCRIBES: ("topic", False, Role.PUBLISHES, "subscribes to", "subscribes"),
+    Role.SERVICES: ("service", False, Role.CLIENTS, "offers", "provides"),
+    Role.CLIENTS: ("service", True, Role.SERVICES, "calls", "calls"),
+    Role.ACTION_SERVERS: ("action", False, Role.ACTION_CLIENTS, "offers", "serves action"),
+    Role.ACTION_CLIENTS: ("action", True, Role.ACTION_SERVERS, "calls", "calls action"),
 }
-"""The channel of a role, whether the role is outward, and its opposite."""
+"""The channel of a role, whether the role is outward, its opposite, its verb and its relation."""
 
 
 class NodeKind(StrEnum):

@@ -73,6 +73,8 @@ SHAPES: Final[Mapping[Role, Shape]] = {
     Role.ACTION_SERVERS: Shape("action-server", v.ACTION_SERVER, *_ON_ACTION),
     Role.ACTION_CLIENTS: Shape("action-client", v.ACTION_CLIENT, *_ON_ACTION),
 }
+ROLE_OF_CLASS: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
+"""The role of a node at a component, by the IRI of its class."""
 _NAMELESS: Final = frozenset({Resolution.PARTIAL, Resolution.UNRESOLVED})
 
 

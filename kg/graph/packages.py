@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from functools import cache
 from typing import TYPE_CHECKING, Final
 
@@ -13,7 +12,7 @@ from kg.graph.ntriples import integer, literal
 from kg.graph.scope import Scope
 from kg.graph.snippets import snippets
 from kg.graph.texts import descriptions
-from kg.resources import folder
+from kg.resources import table_of
 
 if TYPE_CHECKING:
     from kg.facts import Package, PackageFacts, Person, Problem, SourceFile
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 
 @cache
 def _table() -> dict[str, str]:
-    listed = tomllib.loads((folder("ontology") / "licenses.toml").read_text("utf-8"))
+    listed = table_of("ontology", "licenses.toml")
     licences = {
         key(name): f"{listed['base']}{identifier}" for identifier, names in listed["names"].items() for name in names
     }

@@ -9,7 +9,7 @@ from kg.render.node_picture import Port, draw
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
 
 
 def node_picture(record: NodeRecord, *, implicit: bool = False) -> str:

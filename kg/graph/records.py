@@ -11,7 +11,7 @@ from kg.graph.texts import summary
 from kg.lazily import lazily
 
 if TYPE_CHECKING:
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
 
 with lazily():
     import yaml

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Final
 from kg.graph import vocabulary as v
 from kg.graph.iris import DEFAULT_BASE, Iris
 from kg.graph.ntriples import literal
-from kg.graph.queries import column
+from kg.graph.reading.queries import column
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from kg.facts import Snippet
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
     from kg.graph.scope import Scope
 
 _BETWEEN: Final = ": "

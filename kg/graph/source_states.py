@@ -8,13 +8,13 @@ from urllib.parse import quote
 
 from kg.graph.builds import COUNTS, Counts
 from kg.graph.fields import one
-from kg.graph.queries import grouped, select, texts
+from kg.graph.reading.queries import grouped, select, texts
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kg.graph.fields import Properties
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _BUILDS: Final = """
 SELECT ?name ?build ?started ?commit ?dirty ?root ?version WHERE {

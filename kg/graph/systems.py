@@ -27,7 +27,7 @@ from kg.holes import is_known
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
 
 _ENDS: Final = frozenset(shape.component for shape in SHAPES.values())
 """Suffixes of the IRIs of ends, after the name of their instance."""

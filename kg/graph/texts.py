@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import Description, DescriptionKind, Location
 from kg.graph import vocabulary as v
 from kg.graph.ntriples import literal
-from kg.graph.queries import texts
+from kg.graph.reading.queries import texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
     from kg.graph.scope import Scope
 
 _DESCRIPTIONS: Final = """

@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 from urllib.parse import unquote
 
 from kg.facts import InstanceInterface, Interface, LaunchParameter, NodeReference, Resolution, Role
-from kg.graph import vocabulary as v
-from kg.graph.interfaces import SHAPES
-from kg.graph.queries import among, column, one_of, texts
+from kg.graph.interfaces import ROLE_OF_CLASS
+from kg.graph.reading.queries import among, column, one_of, texts
 from kg.holes import is_known
 from kg.launch.wiring.place import Place
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 _MET: Final = """
 SELECT DISTINCT ?system ?channel ?name WHERE {
@@ -60,7 +59,6 @@ SELECT DISTINCT ?node WHERE {
 }"""
 _ORIGINS: Final = ("ros1.node", "ros2.node", "ros2.lifecycle", "bond")
 """Prefixes of the origins of such ends. Other implicit ends (transforms, diagnostics) describe what a node does."""
-_ROLES: Final = {v.bare(shape.component_class): role for role, shape in SHAPES.items()}
 
 
 def usual_ends(
@@ -112,11 +110,11 @@ def unstated_ends(graph: Queryable, name: str | None = None, types: Collection[s
         implicit, started = list(texts(graph, _everywhere(_IMPLICIT))), list(texts(graph, _everywhere(_STARTED)))
     usual: defaultdict[str, list[tuple[str, Role, str, str | None]]] = defaultdict(list)
     for node, code, role, own, origin, kind in implicit:
-        if not (origin.startswith(_ORIGINS) and role in _ROLES):
+        if not (origin.startswith(_ORIGINS) and role in ROLE_OF_CLASS):
             continue
         label = "/".join(unquote(kind).rsplit("/", 2)[-2:]) if kind else None
         if types is None or label in types:
-            usual[node].append((code, _ROLES[role], own, label))
+            usual[node].append((code, ROLE_OF_CLASS[role], own, label))
     ends = []
     for system, instance, full, namespace, node in started:
         place = Place(namespace or namespace_of(full), "", private=full)

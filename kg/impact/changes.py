@@ -13,7 +13,6 @@ from kg.holes import is_known
 from kg.impact.assessing import impact
 from kg.impact.files import file_effects, file_mentions
 from kg.impact.model import (
-    VERBS,
     Area,
     DefinitionRecord,
     Effect,
@@ -215,7 +214,7 @@ def _surviving_ends(
 
 def _loss(system: System, lost: End) -> _Loss:
     instance, end = lost
-    words = f"- {instance.name} {VERBS[end.declared.role]} {end.resolved}"
+    words = f"- {instance.name} {end.declared.role.verb} {end.resolved}"
     repository = instance.started.location.repository or system.configuration.repository
     return _Loss(system.configuration.name, instance, end.owner, words, instance.started.location, repository, end=end)
 

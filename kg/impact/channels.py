@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.facts import Interface, LaunchParameter, NodeInstance, NodeReference, Remap, System
-from kg.impact.model import VERBS, Area, Effect, Grade, Subject, World, launch_effect
+from kg.impact.model import Area, Effect, Grade, Subject, World, launch_effect
 from kg.impact.started import End, ends_of, partners, started_effects
 from kg.impact.values import area_of, argument_effects, holding_effects
 
@@ -110,7 +110,7 @@ def _code(subject: Subject, world: World, systems: Sequence[System]) -> Iterator
         yield Effect(
             Grade.MAY,
             Area.CODE,
-            f"{owner.package}/{owner.node} {VERBS[end.role]} it",
+            f"{owner.package}/{owner.node} {end.role.verb} it",
             reason or "no partner of this name is known; something outside the sources may be one",
             end.location,
             end.location.repository or owner.repository,

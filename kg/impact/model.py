@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Protocol
 
-from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, Role, System
-
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from kg.facts import Dependency, FileKind, InterfaceDefinition, Location, System
     from kg.launch.comparison.changes import Record
 
 
@@ -29,16 +28,6 @@ class Kind(StrEnum):
 
 
 CHANNELS: Final = frozenset({Kind.TOPIC, Kind.SERVICE, Kind.ACTION})
-
-VERBS: Final = {
-    Role.PUBLISHES: "publishes",
-    Role.SUBSCRIBES: "subscribes to",
-    Role.SERVICES: "offers",
-    Role.CLIENTS: "calls",
-    Role.ACTION_SERVERS: "offers",
-    Role.ACTION_CLIENTS: "calls",
-}
-"""What a node does with a channel, in words."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

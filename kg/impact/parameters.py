@@ -8,7 +8,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import Switch
-from kg.impact.model import VERBS, Effect, Grade, Subject, World, code_effect, launch_effect
+from kg.impact.model import Effect, Grade, Subject, World, code_effect, launch_effect
 from kg.impact.started import end_effect, ends_of, partners
 from kg.impact.values import area_of
 from kg.names import normalise
@@ -88,7 +88,7 @@ def _code(subject: Subject, record: Record) -> Iterator[Effect]:
     for end in record.node.interfaces:
         named = same_parameter(end.parameter, subject.name)
         if named or any(same_parameter(Switch.parse(one).parameter, subject.name) for one in end.switches):
-            what = f"{node} {VERBS[end.role]} {end.name or '?'}"
+            what = f"{node} {end.role.verb} {end.name or '?'}"
             reason = "the parameter gives the name" if named else "the parameter enables it"
             yield code_effect(record, Grade.MAY, what, reason, end.location)
     for slot in record.node.slots:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 
 from kg.facts import InstanceInterface, NodeInstance, Role, System
 from kg.holes import fits, is_known, known_letters
-from kg.impact.model import VERBS, Area, Effect, Grade, Subject
+from kg.impact.model import Area, Effect, Grade, Subject
 from kg.render.text import some
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def end_effect(one: End, grade: Grade, reason: str, systems: Iterable[str], name
     return Effect(
         grade,
         Area.SYSTEMS,
-        f"{instance.name} {VERBS[end.declared.role]} {name or end.resolved}",
+        f"{instance.name} {end.declared.role.verb} {name or end.resolved}",
         reason,
         end.declared.location,
         end.declared.location.repository or end.owner.repository,

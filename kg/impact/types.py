@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Interface, Location
-from kg.impact.model import VERBS, Area, DefinitionRecord, Effect, FileRecord, Grade, Kind, Subject, World
+from kg.impact.model import Area, DefinitionRecord, Effect, FileRecord, Grade, Kind, Subject, World
 from kg.impact.texts import mentions
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _endpoint(
     return Effect(
         grade,
         Area.CODE,
-        f"{record.package}/{record.node.name} {VERBS[end.role]} {end.name or '?'} ({end.type}{through})",
+        f"{record.package}/{record.node.name} {end.role.verb} {end.name or '?'} ({end.type}{through})",
         reason,
         end.location,
         end.location.repository or record.repository,

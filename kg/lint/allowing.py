@@ -150,7 +150,7 @@ class Comments:
         comments = [match for match in _COMMENT.finditer(line) if match["code"].upper() == code]
         for match in comments:
             if not match["reason"].strip(" -"):
-                self.without_reason[Place(str(self._lines.file(place)), number)] = code
+                self.without_reason[Place(str(self._lines.file(place.repository, place.path)), number)] = code
         return any(match["reason"].strip(" -") for match in comments)
 
 

@@ -12,13 +12,13 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.fields import Properties, one
 from kg.graph.iris import Iris
-from kg.graph.queries import among, grouped, texts
+from kg.graph.reading.queries import among, grouped, texts
 from kg.lint.finding import Evidence, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
 
 
 _NO_LABELS: Final[Mapping[str, str]] = MappingProxyType({})

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import StoreError, UsageError
 from kg.graph.iris import Iris
+from kg.graph.reading.systems import SystemName, included, system_names
 from kg.graph.source_states import SourceState, sources
-from kg.graph.systems_reading import SystemName, included, system_names
 from kg.lazily import lazily
 from kg.lint import baseline as baselines
 from kg.lint.allowing import Comments, allowances
@@ -29,7 +29,7 @@ from kg.store.opening import existing, reading, writable
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
     from kg.lint.finding import Finding
     from kg.lint.question import Question
     from kg.pipeline.report import BuildReport

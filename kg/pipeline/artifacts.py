@@ -19,12 +19,10 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from kg.corpus.files import Source  # noqa: TC001 - results are read by these annotations
 from kg.errors import Place, SourceError, UsageError
-from kg.facts import Known, Problem  # noqa: TC001 - results are read by these annotations
 from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.plan import listing, mark_of
-from kg.pipeline.recording import Lookup, RecordingWorkspace, answer
-from kg.pipeline.report import PackageResult
+from kg.pipeline.recording import RecordingWorkspace, answer
 from kg.pipeline.visible import digest
 from kg.pipeline.work import Job, Outcome
 
@@ -49,23 +47,6 @@ class StoredResult:
 
     name: str
     outcome: Outcome
-
-
-@dataclass(frozen=True, slots=True)
-class _Result:
-    """Content of the file of a result."""
-
-    source: str
-    name: str
-    path: str
-    counts: dict[str, int]
-    unresolved: dict[str, int]
-    problems: tuple[Problem, ...]
-    seconds: float
-    inputs: dict[str, str]
-    outside: tuple[tuple[Lookup, str], ...]
-    packed: bytes
-    known: Known
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,18 +132,12 @@ class Artifacts:
             if outcome is not None and _holds(job, outcome, marks):
                 return StoredResult(name, outcome)
         outcome = read()
-        return StoredResult(self._write(folder, _packed(outcome)) if outcome.reusable else "", outcome)
+        return StoredResult(self._write(folder, _encode(outcome)) if outcome.reusable else "", outcome)
 
     def outcome(self, name: str) -> Outcome | None:
         """Return a result by its name; None if it is missing or damaged."""
         content = self._read(name)
-        stored = _decode(content, _Result) if content else None
-        if stored is None:
-            return None
-        result = PackageResult(
-            stored.source, stored.name, stored.path, stored.counts, stored.unresolved, stored.problems, stored.seconds
-        )
-        return Outcome(result, stored.inputs, dict(stored.outside), stored.packed, stored.known)
+        return _decode(content, Outcome) if content else None
 
     def _names(self, folder: str) -> Iterable[str]:
         try:
@@ -211,24 +186,6 @@ def without_extra() -> UsageError:
     """Return the error of a command that needs the extra `cluster`."""
     hint = "Install the extra: pip install 'kg-ros[cluster]'"
     return UsageError("KG125", "builds on a cluster need Dask, which is not installed", hint=hint)
-
-
-def _packed(outcome: Outcome) -> bytes:
-    result = outcome.result
-    content = _Result(
-        source=result.source,
-        name=result.name,
-        path=result.path,
-        counts=dict(result.counts),
-        unresolved=dict(result.unresolved),
-        problems=result.problems,
-        seconds=result.seconds,
-        inputs=outcome.inputs,
-        outside=tuple(sorted(outcome.outside.items())),
-        packed=outcome.packed,
-        known=outcome.visible,
-    )
-    return _encode(content)
 
 
 def _holds(job: Job, outcome: Outcome, marks: Mapping[str, str]) -> bool:

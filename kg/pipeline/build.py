@@ -1,7 +1,7 @@
 """The whole build: plan, read changed packages, write one new generation of the store.
 
     store = EmbeddedStore.create(Path(".kg"))
-    report = build(["~/catkin_ws/src"], store, settings.load(), Silent())
+    report = build(["~/catkin_ws/src"], store, settings.load(), Report())
 
 If a build is killed or interrupted, the store is unchanged: it is written in one transaction at the end, and the state
 for the next build is written last.
@@ -31,7 +31,7 @@ from kg.pipeline.inferring import Inference
 from kg.pipeline.plan import Key, Plan, code_bytes, code_version, entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.reasoning import digest
 from kg.pipeline.recording import RecordingWorkspace
-from kg.pipeline.report import BuildReport, Inferred, Report, Silent, SourceReport, SystemsReport, totals
+from kg.pipeline.report import BuildReport, Inferred, Report, SourceReport, SystemsReport, totals
 from kg.pipeline.sources import LostSourceError, folders, gather, installed_folders
 from kg.pipeline.state import PackageState, SourceState, State, Systems, load, save
 from kg.store.allocator import share_pools
@@ -41,7 +41,7 @@ from kg.store.failure import translated
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
     from kg.corpus.files import Pin
     from kg.corpus.workspace import PackageFolder, Source
     from kg.pipeline.corpus import Corpus
@@ -95,7 +95,7 @@ def build(  # noqa: PLR0913 - each is a decision of the caller
         StoreError: KG302 while another process writes, KG304 if the disk is full; the store is unchanged.
     """
     began = time.perf_counter()
-    progress = report or Silent()
+    progress = report or Report()
     share_pools()
     with translated(str(store.layout.root)):
         store.layout.cache.mkdir(parents=True, exist_ok=True)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.facts import DataFile, NodeName, NodeReference, System
 from kg.graph.nodes import Stated
-from kg.graph.reading import NodeRecord
+from kg.graph.reading.nodes import NodeRecord
 from kg.launch.wiring.types import NodeTypes, Typed
 from kg.pipeline import cache
 from kg.pipeline.visible import digest, visible_types

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from kg.corpus.fetching_cache import fetch_source
-from kg.corpus.fetching_lock import Entry
+from kg.corpus.fetching.cache import fetch_source
+from kg.corpus.fetching.lock import Entry
 from kg.errors import Place, SourceError
 from kg.pipeline.cluster import Cluster, announce, machine_of
 from kg.pipeline.extracting import corpus_cache

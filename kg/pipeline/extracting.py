@@ -19,8 +19,8 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from kg.corpus.fetching_cache import LIMITS, checkout
-from kg.corpus.fetching_lock import FETCHED, Entry
+from kg.corpus.fetching.cache import LIMITS, checkout
+from kg.corpus.fetching.lock import FETCHED, Entry
 from kg.errors import KgError, SourceError
 from kg.language.annotating import prepare
 from kg.pipeline.artifacts import Artifacts

@@ -12,7 +12,7 @@ from kg.similar import did_you_mean
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.graph.systems_reading import SystemName
+    from kg.graph.reading.systems import SystemName
 
 
 def find(names: Sequence[SystemName], text: str, roots: Mapping[str, str]) -> SystemName:

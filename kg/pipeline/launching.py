@@ -16,8 +16,8 @@ from kg.corpus.reading import Reader
 from kg.corpus.workspace import INSTALLED, PackageFolder, Source, Workspace, scan_tree
 from kg.errors import Place, SourceError, UsageError
 from kg.graph.iris import Iris
+from kg.graph.reading.systems import SystemName, system_names, systems
 from kg.graph.systems import system_triples
-from kg.graph.systems_reading import SystemName, system_names, systems
 from kg.launch.wiring.systems import wire
 from kg.lazily import lazily
 from kg.pipeline.inferring import Inference
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kg.facts import System
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
     from kg.launch.wiring.types import NodeTypes
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore

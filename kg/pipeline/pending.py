@@ -11,7 +11,7 @@ from kg.errors import SourceError
 from kg.pipeline.inferring import last_run
 from kg.pipeline.plan import make_plan, version
 from kg.pipeline.reasoning import digest
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.pipeline.sources import gather, installed_folders
 from kg.pipeline.state import State, load
 
@@ -32,7 +32,7 @@ def pending(layout: Layout, settings: Settings) -> dict[str, tuple[str, ...] | N
         name: None for name, source in state.sources.items() if not source.elsewhere
     }
     try:
-        sources = gather(named, layout.checkouts, Silent())
+        sources = gather(named, layout.checkouts, Report())
     except SourceError:
         return changed
     workspace = Workspace(sources, installed_folders(settings))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
+
+from kg.facts import Problem  # noqa: TC001 - results are read by these annotations
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
     from kg.errors import KgError
-    from kg.facts import Problem, Repository
+    from kg.facts import Repository
     from kg.pipeline.state import Systems
 
 
@@ -139,68 +140,32 @@ class BuildReport:
         return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
 
 
-class Report(Protocol):
-    """Receiver of the progress of a build; every call comes from the process that called `build`."""
+class Report:
+    """Receiver of the progress of a build, which ignores it; every call comes from the process that called `build`."""
 
     def fetching(self, message: str) -> None:
         """Report the state of a git address."""
-        ...
 
     def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
         """Report a source that was found, with its number of packages."""
-        ...
 
     def planned(self, read: int, reused: int, jobs: int) -> None:
         """Report how many packages will be read, how many are unchanged, and the number of processes.
 
         `jobs` is 0 for a cluster.
         """
-        ...
 
     def placed(self, worker: str, source: str) -> None:
         """Report that a worker of a cluster, by its address, starts to read packages of a source."""
-        ...
 
     def done(self, result: PackageResult) -> None:
         """Report that a package was read."""
-        ...
 
     def writing(self, triples: int) -> None:
         """Report the number of triples being written."""
-        ...
 
     def inferring(self) -> None:
         """Report that the rules run."""
-        ...
 
     def finished(self, report: BuildReport) -> None:
         """Report that the build is complete and committed."""
-        ...
-
-
-class Silent:
-    """A report that prints nothing."""
-
-    def fetching(self, message: str) -> None:
-        """Ignore the state of a git address."""
-
-    def source(self, repository: Repository, packages: int, problems: tuple[Problem, ...]) -> None:
-        """Ignore it."""
-
-    def planned(self, read: int, reused: int, jobs: int) -> None:
-        """Ignore it."""
-
-    def placed(self, worker: str, source: str) -> None:
-        """Ignore what a worker of a cluster reads."""
-
-    def done(self, result: PackageResult) -> None:
-        """Ignore it."""
-
-    def writing(self, triples: int) -> None:
-        """Ignore it."""
-
-    def inferring(self) -> None:
-        """Ignore it."""
-
-    def finished(self, report: BuildReport) -> None:
-        """Ignore it."""

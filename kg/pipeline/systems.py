@@ -17,7 +17,7 @@ from pyoxigraph import NamedNode
 from kg.errors import guarded
 from kg.facts import LaunchConfiguration, LaunchProblem, LaunchProblemKind, Location, NodeReference, System
 from kg.graph import vocabulary as v
-from kg.graph.reading import NodeRecord, Queryable, data_files, node_records, programs
+from kg.graph.reading.nodes import NodeRecord, Queryable, data_files, node_records, programs
 from kg.graph.starts import STARTS, starts_apart
 from kg.graph.systems import system_triples
 from kg.launch.wiring.systems import wire

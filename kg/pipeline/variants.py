@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 from kg.corpus.files import FilePath
-from kg.graph.systems_reading import system_names
+from kg.graph.reading.systems import system_names
 from kg.pipeline.launch_names import check_given, find
 from kg.pipeline.launching import LaunchFile
 from kg.pipeline.state import load

@@ -18,6 +18,7 @@ from kg.graph.shared import split
 from kg.language.annotating import annotate
 from kg.lazily import lazily
 from kg.pipeline import cache
+from kg.pipeline.recording import Lookup  # noqa: TC001 - outcomes are read by these annotations
 from kg.pipeline.report import PackageResult
 from kg.pipeline.visible import visible_types
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import PackageFolder, Source
     from kg.corpus.workspace import Workspace
-    from kg.pipeline.recording import Lookup, RecordingWorkspace
+    from kg.pipeline.recording import RecordingWorkspace
 
 with lazily():
     from kg.launch.files import reading

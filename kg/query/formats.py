@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 __all__ = [
+    "ALIASES",
     "BOOLEAN_FORMATS",
     "GRAPH_FORMATS",
     "SOLUTION_FORMATS",
@@ -44,6 +45,24 @@ BOOLEAN_FORMATS: Final = BOOLEANS
 
 GRAPH_FORMATS: Final = FORMATS
 """Formats of graphs."""
+
+ALIASES: Final = {
+    "ttl": "turtle",
+    "n3": "turtle",  # a subset of it
+    "nt": "ntriples",
+    "n-triples": "ntriples",
+    "nq": "nquads",
+    "n-quads": "nquads",
+    "json-ld": "jsonld",
+    "rdf": "rdfxml",
+    "rdf/xml": "rdfxml",
+    "rdf+xml": "rdfxml",
+    "srj": "json",
+    "srx": "xml",
+    "md": "markdown",
+    "ndjson": "jsonl",
+}
+"""Other names of formats."""
 
 _WITH_PREFIXES: Final = frozenset({"turtle", "trig", "rdfxml"})
 

@@ -20,7 +20,7 @@ from pyoxigraph import (
 
 from kg.errors import UnknownNameError, UsageError, choices
 from kg.similar import did_you_mean
-from kg.syntax.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, RDF_TYPE, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 _PREFIXED: Final = re.compile(r"([A-Za-z][\w.-]*):([\w.-]*)")
 _WRITTEN: Final = re.compile(r"""["'].*|[+-]?\d[\d.eE+-]*|true|false|<<.*""", re.DOTALL)
-_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _CALLED: Final = "SELECT DISTINCT ?t WHERE { VALUES ?name { %s } ?t rdfs:label|rnkg:name ?name } ORDER BY ?t"
 """Things with exactly this name, or with the leading slash of ROS names."""
 _ENDING: Final = """SELECT DISTINCT ?t WHERE {
@@ -218,7 +217,7 @@ def terms(
         UnknownNameError: KG001 with suggestions if nothing is found.
     """
     if property_ and word == "a":
-        return [_TYPE]
+        return [RDF_TYPE]
     if word.startswith("<") and word.endswith(">"):
         return [NamedNode(word[1:-1])]
     prefixed = _PREFIXED.fullmatch(word)

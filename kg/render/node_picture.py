@@ -19,14 +19,6 @@ if TYPE_CHECKING:
 
 _LEFT: Final = ("subscribes", "services", "action_servers")
 _RIGHT: Final = ("publishes", "clients", "action_clients")
-_TITLES: Final = {
-    "subscribes": "subscribes",
-    "services": "offers services",
-    "action_servers": "offers actions",
-    "publishes": "publishes",
-    "clients": "calls services",
-    "action_clients": "calls actions",
-}
 _ROW: Final = 40
 _HEADING: Final = 30
 _WIRE: Final = 64
@@ -66,7 +58,7 @@ class _Side:
             for port in ports
             for text, size in ((port.name, _CHARACTER), (port.type, _SMALL))
         ]
-        headings = [width(_TITLES[role]) * 7 for role, _ in self.groups]
+        headings = [width(Role(role).heading) * 7 for role, _ in self.groups]
         return max(*widths, *headings, 0, 0)
 
 
@@ -108,7 +100,7 @@ def _draw_side(side: _Side, top: int, *, outer: int, inner: int, inward: bool) -
     anchor = "start" if inward else "end"
     y = top
     for role, ports in side.groups:
-        yield f'<text class="group" x="{outer}" y="{y + 20}" text-anchor="{anchor}">{_TITLES[role]}</text>'
+        yield f'<text class="group" x="{outer}" y="{y + 20}" text-anchor="{anchor}">{Role(role).heading}</text>'
         y += _HEADING
         for port in ports:
             yield from _draw_port(port, x, y + _ROW // 2 - 2, size, wire)
@@ -120,7 +112,7 @@ def _draw_port(port: Port, x: int, y: int, size: int, wire: tuple[int, int]) -> 
     shape = Role(port.role).channel
     start, end = wire
     yield f'<g class="{"implicit" if port.implicit else "declared"}">'
-    yield f"<title>{escaped(f'{_TITLES[port.role]} {port.name} ({port.type})')}</title>"
+    yield f"<title>{escaped(f'{Role(port.role).heading} {port.name} ({port.type})')}</title>"
     yield f'<path class="wire {shape}" d="M{start} {y}H{end - 6}"/>'
     yield f'<path class="head {shape}" d="M{end} {y}l-9 -6v12z"/>'
     yield f'<path class="port {shape}" d="{_outline(shape, x, y - 17, size, 34)}"/>'
@@ -141,5 +133,5 @@ def _description(ports: Sequence[Port], more: str) -> str:
     for role in (*_LEFT, *_RIGHT):
         named = [f"{port.name} ({port.type})" for port in ports if port.role == role]
         if named:
-            sentences.append(f"It {_TITLES[role]} {', '.join(named)}.")
+            sentences.append(f"It {Role(role).heading} {', '.join(named)}.")
     return " ".join([*(sentences or ["It has no topics, services or actions."]), *([f"{more}."] if more else [])])

@@ -15,7 +15,7 @@ from pyoxigraph import NamedNode, Triple, Variable
 from kg.errors import RobotError, UnknownNameError, UsageError
 from kg.graph import vocabulary as v
 from kg.graph.fields import Properties, one
-from kg.graph.queries import grouped, values
+from kg.graph.reading.queries import grouped, values
 from kg.query.binding import bind
 from kg.query.stored import internal
 from kg.robot.capability import Capabilities, Capability, Parameter, Way, called

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import os
 import re
-import tomllib
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import cache
@@ -18,7 +17,7 @@ from typing import TYPE_CHECKING, Final
 from urllib.parse import parse_qsl, urlsplit
 
 from kg.errors import RobotError
-from kg.resources import folder
+from kg.resources import table_of
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Mapping
@@ -43,8 +42,7 @@ def of_robot(graph: ComputationGraph) -> ComputationGraph:
 
 @cache
 def _pattern(ros: int) -> re.Pattern[str]:
-    table = tomllib.loads((folder("ontology") / "implicit.toml").read_text(encoding="utf-8"))
-    rows = (row for row in table["infrastructure"] if row.get("ros", ros) == ros)
+    rows = (row for row in table_of("ontology", "implicit.toml")["infrastructure"] if row.get("ros", ros) == ros)
     return re.compile("|".join(f"(?:{row['pattern']})" for row in rows))
 
 

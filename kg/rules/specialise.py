@@ -34,6 +34,7 @@ from kg.rules.form import (
     variables_of,
 )
 from kg.rules.sparql import construct, select
+from kg.syntax.names import RDF_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -43,7 +44,6 @@ if TYPE_CHECKING:
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
 _RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
-_TYPE: Final = NamedNode(f"{_RDF}type")
 SCHEMA_PREDICATES: Final = frozenset(
     NamedNode(iri)
     for iri in (
@@ -71,7 +71,7 @@ SCHEMA_CLASSES: Final = frozenset(
 
 def is_schema(predicate: Pattern, value: Pattern) -> bool:
     """Return whether a triple with these is about the schema: an axiom, or a thing being a class, a property, ..."""
-    if predicate == _TYPE:
+    if predicate == RDF_TYPE:
         return value in SCHEMA_CLASSES
     return predicate in SCHEMA_PREDICATES
 
@@ -85,7 +85,8 @@ def schema_pattern() -> str:
     """Return the group of SPARQL that binds ?s, ?p and ?o to the triples for which `is_schema` holds."""
     predicates = [f"{{ ?s {one} ?o BIND({one} AS ?p) }}" for one in sorted(map(str, SCHEMA_PREDICATES))]
     classes = [
-        f"{{ ?s {_TYPE} {one} BIND({_TYPE} AS ?p) BIND({one} AS ?o) }}" for one in sorted(map(str, SCHEMA_CLASSES))
+        f"{{ ?s {RDF_TYPE} {one} BIND({RDF_TYPE} AS ?p) BIND({one} AS ?o) }}"
+        for one in sorted(map(str, SCHEMA_CLASSES))
     ]
     # With VALUES the engine reads all triples of a graph: 3 s for a million, and 15 ms this way.
     return f"{{ {' UNION '.join([*predicates, *classes])} }}"
@@ -146,7 +147,7 @@ def _may_write_schema(rule: Rule) -> bool:
     """Return whether a triple that a rule derives can be about the schema."""
     harmless = set(_never_schema(rule.body))
     for atom in rule.head:
-        open_class = atom.predicate == _TYPE and isinstance(atom.object, Variable) and atom.object not in harmless
+        open_class = atom.predicate == RDF_TYPE and isinstance(atom.object, Variable) and atom.object not in harmless
         if isinstance(atom.predicate, Variable) or open_class or is_schema(atom.predicate, atom.object):
             return True
     return False
@@ -209,7 +210,7 @@ def _open(rule: Rule) -> Iterator[Variable]:
     for atom in (*rule.head, *(element for element in rule.body if isinstance(element, Atom))):
         if isinstance(atom.predicate, Variable):
             yield atom.predicate
-        elif atom.predicate == _TYPE and isinstance(atom.object, Variable):
+        elif atom.predicate == RDF_TYPE and isinstance(atom.object, Variable):
             yield atom.object
 
 

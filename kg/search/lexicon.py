@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -38,7 +37,7 @@ class Lexicon:
 @lru_cache(maxsize=1)
 def lexicon() -> Lexicon:
     """Return the lexicon shipped with `kg`."""
-    content = tomllib.loads((resources.folder("ontology") / FILE).read_text("utf-8"))
+    content = resources.table_of("ontology", FILE)
     return Lexicon(
         frozenset(content["stop_words"].split()),
         {word: tuple(parts.split()) for word, parts in content["compounds"].items()},

@@ -18,8 +18,8 @@ from kg.graph import vocabulary as v
 from kg.graph.fields import one as value_of
 from kg.graph.interfaces import SHAPES
 from kg.graph.iris import UNKNOWN, is_source_graph
-from kg.graph.queries import grouped
-from kg.graph.reading import owner_of
+from kg.graph.reading.nodes import owner_of
+from kg.graph.reading.queries import grouped
 from kg.query.rows import rows
 from kg.search.documents import Document, End, PackageDocument, Text
 from kg.search.folding import TRANSFORM_TYPES

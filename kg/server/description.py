@@ -19,6 +19,7 @@ from kg.server.negotiation import GRAPH, RESULTS, choose
 from kg.server.parameters import Parameters
 from kg.server.safety.tokens import client
 from kg.server.state import state
+from kg.syntax.names import RDF_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 _SD: Final = "http://www.w3.org/ns/sparql-service-description#"
 _VOID: Final = "http://rdfs.org/ns/void#"
 _FORMATS: Final = "http://www.w3.org/ns/formats/"
-_TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _INTEGER: Final = NamedNode("http://www.w3.org/2001/XMLSchema#integer")
 
 _FORMAT_NAMES: Final = {
@@ -76,7 +76,7 @@ async def description(request: Request) -> Response:
 
 def _triples(endpoint: str, options: Options, counts: _Counts | None) -> Iterator[Triple]:
     service, dataset = BlankNode("service"), BlankNode("dataset")
-    yield Triple(service, _TYPE, _sd("Service"))
+    yield Triple(service, RDF_TYPE, _sd("Service"))
     yield Triple(service, _sd("endpoint"), NamedNode(endpoint))
     yield Triple(service, _sd("supportedLanguage"), _sd("SPARQL11Query"))
     if not options.no_union:
@@ -85,14 +85,14 @@ def _triples(endpoint: str, options: Options, counts: _Counts | None) -> Iterato
     for name in dict.fromkeys(name for _, name in (*RESULTS, *GRAPH) if name in _FORMAT_NAMES):
         yield Triple(service, _sd("resultFormat"), NamedNode(_FORMATS + _FORMAT_NAMES[name]))
     yield Triple(service, _sd("defaultDataset"), dataset)
-    yield Triple(dataset, _TYPE, _sd("Dataset"))
+    yield Triple(dataset, RDF_TYPE, _sd("Dataset"))
     default = BlankNode("default")
     yield Triple(dataset, _sd("defaultGraph"), default)
     yield from _graph(default, counts[0] if counts else None)
     for index, (name, count) in enumerate((counts[1] if counts else {}).items()):
         named, graph = BlankNode(f"named{index}"), BlankNode(f"graph{index}")
         yield Triple(dataset, _sd("namedGraph"), named)
-        yield Triple(named, _TYPE, _sd("NamedGraph"))
+        yield Triple(named, RDF_TYPE, _sd("NamedGraph"))
         yield Triple(named, _sd("name"), NamedNode(name))
         yield Triple(named, _sd("graph"), graph)
         yield from _graph(graph, count)
@@ -101,7 +101,7 @@ def _triples(endpoint: str, options: Options, counts: _Counts | None) -> Iterato
 
 
 def _graph(graph: BlankNode, count: int | None) -> Iterator[Triple]:
-    yield Triple(graph, _TYPE, _sd("Graph"))
+    yield Triple(graph, RDF_TYPE, _sd("Graph"))
     if count is not None:
         yield Triple(graph, NamedNode(_VOID + "triples"), Literal(str(count), datatype=_INTEGER))
 
@@ -109,7 +109,7 @@ def _graph(graph: BlankNode, count: int | None) -> Iterator[Triple]:
 def _updates(endpoint: str) -> Iterator[Triple]:
     """Describe the update service, which is separate from the query service."""
     service = BlankNode("updates")
-    yield Triple(service, _TYPE, _sd("Service"))
+    yield Triple(service, RDF_TYPE, _sd("Service"))
     yield Triple(service, _sd("endpoint"), NamedNode(endpoint.rstrip("/").rpartition("/")[0] + "/update"))
     yield Triple(service, _sd("supportedLanguage"), _sd("SPARQL11Update"))
     for name in dict.fromkeys(name for _, name in GRAPH):

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
+from kg.query.formats import ALIASES
 from kg.server.errors import RequestError
 
 _RESULTS_JSON: Final = "application/sparql-results+json"
@@ -49,23 +50,6 @@ GRAPH: Final[Sequence[tuple[str, str]]] = (
 _N3: Final = (("text/n3", "turtle"), ("text/rdf+n3", "turtle"))  # media types of Notation3, of which Turtle is a subset
 _KINDS: Final = {"rows": RESULTS, "boolean": RESULTS, "graph": (*GRAPH, *_N3)}
 
-_NAMES: Final = {
-    "ttl": "turtle",
-    "nt": "ntriples",
-    "n-triples": "ntriples",
-    "nq": "nquads",
-    "n-quads": "nquads",
-    "json-ld": "jsonld",
-    "rdf": "rdfxml",
-    "rdf/xml": "rdfxml",
-    "rdf+xml": "rdfxml",
-    "n3": "turtle",
-    "srj": "json",
-    "srx": "xml",
-    "md": "markdown",
-    "ndjson": "jsonl",
-}
-"""Aliases of formats."""
 _AS_GRAPH: Final = {"json": "jsonld", "xml": "rdfxml", "jsonld": "json", "rdfxml": "xml"}
 """The format of a graph result for the name of a format of rows."""
 
@@ -199,9 +183,9 @@ def _accepted(wanted: Sequence[Range]) -> dict[str, Choice]:
 
 
 def _named(name: str) -> dict[str, Choice]:
-    if "/" in name and name not in _NAMES:
+    if "/" in name and name not in ALIASES:
         return _accepted(ranges(name))
-    name = _NAMES.get(name, name)
+    name = ALIASES.get(name, name)
     names = {name, _AS_GRAPH.get(name, name)}
     return {
         kind: Choice(name, media_type)

@@ -32,7 +32,7 @@ with lazily():
 
 
 class EmbeddedStore:
-    """A store in a local folder; see `kg.store.interface.QuadStore`."""
+    """A store in a local folder."""
 
     def __init__(self, layout: Layout) -> None:
         self.layout = layout

@@ -1,4 +1,4 @@
-"""Interface of quad stores, local or remote.
+"""Interface of the content of stores, local or remote.
 
 Terms and results are those of pyoxigraph: they are plain values, and a remote store can parse them from the responses
 of a SPARQL server (`pyoxigraph.parse_query_results`).
@@ -9,9 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from contextlib import AbstractContextManager
-    from pathlib import Path
+    from collections.abc import Mapping
 
     from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, QueryTriples, RdfFormat
 
@@ -46,40 +44,4 @@ class Snapshot(Protocol):
 
     def close(self) -> None:
         """Release the content."""
-        ...
-
-
-class Transaction(Protocol):
-    """Changes that take effect together or not at all."""
-
-    def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
-        """Replace the content of each named graph by chunks of N-Triples, each of whole lines."""
-        ...
-
-    def append(self, graph: NamedNode, triples: bytes) -> None:
-        """Add N-Triples to a graph."""
-        ...
-
-    def drop_graph(self, graph: NamedNode) -> None:
-        """Remove a graph and its content."""
-        ...
-
-    def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
-        """Add the content of an RDF file."""
-        ...
-
-    def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
-        """Run a SPARQL update."""
-        ...
-
-
-class QuadStore(Protocol):
-    """A store of quads."""
-
-    def read(self) -> AbstractContextManager[Snapshot]:
-        """Return the current content, for a `with` statement."""
-        ...
-
-    def write(self, command: str) -> AbstractContextManager[Transaction]:
-        """Begin a transaction that commits at the end of the `with` statement unless its body raises."""
         ...

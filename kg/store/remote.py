@@ -2,16 +2,15 @@
 
     store = RemoteStore("http://localhost:7878/query", "http://localhost:7878/update")
     with store.read() as snapshot: ...
-    with store.write("kg rules run") as transaction: ...
+    store.update("INSERT DATA { GRAPH <urn:g> { ... } } ; DROP GRAPH <urn:h>")
 
-A server has no snapshots: its content may change between two requests. A transaction is one request of several
-operations, which servers usually run atomically (SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
+A server has no snapshots: its content may change between two requests. The operations of one request usually run
+atomically (SPARQL 1.1 Update, section 3: "a request SHOULD be atomic").
 """
 
 from __future__ import annotations
 
 import re
-from contextlib import contextmanager
 from tempfile import SpooledTemporaryFile
 from typing import IO, TYPE_CHECKING, Final, Self, cast
 from uuid import uuid4
@@ -30,79 +29,14 @@ from pyoxigraph import (
     Variable,
     parse,
     parse_query_results,
-    serialize,
 )
 
 from kg.errors import Place, StoreError
-from kg.store.files import quads_of, required_format_of
 from kg.store.http import Answer, Endpoint, RefusedError
 from kg.store.serialization import serialized
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
-    from pathlib import Path
-
-
-class RemoteTransaction:
-    """SPARQL Update operations in the order of the calls; see `kg.store.interface.Transaction`."""
-
-    def __init__(self) -> None:
-        self._operations: list[str] = []
-        self._prefixes: dict[str, str] = {}
-
-    @property
-    def operations(self) -> str:
-        """The text of one request, empty without operations."""
-        # Declarations are at the beginning: Oxigraph 0.5 does not parse those after a semicolon.
-        declared = "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in self._prefixes.items())
-        return declared + " ;\n".join(self._operations) if self._operations else ""
-
-    def replace_graphs(self, graphs: Mapping[NamedNode, Iterable[bytes]]) -> None:
-        """Replace the content of each named graph by chunks of N-Triples, each of whole lines."""
-        for graph, chunks in graphs.items():
-            self.drop_graph(graph)
-            self.append(graph, b"".join(chunks))
-
-    def append(self, graph: NamedNode, triples: bytes) -> None:
-        """Add N-Triples to a graph; their blank nodes are new ones in the store."""
-        if not triples.strip():
-            return
-        if b"_:" in triples:
-            # A label must not occur in two operations of a request (SPARQL 1.1, grammar note 10).
-            renamed = parse(triples, RdfFormat.N_TRIPLES, rename_blank_nodes=True)
-            triples = serialize((quad.triple for quad in renamed), format=RdfFormat.N_TRIPLES) or b""
-        self._operations.append(f"INSERT DATA {{ GRAPH {graph} {{\n{triples.decode()}}} }}")
-
-    def drop_graph(self, graph: NamedNode) -> None:
-        """Remove a graph and its content; an unknown name is ignored."""
-        self._operations.append(f"DROP SILENT GRAPH {graph}")
-
-    def load_file(self, path: Path, rdf_format: RdfFormat | None = None, *, graph: NamedNode | None = None) -> None:
-        """Add the content of an RDF file: to `graph`, or to the graphs that the file names.
-
-        Raises:
-            GraphError: KG601 with the line if the file is invalid, or if its format is unknown.
-            SourceError: KG101 if the file cannot be opened.
-        """
-        quads = quads_of(path, rdf_format or required_format_of(path), rename=True)
-        self._operations.append("INSERT DATA {\n" + "".join(_stated(quad, graph) for quad in quads) + "}")
-
-    def update(self, text: str, *, prefixes: Mapping[str, str] | None = None) -> None:
-        """Add SPARQL Update operations.
-
-        Raises:
-            StoreError: KG225 if an earlier update of this transaction declared a prefix with another IRI.
-        """
-        for prefix, iri in (prefixes or {}).items():
-            if self._prefixes.setdefault(prefix, iri) != iri:
-                message = f"the prefix `{prefix}:` means two IRIs in one transaction"
-                raise StoreError("KG225", message, hint="Write one of them in full.")
-        self._operations.append(text)
-
-
-def _stated(quad: Quad, graph: NamedNode | None) -> str:
-    named = graph if quad.graph_name == DefaultGraph() else quad.graph_name
-    return f"GRAPH {named} {{ {quad.triple} }}\n" if named else f"{quad.triple} .\n"
 
 
 _NO_UPDATES: Final = frozenset({400, 404, 405, 415, 501})
@@ -141,7 +75,7 @@ _MAKES_TRIPLES: Final = re.compile(
 
 
 class RemoteStore:
-    """A SPARQL 1.1 server; see `kg.store.interface.QuadStore`.
+    """A SPARQL 1.1 server.
 
     Without an address for updates the one for queries takes them too. `timeout` is how many seconds the server may
     be silent, `from_environment` that of `kg.store.http.Endpoint`.
@@ -165,14 +99,6 @@ class RemoteStore:
     def read(self) -> RemoteSnapshot:
         """Return the content of the server, which may change between requests."""
         return RemoteSnapshot(self._queries)
-
-    @contextmanager
-    def write(self, command: str) -> Iterator[RemoteTransaction]:  # noqa: ARG002 - from the Protocol; unused by servers
-        """Begin a transaction; its operations are sent as one request at the end unless the body raises."""
-        transaction = RemoteTransaction()
-        yield transaction
-        if operations := transaction.operations:
-            self.update(operations)
 
     def update(self, text: str, *, timeout: float | None = None) -> None:
         """Send one SPARQL Update request now; never retried."""

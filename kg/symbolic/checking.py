@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from kg.errors import Place, SourceError
 from kg.facts import Role
-from kg.resources import folder
+from kg.resources import table_of
 from kg.settings import toml_place
 from kg.similar import did_you_mean
 from kg.symbolic.columns import (
@@ -254,8 +254,7 @@ def _common_errors(row: _Row) -> Iterator[SourceError]:
 
 @cache
 def _marks() -> tuple[str, ...]:
-    content = tomllib.loads((folder("ontology") / "implicit.toml").read_text(encoding="utf-8"))
-    return tuple(dict.fromkeys(use["mark"] for use in content["use"]))
+    return tuple(dict.fromkeys(use["mark"] for use in table_of("ontology", "implicit.toml")["use"]))
 
 
 def _port_errors(row: _Row) -> Iterator[SourceError]:

@@ -6,7 +6,7 @@ import re
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
-from pyoxigraph import RdfFormat, parse
+from pyoxigraph import NamedNode, RdfFormat, parse
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,6 +30,9 @@ PREFIXES: Final = MappingProxyType(
     }
 )
 """Namespaces by prefix; a declaration in a query overrides them."""
+
+RDF_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
+"""The property that `a` stands for."""
 
 WELL_KNOWN: Final = MappingProxyType(
     {

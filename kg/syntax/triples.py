@@ -10,11 +10,11 @@ from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Triple
 
 from kg.syntax.cursor import Cursor
 from kg.syntax.lexer import Kind, quoted, unescape
+from kg.syntax.names import RDF_TYPE
 from kg.syntax.terms import Pattern, TripleTerm, Variable
 from kg.syntax.tree import Alternative, Inverse, Negated, Path, Repeat, Sequence, TriplePattern
 
 RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
-TYPE: Final = NamedNode(RDF + "type")
 _XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 _DIRECTIONS: Final = {"ltr": BaseDirection.LTR, "rtl": BaseDirection.RTL}
 _LONG_QUOTES: Final = ("'''", '"""')
@@ -232,7 +232,7 @@ class Triples(Cursor):
     def _step(self, what: str) -> NamedNode:
         if self.token.kind is Kind.WORD and self.token.text == "a":
             self.advance()
-            return TYPE
+            return RDF_TYPE
         return self.iri(what)
 
     def _negated(self) -> Path:

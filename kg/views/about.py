@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Location
 from kg.graph.iris import Iris
-from kg.graph.queries import column, texts
+from kg.graph.reading.queries import column, texts
 from kg.views.evidence import places
 from kg.views.terms import named_node
 

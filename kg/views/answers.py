@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 import msgspec
 
 from kg import resources
-from kg.graph import impact_parts, overview
-from kg.graph.channels_reading import every_name
-from kg.graph.overview import Channel, NodeSummary
-from kg.graph.reading import node_records
+from kg.graph.reading import impact_parts, overview
+from kg.graph.reading.channels import every_name
+from kg.graph.reading.nodes import node_records
+from kg.graph.reading.overview import Channel, NodeSummary
 from kg.graph.records import node_object
 from kg.lazily import lazily
 from kg.pipeline.filecache import are_stable, states
@@ -73,7 +73,7 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
 
 
 def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
-    """Return the topics, services or actions of the store, as `kg.graph.overview.channels` does."""
+    """Return the topics, services or actions of the store, as `kg.graph.reading.overview.channels` does."""
     name = f"{kind}-all" if implicit else kind
     return _answer(
         snapshot, name, list[Channel], lambda: overview.channels(columns_of(snapshot), kind, implicit=implicit)
@@ -81,7 +81,7 @@ def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -
 
 
 def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
-    """Return all node types of the store as lines of JSON, in the order of `kg.graph.reading.node_records`."""
+    """Return all node types of the store as lines of JSON, in the order of `kg.graph.reading.nodes.node_records`."""
 
     def make() -> list[NodeLine]:
         return [
@@ -93,22 +93,22 @@ def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
 
 
 def node_summaries(snapshot: EmbeddedSnapshot) -> list[NodeSummary]:
-    """Return all node types of the store with the numbers of their interfaces, as `kg.graph.overview.nodes` does."""
+    """Return all node types with the numbers of their interfaces, as `kg.graph.reading.overview.nodes` does."""
     return _answer(snapshot, "summaries", list[NodeSummary], lambda: overview.nodes(columns_of(snapshot)))
 
 
 def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:
-    """Return all names of topics, services and actions, as `kg.graph.channels_reading.every_name` does."""
+    """Return all names of topics, services and actions, as `kg.graph.reading.channels.every_name` does."""
     return _answer(snapshot, "names", dict[str, list[str]], lambda: every_name(columns_of(snapshot)))
 
 
 def partial_names(snapshot: EmbeddedSnapshot) -> list[str]:
-    """Return the names of ends with unknown parts, as `kg.graph.impact_parts.partial_names` does."""
+    """Return the names of ends with unknown parts, as `kg.graph.reading.impact_parts.partial_names` does."""
     return _answer(snapshot, "partly-known", list[str], lambda: impact_parts.partial_names(columns_of(snapshot)))
 
 
 def set_names(snapshot: EmbeddedSnapshot) -> list[str]:
-    """Return the names of settings and of what they set, as `kg.graph.impact_parts.set_names` does."""
+    """Return the names of settings and of what they set, as `kg.graph.reading.impact_parts.set_names` does."""
     return _answer(snapshot, "set-names", list[str], lambda: impact_parts.set_names(columns_of(snapshot)))
 
 

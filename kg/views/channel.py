@@ -6,7 +6,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError
-from kg.graph.channels_reading import (
+from kg.graph.iris import Iris
+from kg.graph.reading.channels import (
     channels_called,
     ends_in_code,
     findings_about,
@@ -15,16 +16,14 @@ from kg.graph.channels_reading import (
     names_written,
     systems_at,
 )
-from kg.graph.iris import Iris
-from kg.graph.overview import channels
+from kg.graph.reading.overview import channels
+from kg.graph.reading.systems import system_names
 from kg.graph.records import end_object, interface_object
-from kg.graph.systems_reading import system_names
 from kg.names import normalise
 from kg.similar import unknown
 from kg.views.evidence import Places, places
 from kg.views.system_rows import MISMATCHES, set_at
 from kg.views.systems import chosen_systems
-from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -226,7 +225,7 @@ class _Endpoints:
         source = owner.repository
         return {
             "role": str(fact.role),
-            "title": TITLES[fact.role],
+            "title": fact.role.heading,
             "types": [fact.type] if fact.type else [],
             "plugins": [],
             "systems": [],

@@ -6,10 +6,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import UsageError, choices
-from kg.graph.channels_reading import channels_called
-from kg.graph.impact_nodes import nodes_called, nodes_with_parameter, qualified_names, settable_names, types_called
-from kg.graph.impact_reading import arguments, file_records, type_names
-from kg.graph.systems_reading import started_names
+from kg.graph.reading.channels import channels_called
+from kg.graph.reading.impact import arguments, file_records, type_names
+from kg.graph.reading.impact_nodes import (
+    nodes_called,
+    nodes_with_parameter,
+    qualified_names,
+    settable_names,
+    types_called,
+)
+from kg.graph.reading.systems import started_names
 from kg.impact.assessing import impact as assess
 from kg.impact.model import CHANNELS, Impact, Kind, Subject
 from kg.impact.parameters import has_parameter, spellings

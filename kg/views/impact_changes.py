@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.facts import Location
-from kg.graph.impact_reading import definition_records, file_records
-from kg.graph.reading import node_records
-from kg.graph.systems_reading import systems
+from kg.graph.reading.impact import definition_records, file_records
+from kg.graph.reading.nodes import node_records
+from kg.graph.reading.systems import systems
 from kg.impact.changes import Broken, broken, definition_changes
 from kg.impact.model import Kind, Subject
 from kg.launch.comparison import Finding, Sources, compare
@@ -17,6 +17,10 @@ from kg.views.impact_world import StoredWorld
 from kg.views.systems import configuration_names
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kg.graph.reading.nodes import NodeRecord
+    from kg.graph.reading.systems import SystemName
     from kg.lint.finding import Finding as Found
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
@@ -50,14 +54,20 @@ def _side(
     snapshot: EmbeddedSnapshot, settings: Settings, packages: set[str], launches: set[tuple[str, str]]
 ) -> Sources:
     names = [one for one in configuration_names(snapshot) if (one.repository, one.path) in launches]
-    chosen = {one.name for one in names}
-    findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
     nodes = node_records(snapshot, packages=packages) if packages else []
+    return compared_sources(snapshot, settings, nodes, names)
+
+
+def compared_sources(
+    snapshot: EmbeddedSnapshot, settings: Settings, nodes: list[NodeRecord], names: Sequence[SystemName]
+) -> Sources:
+    """Return what `kg.launch.comparison` compares of a store: nodes, and systems with what `kg lint` found in them."""
+    chosen = {one.name for one in names}
+    findings = [_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
     return Sources(nodes, systems(snapshot, names, settings.base), findings)
 
 
-def compared_finding(finding: Found) -> Finding:
-    """Return a finding of `kg lint` as `kg.launch.comparison` takes it."""
+def _finding(finding: Found) -> Finding:
     place = finding.place
     location = Location(place.path, place.line) if place and place.line is not None else None
     subject = finding.subjects[0] if finding.subjects else ""

@@ -7,7 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Location, System
-from kg.graph.impact_nodes import (
+from kg.graph.iris import Iris
+from kg.graph.reading.impact import (
+    configurations_in,
+    configurations_with,
+    definition_records,
+    dependents,
+    file_records,
+    systems_naming,
+)
+from kg.graph.reading.impact_nodes import (
     definitions_at,
     definitions_of,
     nodes_at_channel,
@@ -17,18 +26,9 @@ from kg.graph.impact_nodes import (
     nodes_of_types,
     nodes_with_parameter,
 )
-from kg.graph.impact_parts import at_channel, at_file, at_node, at_parameter, of_types
-from kg.graph.impact_reading import (
-    configurations_in,
-    configurations_with,
-    definition_records,
-    dependents,
-    file_records,
-    systems_naming,
-)
-from kg.graph.iris import Iris
-from kg.graph.reading import NodeRecord, node_records
-from kg.graph.systems_reading import partial_systems, system_names
+from kg.graph.reading.impact_parts import at_channel, at_file, at_node, at_parameter, of_types
+from kg.graph.reading.nodes import NodeRecord, node_records
+from kg.graph.reading.systems import partial_systems, system_names
 from kg.impact.model import CHANNELS, DefinitionRecord, FileRecord, Kind, PackageRecord, Subject
 from kg.impact.parameters import has_parameter, spellings
 from kg.impact.types import affected_types, uses_type

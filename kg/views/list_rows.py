@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from kg.graph import overview
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.graph.queries import select
+from kg.graph.reading import overview
+from kg.graph.reading.queries import select
 from kg.lint.objects import as_object
 from kg.lint.question import Question
 from kg.lint.running import check

@@ -11,12 +11,12 @@ from kg.similar import unknown
 from kg.syntax.names import PREFIXES
 
 if TYPE_CHECKING:
-    from kg.graph.reading import NodeRecord, Queryable
+    from kg.graph.reading.nodes import NodeRecord, Queryable
 
 with lazily():
-    from kg.graph.overview import packages
-    from kg.graph.reading import loaded_as, node_names, node_records
-    from kg.graph.systems_reading import started_names, system_names
+    from kg.graph.reading.nodes import loaded_as, node_names, node_records
+    from kg.graph.reading.overview import packages
+    from kg.graph.reading.systems import started_names, system_names
     from kg.pipeline.launch_names import matching, unknown_launch
 
 

@@ -9,9 +9,9 @@ from urllib.parse import unquote
 from kg.errors import UnknownNameError
 from kg.facts import Description, DescriptionKind, Interface, Location, Role
 from kg.graph import vocabulary as v
-from kg.graph.classes_reading import Grade, grades
 from kg.graph.iris import Iris
-from kg.graph.reading import NodeRecord, node_records
+from kg.graph.reading.classes import Grade, grades
+from kg.graph.reading.nodes import NodeRecord, node_records
 from kg.graph.records import how_to_start
 from kg.graph.texts import descriptions_of
 from kg.holes import is_known

@@ -15,14 +15,7 @@ _CLASSES: Final = {
     "capabilities": "has capability",
 }
 _KINDS: Final = {"functions": "function", "hardware": "hardware", "devices": "device", "capabilities": "capability"}
-_ROLES: Final = {
-    Role.SUBSCRIBES: "subscribes",
-    Role.PUBLISHES: "publishes",
-    Role.SERVICES: "provides",
-    Role.CLIENTS: "calls",
-    Role.ACTION_SERVERS: "serves action",
-    Role.ACTION_CLIENTS: "calls action",
-}
+_ROLES: Final = (Role.SUBSCRIBES, Role.PUBLISHES, *(role for role in Role if role.channel != "topic"))
 _TYPES: Final = {"topic": "has message", "service": "has service type", "action": "has action type"}
 
 
@@ -48,11 +41,11 @@ def _relations(data: Mapping[str, Any], *, every: bool) -> Iterator[Relation]:
             if every or not (possible or one.get("general")):
                 what = "may have capability" if possible else name
                 yield Relation(node, what, f"{_KINDS[kind]} {one['label']}", one["inferred"])
-    for role, name in _ROLES.items():
+    for role in _ROLES:
         for one in data["interfaces"]:
             if one["role"] != role or (one["implicit"] and not every):
                 continue
             channel = f"{one['kind']} {one['resolved'] or one['written'] or 'of unknown name'}"
-            yield Relation(node, name, channel)
+            yield Relation(node, role.relation, channel)
             if one["type"]:
                 yield Relation(channel, _TYPES[one["kind"]], one["type"])

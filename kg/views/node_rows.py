@@ -8,23 +8,16 @@ from kg.facts import Interface, Parameter, Role
 from kg.graph import vocabulary as v
 from kg.graph.records import interface_object, parameter_object, slot_object
 from kg.holes import is_known
-from kg.views.wording import TITLES, accesses, how, how_loaded, parameter_groups
+from kg.views.wording import accesses, how, how_loaded, parameter_groups
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kg.graph.iris import Iris
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.views.evidence import Places
 
-DIRECT: Final = {
-    Role.PUBLISHES: "publishes",
-    Role.SUBSCRIBES: "subscribes",
-    Role.SERVICES: "provides",
-    Role.CLIENTS: "calls",
-    Role.ACTION_SERVERS: "servesAction",
-    Role.ACTION_CLIENTS: "callsAction",
-}
+DIRECT: Final = {role: role.relation.replace(" action", "Action") for role in Role}
 """The property of RNKG that leads from a node to the channel of an interface, by role."""
 TYPES: Final = {"topic": "message", "service": "service-type", "action": "action-type"}
 """The kind of IRI that the type of a channel has."""
@@ -59,7 +52,7 @@ def _interface(
     return {
         **interface_object(one),
         "role": str(role),
-        "title": TITLES[role],
+        "title": role.heading,
         "kind": role.channel,
         "outward": role.outward,
         "iri": record.ends.get(one),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kg.graph.iris import Iris
-from kg.graph.parameters_reading import (
+from kg.graph.reading.parameters import (
     SetParameter,
     declarations,
     declared_among,
@@ -15,8 +15,8 @@ from kg.graph.parameters_reading import (
     starts,
     types_started,
 )
+from kg.graph.reading.systems import system_names
 from kg.graph.records import parameter_object
-from kg.graph.systems_reading import system_names
 from kg.holes import fits, is_partial, known_letters
 from kg.similar import unknown
 from kg.views.evidence import places

@@ -12,7 +12,7 @@ from kg.facts import Location
 from kg.graph import vocabulary as v
 from kg.graph.fields import one
 from kg.graph.iris import Iris
-from kg.graph.queries import grouped, values
+from kg.graph.reading.queries import grouped, values
 from kg.query.rows import rows
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
     from pathlib import Path
 
-    from kg.graph.reading import Queryable
+    from kg.graph.reading.nodes import Queryable
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 

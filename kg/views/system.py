@@ -11,8 +11,8 @@ from kg.codes import CATALOGUE
 from kg.facts import LaunchArgument, LaunchInclude, Location, NodeInstance, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.graph.systems_reading import SystemName
-from kg.graph.systems_reading import systems as read_systems
+from kg.graph.reading.systems import SystemName
+from kg.graph.reading.systems import systems as read_systems
 from kg.holes import is_known
 from kg.lint.allowing import Comments, allowances
 from kg.lint.objects import as_object

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.facts import Role
 from kg.graph.iris import Iris, fragment
 from kg.graph.records import end_object
 from kg.render.system_graph import SystemGraph, channel_of, of_framework
 from kg.render.system_text import nobody_at
 from kg.views.node_rows import TYPES
-from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -66,7 +66,7 @@ class _Rows:
         """Return one instance."""
         started = one.started
         ends = [end for end in one.interfaces if every or not of_framework(end)]
-        ends.sort(key=lambda end: (list(TITLES).index(end.declared.role), of_framework(end)))
+        ends.sort(key=lambda end: (list(Role).index(end.declared.role), of_framework(end)))
         return {
             "key": key,
             "iri": fragment(self._iri, "instance", one.name),
@@ -116,7 +116,7 @@ class _Rows:
         return {
             **end_object(end),
             "role": str(role),
-            "title": TITLES[role],
+            "title": role.heading,
             "kind": role.channel,
             "outward": role.outward,
             "written_as": declared.name or declared.written,

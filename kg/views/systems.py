@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph.iris import Iris
-from kg.graph.systems_reading import SystemName, included, system_names
+from kg.graph.reading.systems import SystemName, included, system_names
 from kg.graph.usual_ends import channels_by_system
 from kg.pipeline.launch_names import matching, several_launches, unknown_launch
 from kg.query.rows import rows

@@ -12,7 +12,6 @@ from kg.query.rows import rows
 from kg.views.arguments import whole
 from kg.views.remembered import once
 from kg.views.terms import listing, named_node, node_parts, role_of
-from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from kg.settings import Settings
@@ -176,7 +175,7 @@ def _of_node(snapshot: EmbeddedSnapshot, iri: str, kind: str) -> list[_Branch]:
     by_role = {role: [row for row in components if role_of(row[0]) is role] for role in Role}
     if kind in by_role:
         return _leaves(by_role[Role(kind)], kind)
-    groups = {str(role): (TITLES[role], len(by_role[role])) for role in Role}
+    groups = {str(role): (role.heading, len(by_role[role])) for role in Role}
     groups[_PARAMETERS] = (_PARAMETERS, sum(1 for _ in rows(snapshot, _PARTS % (f"<{iri}>", "rnkg:hasParameter"))))
     return [
         {**_branch(title, name, count=number), "open": {"parent": iri, "kind": name}}
@@ -208,7 +207,7 @@ def _of_channel(snapshot: EmbeddedSnapshot, iri: str, _kind: str) -> list[_Branc
     by_role = {}
     for node, end in rows(snapshot, _AT_ONE % f"<{iri}>"):
         role, (_, package, name) = role_of(end), node_parts(node)
-        by_role[node, role] = _branch(f"{package}/{name}", "node", node, TITLES[role] if role else "")
+        by_role[node, role] = _branch(f"{package}/{name}", "node", node, role.heading if role else "")
     branches = [*by_role.values()]
     _count(snapshot, branches, _ENDS)
     return sorted(branches, key=_order)

@@ -5,16 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
-from kg.facts import Access, Interface, Parameter, PluginSlot, Resolution, Role, Switch
+from kg.facts import Access, Interface, Parameter, PluginSlot, Resolution, Switch
 
-TITLES: Final = {
-    Role.PUBLISHES: "publishes",
-    Role.SUBSCRIBES: "subscribes",
-    Role.SERVICES: "offers services",
-    Role.CLIENTS: "calls services",
-    Role.ACTION_SERVERS: "offers actions",
-    Role.ACTION_CLIENTS: "calls actions",
-}
 LANGUAGES: Final = {"cpp": "C++", "python": "Python"}
 _SIGNS: Final = {"==": "is"}
 _DONE: Final = {Access.DECLARE: "declared", Access.READ: "read", Access.WRITE: "written"}

@@ -10,7 +10,7 @@ from rich.console import Console
 from kg.cli.links import Links
 from kg.cli.node_view import node_view
 from kg.facts import Location, NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
-from kg.graph.reading import NodeRecord
+from kg.graph.reading.nodes import NodeRecord
 
 PLACE = Location("src/server.cpp", 12)
 

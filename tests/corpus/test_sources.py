@@ -88,6 +88,10 @@ def test_fetching(remote: Path, tmp_path: Path) -> None:
         ("--upload-pack=x", None),
         ("https://example.org/a/b", "--exec=x"),
         ("https://example.org/a/b", "a..b"),
+        ("http://example.org/a/b", None),
+        ("ssh://-oProxyCommand=x/a/b", None),
+        ("git@-oProxyCommand=x:a/b", None),
+        ("https://example.org/a\n/b", None),
     ],
 )
 def test_what_is_not_fetched(url: str, ref: str | None, tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from kg.evaluate.intervals import weighed
 from kg.evaluate.source_lines import SourceLines
 from kg.evaluate.tables import Share
 from kg.graph.iris import Iris
+from kg.graph.source_states import sources
 from kg.store.embedded import EmbeddedStore
 
 if TYPE_CHECKING:
@@ -88,9 +89,9 @@ def test_a_line_holds_a_fact(fact: Fact, line: str, right: bool) -> None:  # noq
 def test_the_example_against_its_code(field: Field) -> None:
     """Only the pair of a statement that creates options and one that uses them is missing; failures are named."""
     with field.store.read() as snapshot:
-        found = check_code(snapshot, SourceLines(snapshot), 1000, 0)
-        again = check_code(snapshot, SourceLines(snapshot), 30, 7)
-        assert again == check_code(snapshot, SourceLines(snapshot), 30, 7)
+        found = check_code(snapshot, SourceLines(sources(snapshot)), 1000, 0)
+        again = check_code(snapshot, SourceLines(sources(snapshot)), 30, 7)
+        assert again == check_code(snapshot, SourceLines(sources(snapshot)), 30, 7)
     shares = {(row[0], row[1]): row[2] for row in found.table.rows if isinstance(row[2], Share)}
     calls = [share for (measure, _), share in shares.items() if str(measure).startswith("calls")]
     assert sum(share.whole for share in calls) == 80
@@ -108,12 +109,9 @@ def test_files_that_changed_are_counted_apart(field: Field, tmp_path: Path) -> N
     node = copy / "rover" / "rover_robot" / "src" / "scan_filter_nodelet.cpp"
     node.write_text("// changed\n" + node.read_text())
     with field.store.read() as snapshot:
-        lines = SourceLines(snapshot)
-        (name,) = lines.states
-        lines.states[name] = replace(lines.states[name], root=str(copy))
+        lines = SourceLines(replace(one, root=str(copy)) for one in sources(snapshot))
         assert "2 files that were changed since" in check_code(snapshot, lines, 10, 0).table.notes[1]
-        gone = SourceLines(snapshot)
-        gone.states[name] = replace(gone.states[name], root=str(tmp_path / "none"))
+        gone = SourceLines(replace(one, root=str(tmp_path / "none")) for one in sources(snapshot))
         absent = check_code(snapshot, gone, 10, 0).table.notes
     assert "1 sources that are not on this machine" in absent[1]
     assert "10 sampled facts" in absent[2]
@@ -126,9 +124,7 @@ def test_files_of_tests_are_searched_on_demand(field: Field, tmp_path: Path) -> 
     folder.mkdir()
     (folder / "a.py").write_text("rospy.Publisher('x', String)\n")
     with field.store.read() as snapshot:
-        lines = SourceLines(snapshot)
-        (name,) = lines.states
-        lines.states[name] = replace(lines.states[name], root=str(copy))
+        lines = SourceLines(replace(one, root=str(copy)) for one in sources(snapshot))
         without, with_ = (check_code(snapshot, lines, 1000, 0, tests=tests) for tests in (False, True))
     assert "1 files of tests" in without.table.notes[1]
     assert len(with_.missed) == len(without.missed) + 1

@@ -17,6 +17,7 @@ from kg.evaluate.intervals import shares_of
 from kg.evaluate.sheet import COLUMNS, as_sheet, drawn, score_sheet
 from kg.evaluate.source_lines import SourceLines
 from kg.evaluate.tables import Score, Share
+from kg.graph.source_states import sources
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -28,7 +29,7 @@ def sheet(field: Field, size: int, seed: int = 0) -> list[dict[str, str]]:
     """Return the rows of a sheet of the example workspace."""
     with field.store.read() as snapshot:
         facts = Facts(snapshot)
-        text = as_sheet(facts, drawn(facts, RELATIONS, size, seed), SourceLines(snapshot))
+        text = as_sheet(facts, drawn(facts, RELATIONS, size, seed), SourceLines(sources(snapshot)))
     return list(csv.DictReader(io.StringIO(text)))
 
 
@@ -138,7 +139,7 @@ def test_no_cell_is_a_formula(field: Field, monkeypatch: pytest.MonkeyPatch) -> 
 def test_paths_that_lead_out_of_a_source_are_not_read(field: Field) -> None:
     """For a foreign store, only files of its sources are read, and no address fails."""
     with field.store.read() as snapshot:
-        lines = SourceLines(snapshot)
+        lines = SourceLines(sources(snapshot))
         (name,) = lines.states
         assert lines.text(name, "README.md", 1)
         assert lines.text(name, "README.md", 10_000) is None

@@ -31,10 +31,10 @@ from kg.facts import (
     System,
 )
 from kg.graph import vocabulary as v
-from kg.graph.reading import NodeRecord, node_records
+from kg.graph.reading.nodes import NodeRecord, node_records
+from kg.graph.reading.systems import system_names, systems
 from kg.graph.sources import source_triples
 from kg.graph.systems import system_triples
-from kg.graph.systems_reading import system_names, systems
 
 PREFIXES: Final = {"ros": v.ROS, "rnkg": v.RNKG, "rdfs": v.RDFS}
 LAUNCH: Final = "rover_base/launch/rover.launch"

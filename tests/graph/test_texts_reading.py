@@ -7,7 +7,7 @@ from pyoxigraph import RdfFormat, Store
 
 from kg.facts import Description, DescriptionKind, Location, NodeKind, NodeType, Package, PackageFacts, Repository
 from kg.graph.iris import Iris
-from kg.graph.reading import node_records
+from kg.graph.reading.nodes import node_records
 from kg.graph.records import node_object
 from kg.graph.sources import source_triples
 from kg.graph.texts import summary

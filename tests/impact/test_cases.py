@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.errors import UnknownNameError, UsageError
-from kg.graph.impact_reading import arguments, definition_records, file_records
-from kg.graph.reading import node_records
-from kg.graph.systems_reading import started_names, systems
+from kg.graph.reading.impact import arguments, definition_records, file_records
+from kg.graph.reading.nodes import node_records
+from kg.graph.reading.systems import started_names, systems
 from kg.impact.assessing import impact as assess
 from kg.impact.model import Kind, Subject
 from kg.pipeline.build import build
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kg.facts import System
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.impact.model import DefinitionRecord, FileRecord
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot

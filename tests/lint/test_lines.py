@@ -26,3 +26,9 @@ def test_nothing_outside_of_a_source_is_read(tmp_path: Path, path: str) -> None:
     root.mkdir()
     (root / "link").symlink_to(tmp_path / "secret")
     assert Lines({"local/x": str(root)}).at(Evidence(path, 1, "local/x"), 1) is None
+
+
+def test_a_form_feed_is_no_end_of_a_line(tmp_path: Path) -> None:
+    """Lines end where compilers and editors end them."""
+    (tmp_path / "a.cpp").write_bytes(b"one\x0cstill one\r\ntwo\n")
+    assert list(Lines({"local/x": str(tmp_path)}).of("local/x", "a.cpp")) == ["one\x0cstill one", "two"]

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from lint.robot import read
 
 from kg.graph.iris import DEFAULT_BASE
-from kg.graph.systems_reading import included
+from kg.graph.reading.systems import included
 from kg.lint.finding import Evidence
 from kg.lint.reading import read_findings
 

@@ -13,6 +13,7 @@ from pyoxigraph import NamedNode, Store
 
 from kg.errors import SourceError, StoreError
 from kg.pipeline.build import build
+from kg.pipeline.report import Report
 from kg.pipeline.state import load
 from kg.settings import load as load_settings
 
@@ -310,7 +311,7 @@ def test_a_full_disk(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     assert bench.store.layout.numbers() == [1]
 
 
-class _Notes:
+class _Notes(Report):
     """A report that records its calls."""
 
     def __init__(self) -> None:

@@ -19,7 +19,7 @@ from kg.errors import SourceError, UsageError
 from kg.pipeline import cluster, extracting, pool
 from kg.pipeline.build import build
 from kg.pipeline.pool import Task
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.settings import load
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def scheduler() -> Iterator[str]:
 
 
 @dataclass
-class Told(Silent):
+class Told(Report):
     """Records reports of a build, and acts when a worker starts."""
 
     act: Callable[[str], None] = lambda _: None

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING
 import pytest
 from corpus.repositories import commit_tree, git, repository
 
-from kg.corpus.fetching import fetch
-from kg.corpus.fetching_cache import fetch_source
-from kg.corpus.fetching_list import wanted_among
-from kg.corpus.fetching_lock import Lock, checkouts, read_lock, standing, write_lock
-from kg.corpus.fetching_one import Options
+from kg.corpus.fetching.cache import fetch_source
+from kg.corpus.fetching.lock import Lock, checkouts, read_lock, standing, write_lock
+from kg.corpus.fetching.many import fetch
+from kg.corpus.fetching.one import Options
+from kg.corpus.fetching.wanted import wanted_among
 from kg.errors import SourceError
 from kg.pipeline import cluster, corpus, extracting
 from kg.pipeline.build import build
 from kg.pipeline.pending import pending
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.settings import load
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from pipeline.conftest import Bench
 
-    from kg.corpus.fetching_lock import Entry
+    from kg.corpus.fetching.lock import Entry
     from kg.corpus.files import Pin, Source
     from kg.pipeline.pool import Task
     from kg.pipeline.report import BuildReport
@@ -53,7 +53,7 @@ def scheduler(cache: Path) -> Iterator[str]:  # noqa: ARG001 - set for the proce
 
 
 @dataclass
-class Acting(Silent):
+class Acting(Report):
     """Acts when the plan is known, and records what workers fetch."""
 
     act: Callable[[], object] = lambda: None
@@ -98,7 +98,7 @@ class Remote:
         lock = read_lock(self.lock)
         return checkouts(lock, standing(lock, elsewhere=True))
 
-    def build(self, scheduler: str, report: Silent | None = None) -> BuildReport:
+    def build(self, scheduler: str, report: Report | None = None) -> BuildReport:
         """Build the lock file on the cluster."""
         found = self.pins()
         settings = load({"cluster": scheduler, "artifacts": str(self.origins / "../artifacts")}, environment={})
@@ -217,7 +217,7 @@ def test_another_machine_tries_after_a_failure(remote: Remote, scheduler: str, m
 def test_work_that_is_submitted_again_runs_again(scheduler: str) -> None:
     """Its result is not that of the first attempt, which the scheduler may still hold."""
     found = []
-    with cluster.Cluster(scheduler, Silent()) as connected:
+    with cluster.Cluster(scheduler, Report()) as connected:
         connected.connect()
         connected.submit("first", _attempt, 1, key="work")
         for work, result in connected.results():

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from patience import examples
 from pyoxigraph import RdfFormat
 
-from kg.graph.reading import node_records
+from kg.graph.reading.nodes import node_records
 from kg.launch.wiring.systems import wire as wire_system
 from kg.pipeline import cache, systems
 from kg.pipeline.build import build

@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from kg.errors import UnknownNameError, UsageError
-from kg.graph.systems_reading import SystemName
+from kg.graph.reading.systems import SystemName
 from kg.pipeline.launch_names import assignments, check_given, find, matching
 
 if TYPE_CHECKING:

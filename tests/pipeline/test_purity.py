@@ -23,7 +23,7 @@ from kg.pipeline import inferring, pool, writing
 from kg.pipeline.build import build
 from kg.pipeline.pending import pending
 from kg.pipeline.recording import RecordingWorkspace
-from kg.pipeline.report import Silent
+from kg.pipeline.report import Report
 from kg.pipeline.state import load as load_state
 from kg.pipeline.work import Job, Outcome, work
 from kg.settings import load
@@ -215,7 +215,7 @@ class Site:
         for package in absent:
             shutil.rmtree(self.sources / package, ignore_errors=True)
 
-    def build(self, store: EmbeddedStore, jobs: int, report: Silent | None = None) -> None:
+    def build(self, store: EmbeddedStore, jobs: int, report: Report | None = None) -> None:
         """Build the workspace."""
         build([str(self.sources)], store, self.settings(jobs), report, rules=False)
 
@@ -244,7 +244,7 @@ def exported(store: EmbeddedStore) -> dict[str, bytes]:
         return {one.value: snapshot.dump(RdfFormat.N_QUADS, graph=one, prefixes=PREFIXES) for one in graphs}
 
 
-class Killing(Silent):
+class Killing(Report):
     """Stops a build after the first package."""
 
     def done(self, result: PackageResult) -> None:  # noqa: ARG002 - the report of a build

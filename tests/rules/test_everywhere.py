@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from pyoxigraph import NamedNode, RdfFormat
-from store.servers import oxigraph_server
+from store.servers import append, oxigraph_server
 
 from kg.pipeline.inferring import run_on_files, run_on_server, run_on_store
 from kg.settings import load
@@ -79,8 +79,7 @@ def on_a_server(settings: Settings, _folder: Path) -> bytes:
     """Return the inferences on a server."""
     with oxigraph_server() as address:
         remote = RemoteStore(f"{address}/query", f"{address}/update")
-        with remote.write("test") as transaction:
-            transaction.append(GRAPH, DATA.encode())
+        append(remote, GRAPH, DATA.encode())
         run_on_server(settings, f"{address}/query", f"{address}/update")
         return remote.read().dump(RdfFormat.N_TRIPLES, graph=INFERRED)
 

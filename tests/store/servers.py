@@ -20,9 +20,11 @@ from kg.store.embedded import EmbeddedStore
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from pyoxigraph import NamedNode
+
     from kg.store.remote import RemoteStore
 
-__all__ = ["load_server", "oxigraph_server", "virtuoso_server"]
+__all__ = ["append", "load_server", "oxigraph_server", "virtuoso_server"]
 
 BATCH = 500
 
@@ -81,6 +83,11 @@ def virtuoso_server(folder: Path) -> Iterator[str]:
         finally:
             process.terminate()
             process.wait()
+
+
+def append(remote: RemoteStore, graph: NamedNode, triples: bytes) -> None:
+    """Add N-Triples to a graph of a server."""
+    remote.update(f"INSERT DATA {{ GRAPH {graph} {{\n{triples.decode()}}} }}")
 
 
 def load_server(store: Path, remote: RemoteStore) -> None:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 
-from kg.graph import overview
-from kg.graph.reading import node_records
+from kg.graph.reading import overview
+from kg.graph.reading.nodes import node_records
 from kg.graph.records import node_object
 from kg.query.counting import counted
 from kg.query.stats import statistics

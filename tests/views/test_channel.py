@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import pytest
 
 from kg.errors import UnknownNameError, UsageError
-from kg.graph.channels_reading import CLASSES, names
+from kg.graph.reading.channels import CLASSES, names
 from kg.pipeline.build import build
 from kg.settings import load
 from kg.store.embedded import EmbeddedStore

@@ -8,7 +8,7 @@ import pytest
 
 from kg.errors import UnknownNameError, UsageError
 from kg.facts import Location, NodeKind, NodeReference, NodeType, PluginDefault, PluginSlot
-from kg.graph.reading import NodeRecord
+from kg.graph.reading.nodes import NodeRecord
 from kg.views.evidence import places
 from kg.views.node import node
 from kg.views.node_rows import slot_rows

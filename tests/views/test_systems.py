@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UnknownNameError
-from kg.graph.systems_reading import system_names
-from kg.graph.systems_reading import systems as read_systems
+from kg.graph.reading.systems import system_names
+from kg.graph.reading.systems import systems as read_systems
 from kg.rules.selecting import Columns, columns_of
 from kg.views.system import lint, system
 from kg.views.systems import systems
 
 if TYPE_CHECKING:
     from kg.facts import System
-    from kg.graph.systems_reading import SystemName
+    from kg.graph.reading.systems import SystemName
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 

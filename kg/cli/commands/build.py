@@ -28,7 +28,7 @@ with lazily():
     from kg.cli.build_view import left_out, report_object, summary, volume_object, volume_row, volumes_in_words
     from kg.cli.fetching_view import not_as_pinned
     from kg.cli.progress import for_people, for_this_stream
-    from kg.corpus.fetching_lock import checkouts, read_lock, standing
+    from kg.corpus.fetching.lock import checkouts, read_lock, standing
     from kg.graph.source_states import sources
     from kg.pipeline.build import build as run
     from kg.pipeline.estimating import estimate

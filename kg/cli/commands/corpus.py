@@ -14,19 +14,20 @@ from kg.lazily import lazily
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from kg.corpus.selection import Selection
+    from kg.corpus.selection.select import Selection
 
 with lazily():
     from kg.cli import fetching_view
     from kg.cli.corpus_view import figure_rows, selection_object, step_rows
-    from kg.corpus import fetching, selection
-    from kg.corpus.fetching import pinned
-    from kg.corpus.fetching_git import Limits
-    from kg.corpus.fetching_list import read_wanted, wanted_among
-    from kg.corpus.fetching_one import Options
-    from kg.corpus.selection_criteria import default_criteria, read_criteria
-    from kg.corpus.selection_data import read_dataset
-    from kg.corpus.selection_figures import paper_figures
+    from kg.corpus.fetching.git import Limits
+    from kg.corpus.fetching.many import fetch as fetch_all
+    from kg.corpus.fetching.many import pinned
+    from kg.corpus.fetching.one import Options
+    from kg.corpus.fetching.wanted import read_wanted, wanted_among
+    from kg.corpus.selection.criteria import default_criteria, read_criteria
+    from kg.corpus.selection.data import read_dataset
+    from kg.corpus.selection.figures import paper_figures
+    from kg.corpus.selection.select import select as selected_by
 
 _MOST_JOBS: Final = 64  # no server is asked for more at a time
 
@@ -109,7 +110,7 @@ def select(
 
 def _selected(table: str, criteria: str | None) -> "Selection":
     chosen = read_criteria(Path(criteria).expanduser() if criteria else default_criteria())
-    return selection.select(read_dataset(Path(table).expanduser()), chosen)
+    return selected_by(read_dataset(Path(table).expanduser()), chosen)
 
 
 def fetch(  # noqa: PLR0913 - the options of a command
@@ -150,7 +151,7 @@ def fetch(  # noqa: PLR0913 - the options of a command
         wanted = read_wanted(Path(repositories).expanduser())
     options = _options(ros, jobs, max_size, retries, timeout, submodules=submodules, update=update)
     with fetching_view.for_this_stream() as progress:
-        done = fetching.fetch(wanted, folder, file, options, progress)
+        done = fetch_all(wanted, folder, file, options, progress)
     fetching_view.summary(done)
     if json:
         json_lines(map(fetching_view.entry_object, done.entries))
@@ -168,7 +169,7 @@ def _options(  # noqa: PLR0913 - the options of a command
     submodules: bool,
     update: bool,
 ) -> "Options":
-    from kg.corpus.fetching_branches import VERSIONS  # noqa: PLC0415 - start-up time
+    from kg.corpus.fetching.branches import VERSIONS  # noqa: PLC0415 - start-up time
 
     if ros is not None and ros not in VERSIONS:
         raise UsageError("KG003", f"`--ros {ros}` is not a version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.drawing import Output, Svg, deliver, form_of
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, Markdown, with_settings
 from kg.cli.output import json_line
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
@@ -17,17 +17,17 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kg.graph.reading.systems import SystemName
     from kg.graph.source_states import SourceState
-    from kg.graph.systems_reading import SystemName
     from kg.launch.comparison import Difference, Side
     from kg.store.embedded import EmbeddedStore
 
 with lazily():
     from kg.cli.links import Links
     from kg.cli.progress import for_people
-    from kg.graph.reading import node_records
+    from kg.graph.reading.nodes import node_records
+    from kg.graph.reading.systems import system_names
     from kg.graph.source_states import sources
-    from kg.graph.systems_reading import system_names, systems
     from kg.launch.comparison import Sources, compare
     from kg.launch.comparison.report import (
         changed_keys,
@@ -36,14 +36,13 @@ with lazily():
         difference_markdown,
         difference_objects,
     )
-    from kg.lint.reading import read_findings
     from kg.pipeline.launch_names import matching, several_launches, unknown_launch
     from kg.pipeline.revisions import merge_base, resolve, revision_store
     from kg.render.system_graph import SystemGraph, system_graph
     from kg.render.system_svg import system_svg
     from kg.render.system_views import collapsed, near_changes, overlaid
     from kg.store.opening import existing
-    from kg.views.impact_changes import compared_finding
+    from kg.views.impact_changes import compared_sources
 
 
 _SHOWN: Final = 12
@@ -73,7 +72,6 @@ All = Annotated[
     bool,
     typer.Option("--all", "-a", help="Include what frameworks create implicitly, and in pictures what did not change."),
 ]
-Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if there are differences.")]
 
 
@@ -234,11 +232,10 @@ def read_side(store: "EmbeddedStore", settings: Settings, launch: str | None) ->
     """Return the data of a side; with `launch` only that of the launch files it may name."""
     with store.read() as snapshot:
         every = system_names(snapshot)
-        names = every if launch is None else matching(every, launch)
-        chosen = {one.name for one in names}
-        findings = [compared_finding(one) for one in read_findings(snapshot, settings.base) if one.system in chosen]
-        nodes = node_records(snapshot) if launch is None else []
-        read = Sources(nodes, systems(snapshot, names, settings.base), findings)
+        if launch is None:
+            read = compared_sources(snapshot, settings, node_records(snapshot), every)
+        else:
+            read = compared_sources(snapshot, settings, [], matching(every, launch))
         return SideData(read, {one.name: one for one in sources(snapshot)}, every)
 
 

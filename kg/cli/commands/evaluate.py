@@ -30,6 +30,7 @@ with lazily():
     from kg.evaluate.source_lines import SourceLines
     from kg.evaluate.tables import Table, as_csv, as_objects, spelled
     from kg.evaluate.writing import write
+    from kg.graph.source_states import sources
     from kg.search.searching import open_search
 
 References = Annotated[
@@ -120,7 +121,7 @@ def _code(  # noqa: PLR0913 - the options of a command
     settings: Settings, size: int, seed: int, *, tests: bool, missed: str | None, output: str | None, json: bool
 ) -> None:
     with reading(settings) as snapshot:
-        checked = check_code(snapshot, SourceLines(snapshot), size, seed, tests=tests)
+        checked = check_code(snapshot, SourceLines(sources(snapshot)), size, seed, tests=tests)
     deliver(checked.table, json=json, output=output)
     if missed:
         rows = tuple((one.measure, one.kind, one.address, one.text) for one in checked.missed)
@@ -190,7 +191,7 @@ def sample(  # noqa: PLR0913 - the options of a command
     with reading(settings) as snapshot:
         facts = Facts(snapshot)
         sampled = drawn(facts, relation or list(RELATIONS), number, chance)
-        text = as_sheet(facts, sampled, SourceLines(snapshot))
+        text = as_sheet(facts, sampled, SourceLines(sources(snapshot)))
     write_text(text, output)
     say(f"{count(len(sampled), 'fact')} to judge")
 

@@ -8,7 +8,7 @@ import typer
 from kg.cli.diagnostics import note
 from kg.cli.drawing import Dot, Mermaid, Output, Svg, deliver, form_of
 from kg.cli.numbers import whole
-from kg.cli.options import Json, with_settings
+from kg.cli.options import All, Json, with_settings
 from kg.cli.output import Column, json_line, listing, terminal
 from kg.cli.systems import (
     Arguments,
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from kg.render.system_graph import SystemGraph
 
 with lazily():
-    from kg.graph.systems_reading import included, system_names
+    from kg.graph.reading.systems import included, system_names
     from kg.render.system_graph import system_graph
     from kg.render.system_notations import system_object
     from kg.render.system_text import system_lines, system_rows
@@ -58,7 +58,6 @@ Expand = Annotated[
     list[str] | None,
     typer.Option("--expand", metavar="NAMESPACE", help="Expand this namespace, however large; `/` expands all."),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (tf, rosout, ...).")]
 
 
 @with_settings("store")

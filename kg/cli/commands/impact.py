@@ -7,7 +7,7 @@ import typer
 
 from kg.cli.completion import subjects
 from kg.cli.drawing import Output, deliver, form_of
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, Markdown, with_settings
 from kg.cli.output import json_line
 from kg.errors import Exit, StoreError, UsageError
 from kg.lazily import lazily
@@ -53,7 +53,6 @@ Repository = Annotated[
     str | None,
     typer.Option("--repository", "-C", metavar="FOLDER", help="Checkout for --diff; by default this folder."),
 ]
-Markdown = Annotated[bool, typer.Option("--markdown", help="Write Markdown for a pull request.")]
 ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if something breaks.")]
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, require_one_of, with_settings
+from kg.cli.options import All, Json, require_one_of, with_settings
 from kg.cli.output import Column, listing, terminal
 from kg.lazily import lazily
 from kg.render.text import count
@@ -17,14 +17,10 @@ from kg.similar import unknown
 from kg.store.opening import reading
 
 with lazily():
-    from kg.graph import overview
+    from kg.graph.reading import overview
     from kg.views.answers import channels
 
 _SORTS: Final = ("code", "both", "text", "other")
-
-All = Annotated[
-    bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (/rosout, /tf, ...).")
-]
 
 
 @with_settings("store")
@@ -130,7 +126,7 @@ def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
 
 
 def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
-    """Write topics, services or actions as a list: objects as of `kg.graph.overview.Channel`."""
+    """Write topics, services or actions as a list: objects as of `kg.graph.reading.overview.Channel`."""
     verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
     columns = (
         Column(kind, "name"),

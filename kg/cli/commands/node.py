@@ -11,16 +11,16 @@ from kg.cli.diagnostics import note
 from kg.cli.drawing import deliver
 from kg.cli.group import KgCommand
 from kg.cli.interface_table import Row, interface_table
-from kg.cli.options import Json, Via, with_settings
+from kg.cli.options import All, Json, Via, with_settings
 from kg.cli.output import json_lines, line_width, show, terminal, write, write_bytes
 from kg.cli.systems import Launch
 from kg.errors import UsageError
+from kg.facts import Role
 from kg.lazily import lazily
 from kg.render.text import count, printable
 from kg.settings import Settings
 from kg.store.opening import reading
 from kg.views.names import one_node, starting_system
-from kg.views.wording import TITLES
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from kg.facts import InstanceInterface, NodeInstance, System
-    from kg.graph.classes_reading import Classes
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.classes import Classes
+    from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
@@ -37,11 +37,11 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.cli.node_view import left_out, node_lines
-    from kg.graph.classes_reading import classes
     from kg.graph.pictures import node_picture
+    from kg.graph.reading.classes import classes
+    from kg.graph.reading.systems import system_names, systems
     from kg.graph.records import instance_object, node_object
     from kg.graph.source_states import sources
-    from kg.graph.systems_reading import system_names, systems
     from kg.render import node_graph
     from kg.views.evidence import places
     from kg.views.node_graph import node_relations
@@ -56,7 +56,6 @@ Name = Annotated[
         autocompletion=nodes,
     ),
 ]
-All = Annotated[bool, typer.Option("--all", "-a", help="Include what frameworks create implicitly (rosout, tf, ...).")]
 Code = Annotated[bool, typer.Option("--code", help="Show the lines of code, from the store where files are not here.")]
 Picture = Annotated[
     str | None,
@@ -195,9 +194,7 @@ def instance_view(
     """Return the output for an instance at a width in columns; `every` adds the endpoints of frameworks."""
     repository = system.configuration.repository
     ends = [end for end in instance.interfaces if every or not end.declared.implicit]
-    groups = [
-        (title, [_end(end, repository) for end in ends if end.declared.role is role]) for role, title in TITLES.items()
-    ]
+    groups = [(role.heading, [_end(end, repository) for end in ends if end.declared.role is role]) for role in Role]
     remaps = [
         Row(one.source, one.target, "" if one.used else "changes nothing", one.remap.location, dim=False)
         for one in instance.remaps

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
-    from kg.graph import overview
-    from kg.graph.reading import node_records
+    from kg.graph.reading import overview
+    from kg.graph.reading.nodes import node_records
     from kg.graph.records import node_object
     from kg.views.answers import node_lines, node_summaries
 

@@ -8,7 +8,7 @@ import typer
 
 from kg.cli.completion import rules as rule_names
 from kg.cli.diagnostics import note, report
-from kg.cli.options import Json, takes, with_settings
+from kg.cli.options import Json, RuleName, takes, with_settings
 from kg.cli.output import json_lines, listing, show, terminal, write
 from kg.cli.session import session
 from kg.errors import Exit, RuleError
@@ -29,9 +29,6 @@ with lazily():
     from kg.rules.files import Documentation
     from kg.rules.folders import own_folder
 
-Name = Annotated[
-    str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rule_names)
-]
 Chosen = Annotated[
     list[str] | None,
     typer.Argument(
@@ -97,7 +94,7 @@ def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError
 
 
 @with_settings("rules", "rule_families")
-def show_rule(name: Name, *, settings: Settings, json: Json = False) -> None:
+def show_rule(name: RuleName, *, settings: Settings, json: Json = False) -> None:
     """Show one rule: documentation, text, inputs, results and dependencies."""
     library = Library.of(settings)
     entry = find_rule(library, name)

@@ -4,8 +4,7 @@ from typing import Annotated, Final
 
 import typer
 
-from kg.cli.completion import rules as rule_names
-from kg.cli.options import require_one_of, with_settings
+from kg.cli.options import RuleName, require_one_of, with_settings
 from kg.cli.output import write
 from kg.errors import Place, RuleError
 from kg.lazily import lazily
@@ -21,14 +20,11 @@ with lazily():
 
 _FORMS: Final = ("form", "rq", "srl", "ttl")
 
-Name = Annotated[
-    str, typer.Argument(metavar="RULE", help="FAMILY/NAME, NAME alone, or a file.", autocompletion=rule_names)
-]
 To = Annotated[str, typer.Option("--to", metavar="NOTATION", help="form, rq (SPARQL), srl or ttl (SHACL).")]
 
 
 @with_settings("rules", "rule_families")
-def compile_rule(name: Name, *, settings: Settings, to: To = "form") -> None:
+def compile_rule(name: RuleName, *, settings: Settings, to: To = "form") -> None:
     """Print a rule as it is evaluated, or in another notation.
 
     A rule with alternatives (UNION, OPTIONAL, paths) is compiled into several. In another notation they are a file

@@ -103,7 +103,7 @@ class _Nodes:
         for target in self.build.targets:
             if target.kind is TargetKind.EXECUTABLE and (target.output_name or target.name) not in started:
                 with self._compiled(target) as nodes:
-                    extracted += nodes._executable(target, plugins)  # noqa: SLF001 - of the same class
+                    extracted += nodes.executable(target, plugins)
         for plugin in plugins:
             extracted += self.plugin(plugin)
         extracted += self._by_plugins
@@ -182,7 +182,8 @@ class _Nodes:
         for part in (machine, language, framework):
             vars(part).clear()
 
-    def _executable(self, target: Target, plugins: list[PluginClass]) -> list[Extracted]:
+    def executable(self, target: Target, plugins: list[PluginClass]) -> list[Extracted]:
+        """Return the nodes that the program of a target starts; `plugins` are those of the package."""
         with self._program(self._files(target)) as language:
             own = [unit for unit in (language.linker.load(self._project.own(path)) for path in target.sources) if unit]
             units = own + [unit for unit in language.linker.units.values() if unit not in own]

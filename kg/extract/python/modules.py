@@ -5,7 +5,6 @@ from __future__ import annotations
 import builtins
 import posixpath
 import re
-import tomllib
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Final
 
@@ -15,7 +14,7 @@ from kg.extract.python.expressions import Expressions
 from kg.extract.python.importing import imported
 from kg.extract.python.statements import Statements
 from kg.extract.python.syntax import first_error, parse
-from kg.resources import folder
+from kg.resources import table_of
 from kg.symbolic.form import Block, Function, Unit
 
 if TYPE_CHECKING:
@@ -219,5 +218,4 @@ class Modules:
 @cache
 def _standard_types() -> dict[str, frozenset[str]]:
     """Return the names of the message types that every distribution of ROS has, by package."""
-    with (folder("ontology") / "standard_messages.toml").open("rb") as stream:
-        return {package: frozenset(names) for package, names in tomllib.load(stream).items()}
+    return {package: frozenset(names) for package, names in table_of("ontology", "standard_messages.toml").items()}

@@ -101,7 +101,7 @@ class Finding:
 
 
 class Record(Protocol):
-    """A node type with its package and source; `kg.graph.reading.NodeRecord` is one."""
+    """A node type with its package and source; `kg.graph.reading.nodes.NodeRecord` is one."""
 
     @property
     def repository(self) -> str:

@@ -164,7 +164,7 @@ class Driver:
         if not self._closed and not is_recording(self.connection.address):
             raise await self._ended(chosen)
 
-    async def latest(self, capability: str, *, seconds: float = 5.0, way: str | None = None) -> dict[str, Any]:
+    async def latest(self, capability: str, *, seconds: float = 5.0) -> dict[str, Any]:
         """Return the newest values of a capability; the first call waits for a message and subscribes.
 
         `seconds` are wall-clock time: connecting takes as long however fast a simulation runs.
@@ -172,7 +172,7 @@ class Driver:
         Raises:
             RobotError: those of `read`; KG825 no message in time.
         """
-        chosen = await self._route(capability, "read", way)
+        chosen = await self._route(capability, "read", None)
         if chosen.way.kind == "service":
             return await self._ask(chosen)
         try:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
-from kg.graph.queries import texts
+from kg.graph.reading.queries import texts
 from kg.graph.systems import system_triples
 from kg.pipeline.launching import chosen
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.facts import System
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
     from kg.rules.explain.proof import Proof

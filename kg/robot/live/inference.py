@@ -43,8 +43,7 @@ from kg.store.snapshot import MemorySnapshot
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kg.facts import NodeReference, System
-    from kg.graph.reading import NodeRecord
+    from kg.facts import System
     from kg.robot.connection import ComputationGraph
     from kg.rules.engine.facts import Facts
     from kg.rules.files import RuleSet
@@ -211,21 +210,15 @@ def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", nam
     return available(capabilities, graph)
 
 
-def infer_system(
-    system: System,
-    settings: Settings,
-    *,
-    of: str,
-    records: Mapping[NodeReference, NodeRecord] | None = None,
-) -> Capabilities:
+def infer_system(system: System, settings: Settings, *, of: str) -> Capabilities:
     """Return the capabilities of a system by its facts, whether it runs or would be started by a launch file.
 
-    `records` are the node types of its instances. Raises as `knowledge`.
+    Raises as `knowledge`.
     """
     own = system.configuration
     iri = Iris(settings.base).configuration(own.repository, own.path)
     shared = knowledge(settings)
-    world = shared.world(system_triples(system, records or {}, Iris(settings.base), whole=True))
+    world = shared.world(system_triples(system, {}, Iris(settings.base), whole=True))
     return read(world, iri, of, shared.definitions)
 
 

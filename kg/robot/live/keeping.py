@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from kg.errors import KgError
     from kg.facts import NodeInstance, NodeReference, System
-    from kg.graph.reading import NodeRecord
+    from kg.graph.reading.nodes import NodeRecord
     from kg.robot.connection import ComputationGraph
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore

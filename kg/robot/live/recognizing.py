@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pyoxigraph import Literal, NamedNode
 
 from kg.graph.iris import Iris
-from kg.graph.reading import NodeRecord, Queryable, node_records
+from kg.graph.reading.nodes import NodeRecord, Queryable, node_records
 from kg.names import resolve
 from kg.query.stored import internal
 from kg.robot.live.systems import Match, is_implicit

@@ -92,6 +92,8 @@ class Grid:
 
 
 _RESOLUTION: Final = 0.1
+_PREFERRED: Final = 0.2
+"""Preferred distance of a path from obstacles, in metres."""
 _DETOUR: Final = 3.0
 """Cost factor of cells near walls: paths prefer the middle."""
 
@@ -104,13 +106,12 @@ class Planner:
     Args:
         plan: the world.
         radius: of the robot, in metres.
-        margin: preferred distance from obstacles, in metres.
     """
 
-    def __init__(self, plan: Plan, radius: float, margin: float = 0.2) -> None:
+    def __init__(self, plan: Plan, radius: float) -> None:
         self._grid = Grid(plan, _RESOLUTION)
         self._blocked = self._grid.near(radius + 0.02)
-        self._close = self._grid.near(radius + margin)
+        self._close = self._grid.near(radius + _PREFERRED)
 
     def way(self, start: tuple[float, float], goal: tuple[float, float]) -> list[tuple[float, float]] | None:
         """Return the points of the path to a goal without the start; None if it is unreachable."""

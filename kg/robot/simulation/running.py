@@ -130,7 +130,7 @@ class Simulation:
 
 @asynccontextmanager
 async def hosted_in_memory(
-    world: str, *, ros: int = 1, seed: int = 0, start: Place | None = None
+    world: str, *, ros: int = 1, start: Place | None = None
 ) -> AsyncIterator[tuple[Simulation, str]]:
     """Run a world in this process as fast as possible; yield it with its address. `start` is as for `Simulation`.
 
@@ -142,7 +142,7 @@ async def hosted_in_memory(
         async def join(name: str) -> Connection:
             return bus.join(name)
 
-        simulation = Simulation(world, join, ros=ros, speed=None, seed=seed, start=start)
+        simulation = Simulation(world, join, ros=ros, speed=None, start=start)
         bus.clock = simulation.world.clock
         async with simulation, running(simulation):
             yield simulation, bus.address

@@ -14,14 +14,13 @@ from kg.rules.dependencies import Read, depends, reads
 from kg.rules.form import Atom, Rule, Variable, is_auxiliary
 from kg.rules.specialise import specialise
 from kg.rules.stratify import edges, stratify
-from kg.syntax.names import PREFIXES
+from kg.syntax.names import PREFIXES, RDF_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kg.rules.files import RuleFile
 
-_TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _ANY_PROPERTY: Final = "any property"
 _ANY_CLASS: Final = "any class"
 
@@ -134,7 +133,7 @@ def _passed(head: Atom, read: Atom, prefixes: Mapping[str, str]) -> str:
     """Return the term passed: the derived one, or its kind if the reader takes any of that kind."""
     if isinstance(read.predicate, Variable):
         return _ANY_PROPERTY
-    open_class = read.predicate == _TYPE and isinstance(read.object, Variable)
+    open_class = read.predicate == RDF_TYPE and isinstance(read.object, Variable)
     return _ANY_CLASS if open_class else spell_atom(head, prefixes)
 
 
@@ -142,7 +141,7 @@ def spell_atom(atom: Atom, prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return the property of an atom, or for a type its class."""
     if not isinstance(atom.predicate, NamedNode):
         return _ANY_PROPERTY
-    if atom.predicate == _TYPE:
+    if atom.predicate == RDF_TYPE:
         return f"a {spell_term(atom.object, prefixes)}" if isinstance(atom.object, NamedNode) else _ANY_CLASS
     return spell_term(atom.predicate, prefixes)
 

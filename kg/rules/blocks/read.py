@@ -22,7 +22,7 @@ from kg.rules.form import Variable
 from kg.rules.header import parse_header
 from kg.syntax import tree
 from kg.syntax.lexer import END, Kind, Token, as_operator, bare, normalise, quoted, token_at, tokens_of, unescape
-from kg.syntax.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, RDF_TYPE, shorten
 from kg.syntax.parser import parse_rq
 from kg.syntax.printer import path_text, renamed
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 
 _XSD: Final = PREFIXES["xsd"]
-_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _NUMBERS: Final = {
     _XSD + "integer": r"[+-]?[0-9]+",
     _XSD + "decimal": r"[+-]?[0-9]*\.[0-9]+",
@@ -292,7 +291,7 @@ class _Reader:
 
     def _fact(self, node: tree.TriplePattern) -> blocks.Fact | blocks.Is:
         subject = self._term(node.subject)
-        if node.predicate == _TYPE and isinstance(node.object, NamedNode):
+        if node.predicate == RDF_TYPE and isinstance(node.object, NamedNode):
             return blocks.Is(subject=subject, kind=shorten(node.object.value, self._prefixes))
         return blocks.Fact(
             subject=subject, property=path_text(node.predicate, self._predicate), object=self._term(node.object)

@@ -19,14 +19,13 @@ from kg.rules.checks.tokens import names, place_of_name
 from kg.rules.dependencies import depends, reads
 from kg.rules.form import AUXILIARY, Atom, Rule, Variable, atoms_of, is_auxiliary
 from kg.similar import similar, suggest
-from kg.syntax.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, RDF_TYPE, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kg.rules.files import RuleFile
 
-_TYPE: Final = PREFIXES["rdf"] + "type"
 _ELSEWHERE: Final = ("xsd", "sh", "skos", "prov", "dcterms", "schema")
 _BUILT_IN: Final = tuple(PREFIXES[name] for name in _ELSEWHERE)
 """Vocabularies that everyone uses and whose ontologies the store does not hold."""
@@ -133,7 +132,7 @@ def _terms(atom: Atom) -> Iterator[tuple[str, bool]]:
     """Yield the property of an atom, and the class if the atom is a type."""
     if isinstance(atom.predicate, NamedNode) and not is_auxiliary(atom.predicate):
         yield atom.predicate.value, True
-        if atom.predicate.value == _TYPE and isinstance(atom.object, NamedNode):
+        if atom.predicate == RDF_TYPE and isinstance(atom.object, NamedNode):
             yield atom.object.value, False
 
 
@@ -143,7 +142,7 @@ def head_never_read(file: RuleFile, context: Context) -> Iterator[Finding]:
         return
     reported: set[str] = set()
     for atom in (atom for rule in file.rules for atom in rule.head):
-        what = atom.object if atom.predicate == NamedNode(_TYPE) else atom.predicate
+        what = atom.object if atom.predicate == RDF_TYPE else atom.predicate
         if not isinstance(what, NamedNode) or what.value in reported or what.value.startswith(_OTHERS):
             continue
         if what.value not in context.read and not _read_by_rules(atom, file, context):

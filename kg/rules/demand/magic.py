@@ -36,6 +36,7 @@ from kg.errors import Place
 from kg.rules import form
 from kg.rules.dependencies import Read, mints, reads
 from kg.rules.stratify import Heads, edges
+from kg.syntax.names import RDF_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -46,7 +47,6 @@ Goal: TypeAlias = tuple[form.Atom | form.Values, ...]
 
 _ANY: Final = NamedNode(f"{form.AUXILIARY}any")
 """Fills the free positions of a demand."""
-_TYPE: Final = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
 _QUERY: Final = "query"
 _X, _Y, _Z, _CARRIED = (form.Variable(name) for name in (".x", ".y", ".z", ".kept"))
 _Demand: TypeAlias = tuple[NamedNode, str]
@@ -390,7 +390,7 @@ def _bound(end: form.Pattern, bound: set[form.Variable]) -> bool:
 
 def _constants(atom: form.Atom) -> int:
     """Count the ends that are terms; a class restricts little."""
-    ends = (atom.subject,) if atom.predicate == _TYPE else (atom.subject, atom.object)
+    ends = (atom.subject,) if atom.predicate == RDF_TYPE else (atom.subject, atom.object)
     return sum(not isinstance(end, form.Variable | form.TripleTerm) for end in ends)
 
 

@@ -23,7 +23,7 @@ from kg.errors import Place, UsageError
 from kg.rules.documents import statements
 from kg.rules.notations.shacl.graph import StringToken
 from kg.syntax.lexer import Kind, Token, iri_of, is_name, quoted, token_at, tokens, unescape, unescape_local
-from kg.syntax.names import PREFIXES, is_absolute, resolve, shorten
+from kg.syntax.names import PREFIXES, RDF_TYPE, is_absolute, resolve, shorten
 from kg.syntax.prologue import declared
 
 if TYPE_CHECKING:
@@ -47,7 +47,6 @@ _KINDS: Final = {
     PREFIXES["owl"] + "NamedIndividual": "individual",
     PREFIXES["skos"] + "Concept": "individual",
 }
-_TYPE: Final = NamedNode(PREFIXES["rdf"] + "type")
 _LABEL: Final = NamedNode(PREFIXES["rdfs"] + "label")
 _COMMENTS: Final = (NamedNode(PREFIXES["rdfs"] + "comment"), NamedNode(PREFIXES["skos"] + "definition"))
 
@@ -92,7 +91,7 @@ class Terms:
             store = pyoxigraph.Store()
             store.load(path=path, format=RdfFormat.TURTLE)
             stated = statements([path])
-            for quad in store.quads_for_pattern(None, _TYPE, None):
+            for quad in store.quads_for_pattern(None, RDF_TYPE, None):
                 kind = _KINDS.get(quad.object.value) if isinstance(quad.object, NamedNode) else None
                 if kind and isinstance(quad.subject, NamedNode):
                     iri = quad.subject.value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
@@ -71,8 +70,7 @@ class Knowledge(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 @lru_cache(maxsize=1)
 def knowledge() -> Knowledge:
     """Return the knowledge shipped with `kg`."""
-    text = (resources.folder("ontology") / _FILE).read_text("utf-8")
-    return msgspec.convert(tomllib.loads(text), Knowledge)
+    return msgspec.convert(resources.table_of("ontology", _FILE), Knowledge)
 
 
 @lru_cache(maxsize=1 << 12)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.facts import Location, NodeKind, NodeType
-from kg.graph.reading import NodeRecord
+from kg.graph.reading.nodes import NodeRecord
 from kg.graph.records import how_to_start
 from kg.render.text import count
 from kg.search.compose.costs import together

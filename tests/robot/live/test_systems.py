@@ -7,8 +7,8 @@ from robot.live.seen import ADDRESS, ROVER
 
 from kg.facts import LaunchDialect, Role, StartKind
 from kg.graph.iris import Iris
+from kg.graph.reading.systems import system_names, systems
 from kg.graph.systems import system_triples
-from kg.graph.systems_reading import system_names, systems
 from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
 from kg.robot.live.systems import Seen, is_implicit, name_of, system_of
 

@@ -12,7 +12,7 @@ from robot.connections import types_for_tests
 
 from kg.codes import CATALOGUE
 from kg.errors import RobotError
-from kg.graph.systems_reading import system_names, systems
+from kg.graph.reading.systems import system_names, systems
 from kg.robot.connection import ComputationGraph, LiveNode
 from kg.robot.live import Event, Watching
 from kg.robot.live.keeping import Keeper, StoredState

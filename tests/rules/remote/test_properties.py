@@ -12,7 +12,7 @@ from rules.engine.test_properties import facts, rule_sets
 from rules.forms import rule_set
 from rules.maintain.generating import facts as dense
 from rules.maintain.generating import layered
-from store.servers import oxigraph_server
+from store.servers import append, oxigraph_server
 
 from kg.errors import RuleError
 from kg.rules.form import Aggregate, Exists
@@ -47,9 +47,8 @@ def canonical(found: Iterable[Quad]) -> set[Quad]:
 def on_server(store: RemoteStore, rules: Sequence[Rule], asserted: set[Fact]) -> set[Quad]:
     """Return the asserted and inferred triples after a run on the server."""
     store.update("DROP ALL")
-    with store.write("test") as transaction:
-        text = serialize((Triple(*fact) for fact in asserted), format=RdfFormat.N_TRIPLES) or b""  # type: ignore[arg-type] # facts are triples
-        transaction.append(SOURCE, text)
+    text = serialize((Triple(*fact) for fact in asserted), format=RdfFormat.N_TRIPLES) or b""  # type: ignore[arg-type] # facts are triples
+    append(store, SOURCE, text)
     run(store, rule_set(rules), inferred_graph=INFERRED)
     rows = store.read().rows("SELECT ?s ?p ?o ?g { GRAPH ?g { ?s ?p ?o } }")
     return canonical(Quad(row["s"], row["p"], row["o"], row["g"]) for row in rows)

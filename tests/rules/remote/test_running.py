@@ -13,7 +13,7 @@ import pytest
 from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, serialize
 from rules.forms import atom, expression, rule, rule_set, triples
 from rules.forms import test as keep
-from store.servers import oxigraph_server, virtuoso_server
+from store.servers import append, oxigraph_server, virtuoso_server
 
 from kg.errors import RuleError, StoreError
 from kg.rules.engine.limits import Limits
@@ -72,8 +72,7 @@ def graphs(store: RemoteStore) -> list[NamedNode]:
 
 def put(store: RemoteStore, text: str, graph: NamedNode = SOURCE) -> None:
     """Assert triples."""
-    with store.write("test") as transaction:
-        transaction.append(graph, serialize(triples(text), format=RdfFormat.N_TRIPLES) or b"")
+    append(store, graph, serialize(triples(text), format=RdfFormat.N_TRIPLES) or b"")
 
 
 def infer(

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
 from kg.errors import Fix, RuleError
-from kg.rules.notations.shacl.vocabulary import FIRST, NIL, REST, SH, SUBCLASS, TERMS, TYPE, sh
+from kg.rules.notations.shacl.vocabulary import FIRST, NIL, REST, SH, SUBCLASS, TERMS, sh
 from kg.similar import similar, suggest
 from kg.syntax.cursor import declaring
 from kg.syntax.lexer import END, Kind, Token, normalise, quoted, token_at, unescape, unescape_local
-from kg.syntax.names import shorten
+from kg.syntax.names import RDF_TYPE, shorten
 from kg.syntax.position import place_at, place_of
 from kg.syntax.prologue import declared
 
@@ -204,7 +204,7 @@ class ShapesGraph:
 
     def is_instance(self, node: Term, kind: NamedNode) -> bool:
         """Return whether a node is a SHACL instance of a class, by rdf:type and rdfs:subClassOf in this file."""
-        open_classes = self.values(node, TYPE)
+        open_classes = self.values(node, RDF_TYPE)
         seen: set[Term] = set()
         while open_classes:
             current = open_classes.pop()
@@ -229,9 +229,9 @@ class ShapesGraph:
     def _own_offset(self, node: Term) -> int | None:
         if isinstance(node, NamedNode):
             return self.places.of_name(node.value)
-        for kind in self.values(node, TYPE):
+        for kind in self.values(node, RDF_TYPE):
             if isinstance(kind, NamedNode):
-                instances, offsets = self.subjects(TYPE, kind), self.places.names.get(kind.value, [])
+                instances, offsets = self.subjects(RDF_TYPE, kind), self.places.names.get(kind.value, [])
                 if len(instances) == len(offsets):
                     return offsets[instances.index(node)]
         for text in (value for name in ("construct", "select", "ask") for value in self.values(node, sh(name))):
@@ -261,7 +261,7 @@ class ShapesGraph:
     def called(self, node: Term) -> str:
         """Return how messages name a node."""
         if isinstance(node, BlankNode):
-            kinds = [kind.value.removeprefix(SH) for kind in self.values(node, TYPE) if isinstance(kind, NamedNode)]
+            kinds = [kind.value.removeprefix(SH) for kind in self.values(node, RDF_TYPE) if isinstance(kind, NamedNode)]
             return f"the blank node of type {kinds[0]}" if kinds else "the blank node"
         return str(node)
 

@@ -28,8 +28,9 @@ from kg.rules.notations.shacl.graph import ShapesGraph
 from kg.rules.notations.shacl.paths import Names
 from kg.rules.notations.shacl.query import PREBOUND, Query, Words, check_prebound, closing, plain, query_of, variables
 from kg.rules.notations.shacl.targets import targets
-from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, TYPE, sh
+from kg.rules.notations.shacl.vocabulary import RDFS, SUBCLASS, sh
 from kg.syntax.lexer import Kind
+from kg.syntax.names import RDF_TYPE
 from kg.syntax.parser import parse_rq
 from kg.syntax.position import offset_of, place_at
 
@@ -43,11 +44,11 @@ _REGIME: Final = "http://www.w3.org/ns/entailment/"
 _PROPERTY: Final = f"<{RDFS}subPropertyOf>"
 
 _RDFS: Final = (
-    f"CONSTRUCT {{ ?x {TYPE} ?c }} WHERE {{ ?p <{RDFS}domain> ?c . ?x ?p ?y . }}",
-    f"CONSTRUCT {{ ?y {TYPE} ?c }} WHERE {{ ?p <{RDFS}range> ?c . ?x ?p ?y . FILTER(!isLiteral(?y)) }}",
+    f"CONSTRUCT {{ ?x {RDF_TYPE} ?c }} WHERE {{ ?p <{RDFS}domain> ?c . ?x ?p ?y . }}",
+    f"CONSTRUCT {{ ?y {RDF_TYPE} ?c }} WHERE {{ ?p <{RDFS}range> ?c . ?x ?p ?y . FILTER(!isLiteral(?y)) }}",
     f"CONSTRUCT {{ ?p {_PROPERTY} ?r }} WHERE {{ ?p {_PROPERTY} ?q . ?q {_PROPERTY} ?r . }}",
     f"CONSTRUCT {{ ?x ?q ?y }} WHERE {{ ?p {_PROPERTY} ?q . ?x ?p ?y . }}",
-    f"CONSTRUCT {{ ?x {TYPE} ?d }} WHERE {{ ?c {SUBCLASS} ?d . ?x {TYPE} ?c . }}",
+    f"CONSTRUCT {{ ?x {RDF_TYPE} ?d }} WHERE {{ ?c {SUBCLASS} ?d . ?x {RDF_TYPE} ?c . }}",
     f"CONSTRUCT {{ ?c {SUBCLASS} ?e }} WHERE {{ ?c {SUBCLASS} ?d . ?d {SUBCLASS} ?e . }}",
 )
 """rdfs2, 3, 5, 7, 9 and 11 of RDF 1.1 Semantics (section 9.2.1). Those that say of each name that it is a resource, a
@@ -253,7 +254,7 @@ class _Rule:
         """Yield the queries for each way to find focus nodes."""
         sparql = self._graph.is_instance(self._rule, sh("SPARQLRule"))
         if not sparql and not self._graph.is_instance(self._rule, sh("TripleRule")):
-            kinds = ", ".join(str(kind) for kind in self._graph.values(self._rule, TYPE)) or "no type"
+            kinds = ", ".join(str(kind) for kind in self._graph.values(self._rule, RDF_TYPE)) or "no type"
             hint = "Give it the type sh:TripleRule or sh:SPARQLRule."
             raise self._graph.unsupported(f"a rule of {kinds}", self._rule, hint)
         for binder in binders:

@@ -8,7 +8,8 @@ from pyoxigraph import BlankNode, NamedNode
 
 from kg.rules.notations.shacl.functions import Functions
 from kg.rules.notations.shacl.query import check_prebound, query_of, rename, spell
-from kg.rules.notations.shacl.vocabulary import CLASSES, SUBCLASS, TYPE, local_name, sh
+from kg.rules.notations.shacl.vocabulary import CLASSES, SUBCLASS, local_name, sh
+from kg.syntax.names import RDF_TYPE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from kg.rules.form import Term
     from kg.rules.notations.shacl.graph import ShapesGraph
 
-INSTANCE: Final = f"({TYPE}|({TYPE}/{SUBCLASS}+))"
+INSTANCE: Final = f"({RDF_TYPE}|({RDF_TYPE}/{SUBCLASS}+))"
 """The path from a node to the classes that it is a SHACL instance of; no part of it is empty, for that would be a read
 of all nodes."""
 
@@ -49,7 +50,7 @@ def _custom(graph: ShapesGraph, target: Term, shape: Term) -> str:
     """Return the pattern of a SPARQL-based target, or of a target of a type that the file declares."""
     if graph.is_instance(target, sh("SPARQLTarget")):
         return _selected(graph, target, {})
-    kinds = [kind for kind in graph.values(target, TYPE) if graph.is_instance(kind, sh("SPARQLTargetType"))]
+    kinds = [kind for kind in graph.values(target, RDF_TYPE) if graph.is_instance(kind, sh("SPARQLTargetType"))]
     if not kinds:
         hint = "Use a sh:SPARQLTarget, or an instance of a sh:SPARQLTargetType that this file declares."
         raise graph.unsupported(f"the sh:target of {graph.called(shape)}", shape, hint)

@@ -1,0 +1,85 @@
+"""Selection of projects in a table, and the number removed by each criterion (RNKG, section 3.1 and Table 1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kg.corpus.selection.figures import Figures, figures
+from kg.errors import Place, SourceError
+from kg.similar import did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kg.corpus.selection.criteria import Criteria, Criterion
+    from kg.corpus.selection.data import Dataset, Project
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """The effect of a criterion: what it removed of the remaining projects."""
+
+    criterion: Criterion
+    removed: tuple[Project, ...]
+    left: int
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The remaining projects of a table, the steps that removed others, and figures of the remaining ones by name."""
+
+    dataset: Dataset
+    criteria: Criteria
+    steps: tuple[Step, ...]
+    selected: tuple[Project, ...]
+    figures: Mapping[str, Figures]
+
+    def addresses(self) -> tuple[str, ...]:
+        """Return the addresses of the remaining projects, in the order of the table."""
+        return tuple(project.cells[self.criteria.address] for project in self.selected)
+
+
+def select(dataset: Dataset, criteria: Criteria) -> Selection:
+    """Apply the criteria in their order.
+
+    Raises:
+        SourceError: KG131 a missing column, an invalid number, a value that no criterion names.
+    """
+    _check(dataset, criteria)
+    left, steps = dataset.projects, []
+    for criterion in criteria.criteria:
+        if criterion.applies:
+            removed = tuple(project for project in left if criterion.removes(project, dataset))
+            gone = {project.line for project in removed}
+            left = tuple(project for project in left if project.line not in gone)
+            steps.append(Step(criterion, removed, len(left)))
+    counted: dict[str, Figures] = {}
+    for name, columns in criteria.figures.items():
+        rows = ([dataset.number(project, column) for column in columns] for project in left)
+        whole = ([value for value in row if value is not None] for row in rows if None not in row)
+        counted[name] = figures([sum(row) for row in whole])
+    return Selection(dataset, criteria, tuple(steps), left, counted)
+
+
+def _check(dataset: Dataset, criteria: Criteria) -> None:
+    whole = Place(str(criteria.path))
+    dataset.need((criteria.project, criteria.address, *criteria.closed), whole)
+    for columns in criteria.figures.values():
+        dataset.need(columns, whole)
+    for criterion in criteria.criteria:
+        dataset.need((criterion.column,), Place(str(criteria.path), criterion.line))
+    for column in criteria.closed:
+        _check_values(dataset, criteria, column)
+
+
+def _check_values(dataset: Dataset, criteria: Criteria, column: str) -> None:
+    """Refuse a value of a closed column that no criterion names, since a typo would select silently."""
+    about = [criterion for criterion in criteria.criteria if criterion.column == column]
+    listed = sorted({value for one in about for values in (one.equal, one.unequal) for value in values or ()})
+    for project in dataset.projects:
+        cell = project.cells[column]
+        if cell and cell not in listed:
+            hint = did_you_mean(cell, listed) or f"{criteria.path} names {', '.join(listed) or 'none'}."
+            place = Place(str(dataset.path), project.line)
+            raise SourceError("KG131", f"no criterion is about `{column}` = {cell!r}", place=place, hint=hint)
