@@ -17,6 +17,7 @@ from store.servers import append, oxigraph_server
 from kg.errors import RuleError
 from kg.rules.form import Aggregate, Exists
 from kg.rules.remote import run
+from kg.store.http import RefusedError
 from kg.store.remote import RemoteStore
 
 if TYPE_CHECKING:
@@ -85,6 +86,10 @@ def compare(store: RemoteStore, rules: list[Rule], asserted: set[Fact]) -> None:
         found = on_server(store, rules, asserted)
     except RuleError as error:
         assume(error.code not in {"KG202", "KG204", "KG209"})
+        raise
+    except RefusedError as error:
+        # Oxigraph's server fails where a literal is bound to the subject of a triple term, which nothing matches.
+        assume("valid RDF 1.2 term" not in str(error))
         raise
     expected = [Quad(*fact, SOURCE) for fact in asserted]  # type: ignore[arg-type] # facts are triples
     expected += [Quad(*fact, INFERRED) for fact in inferred(rules, asserted)]  # type: ignore[arg-type] # the same
