@@ -33,7 +33,7 @@ FOREIGN: Final = {
 }
 """Keywords of other languages with their counterparts here; a capability of such a name is quoted."""
 RESERVED: Final = (
-    frozenset({"and", "or", "not", "of", "contains", "true", "false", "then", "do", "for", "within", "times"})
+    frozenset({"and", "or", "not", "of", "contains", "true", "false", "then", "do", "for", "within", "times", "until"})
     | frozenset({"to", "step"})
     | ENDINGS
 )

@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kg.errors import RobotError
@@ -31,6 +31,7 @@ def test_programs_are_forgiving(case: Path) -> None:
 
 
 @settings(max_examples=150, deadline=None)
+@example("wait for until")
 @given(st.lists(st.sampled_from(TOKENS), max_size=30).map(" ".join) | st.text(max_size=40))
 def test_any_text_is_read_or_refused(text: str) -> None:
     """Invalid text is an error with a place; valid text survives."""
