@@ -34,6 +34,7 @@ const ATTEMPTS = [{}, { acyclicer: "greedy" }, { name: "breadthfirst", directed:
 const LEGIBLE = 0.45; // below that names cannot be read
 const READ = 0.6;
 const MARGIN = 24;
+const LONGEST_SIDE = 8192; // browsers refuse larger pictures
 const drawn = new Set();
 
 /** Run a layout; return whether it could place everything. */
@@ -316,7 +317,9 @@ class Picture {
       saveFile(`${name}.svg`, new Blob([svg(this.cy, palette(this.host))], { type: "image/svg+xml" }));
     } else {
       const back = palette(this.host).surface;
-      saveFile(`${name}.png`, this.cy.png({ output: "blob", full: true, scale: 2, bg: back }));
+      const { w, h } = this.cy.elements().boundingBox();
+      const scale = Math.min(2, LONGEST_SIDE / Math.max(w, h));
+      saveFile(`${name}.png`, this.cy.png({ output: "blob", full: true, scale, bg: back }));
     }
   }
 
