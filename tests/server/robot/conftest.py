@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from patience import patient
 from rover import PREPARED
 from serving import TOKEN, served
 
@@ -28,5 +29,6 @@ def _rover() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def robot_site(browser: Chromium, store: Path) -> Iterator[str]:  # noqa: ARG001 - no server without a browser
     """The address of a server with a rover, which uses the token of the tests."""
-    with served(store, before=PREPARED, log="off", token=TOKEN, robot="rover://one") as server:
+    slowly = {"KG_WATCHDOG": str(patient(0.5))}  # on a busy machine a process can wait that long for its turn
+    with served(store, before=PREPARED, environment=slowly, log="off", token=TOKEN, robot="rover://one") as server:
         yield server.address
