@@ -246,7 +246,7 @@ def _classes(
     """
     predicates = " ".join(f"rnkg:{name}" for names in _CLASSES.values() for name in names)
     query = f"""SELECT DISTINCT ?p ?o {{ VALUES ?p {{ {predicates} }} GRAPH ?g {{ <{iri}> ?p ?o }}
-      FILTER(?p != rnkg:mayHaveCapability || NOT EXISTS {{ <{iri}> rnkg:hasCapability ?o }}) }}"""
+      FILTER(?p != rnkg:mayHaveCapability || NOT EXISTS {{ GRAPH ?h {{ <{iri}> rnkg:hasCapability ?o }} }}) }}"""
     pairs = list(rows(snapshot, query))
     names, graded = labels(snapshot, {value for _, value in pairs}), grades(snapshot, iri)
     classes: dict[str, list[dict[str, Any]]] = {kind: [] for kind in _CLASSES}

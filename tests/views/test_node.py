@@ -150,6 +150,13 @@ def test_no_such_branch(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
         tree(snapshot, settings, parent="https://example.org/x")
 
 
+def test_a_capability_is_listed_once(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
+    """One that the node has is not also one that it may have."""
+    found = [one["label"] for one in node(snapshot, settings, name="flight_controller")["capabilities"]]
+    assert "know where its parts are" in found
+    assert len(found) == len(set(found))
+
+
 def test_lines_and_general_capabilities(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """An interface has the text of its statement; capabilities with a channel are not general."""
     found = node(snapshot, settings, name="flight_controller")
