@@ -173,10 +173,11 @@ def type_of(value: Value) -> Kind | None:
 
 def zero(kind: Kind | None) -> Value | None:
     """Return the value of a variable of namespace scope without one; None if it is not of a number or truth type."""
-    name = kind.name if kind is not None else ""
-    if name == "bool":
+    if kind is None:
+        return None
+    if kind.name == "bool":
         return Truth(False)
-    return (Number(0.0, "0.0") if name in ("double", "float") else number(0)) if name in NUMBERS else None
+    return stored(kind, number(0)) if kind.name in NUMBERS else None
 
 
 def likeness(language: Cpp, kind: Type | None, value: Value, frame: Frame, template: tuple[str, ...]) -> float:

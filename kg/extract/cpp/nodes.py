@@ -385,15 +385,11 @@ class _Nodes:
         described = bool(machine.framework.described(root.kind))
         names = _called_from_outside(language, root.kind, node=node, described=described)
         listed = [(name, function) for name in names for function, _ in language.methods(root.kind, name)[:1]]
-        words = self._project.words
-        called = {
-            word
-            for name in names
-            for function, _ in language.methods(root.kind, name)  # also those that it overrides, which it may call
-            for word in words(function) or ()
-            if word != name
-        }
-        pending = dict(sorted(listed, key=lambda one: one[0] in called or not _gets_node(language, one[1])))
+        getting = {name for name, function in listed if _gets_node(language, function)}
+        for name in names if getting else ():
+            for function, _ in language.methods(root.kind, name):  # also those that it overrides, which it may call
+                getting -= (self._project.words(function) or frozenset()) - {name}
+        pending = dict(sorted(listed, key=lambda one: one[0] not in getting))
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
             for name in needed:
                 if id(pending.pop(name)) not in machine.executed:

@@ -134,8 +134,8 @@ class Project:
         """What names mean that are declared in these files alone: the same in all programs of the package."""
         self._listed: dict[CppUnit, None] = {}
         """The headers in the index that follows."""
-        self._stand_for: dict[str, dict[str, None]] = defaultdict(dict)
-        """What the macros, and the other names of types, of these and of all programs stand for, by name."""
+        self._stand_for: dict[str, frozenset[str]] = defaultdict(frozenset)
+        """The words that the macros, and the other names of types, of these and of all programs stand for, by name."""
         self._declaring: dict[tuple[str, str], list[CppUnit]] = defaultdict(list)
         self._implementations: dict[Place, dict[bytes, list[FilePath]]] = {}
         """For each package its sources, by the names in them with the `::` or `(` that follows."""
@@ -299,7 +299,7 @@ class Project:
         """Return some words, and those of what macros and other names of types among them stand for."""
         new = words
         while names := new & self._stand_for.keys():
-            new = frozenset().union(*(words_of(text) for name in names for text in self._stand_for[name])) - words
+            new = frozenset().union(*(self._stand_for[name] for name in names)) - words
             words |= new
         return words
 
@@ -413,9 +413,9 @@ class Project:
 
     def _index(self, unit: CppUnit) -> None:
         """Add what the macros and other names of types in a file stand for, and the names that it defines."""
-        for name, text in unit.stand_for:
-            self._expansions += text not in self._stand_for[name]
-            self._stand_for[name][text] = None
+        for name, words in unit.stand_for:
+            self._expansions += not words <= self._stand_for[name]
+            self._stand_for[name] |= words
         self._add_names((*unit.functions, *unit.inline, *unit.classes))
 
     def _add_names(self, names: Iterable[str]) -> None:

@@ -246,11 +246,12 @@ class CppUnit(Unit):
             "include": {path.rpartition("/")[2] for path in self.includes},
         }
         """All names that the file declares, except for members that are not types, and those of files it includes."""
-        self.stand_for = [(name, macro.text) for name, macro in self.macros.items()]
-        """What its macros, and its other names of types that are no pointers, stand for, as written."""
+        self.stand_for = [(name, words_of(macro.text)) for name, macro in self.macros.items()]
+        """The words that its macros, and its other names of types that are no pointers, stand for."""
         for name, given in self._aliases.items():
             if name not in _POINTERS:
-                self.stand_for += [(name, syntax.text(kind)) for _, kind, _ in given if not isinstance(kind, Type)]
+                written = (syntax.text(kind) for _, kind, _ in given if not isinstance(kind, Type))
+                self.stand_for += [(name, words_of(text)) for text in written]
 
     def declares(self, name: str) -> bool:
         """Return whether it declares a class of a name without its body."""
