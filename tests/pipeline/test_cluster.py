@@ -177,6 +177,8 @@ def test_a_hanging_reader_is_replaced(
 ) -> None:
     """A package that exceeds its time limit is assigned to another process."""
     bench.build()
+    on_cluster(bench.sibling("warm"), scheduler, tmp_path / "other-artifacts")
+    wait_for(children)
     monkeypatch.setattr(extracting, "_START_SECONDS", patient(0.1))
     monkeypatch.setattr(pool, "PACKAGE_SECONDS", patient(1))
     os.kill(min(children()), signal.SIGSTOP)  # the others read its packages
