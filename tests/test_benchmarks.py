@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import subprocess
 from functools import cache
@@ -100,3 +101,13 @@ def test_a_result_is_in_the_sections_of_the_log_that_its_section_links_to(headin
     table = rows(section)
     assert table
     assert not [row for row in table for commit in row["commit"].split(", ") if not commit or commit not in linked]
+
+
+@pytest.mark.parametrize(("program", "table"), [("parts", "PARTS"), ("stages", "STAGES")])
+def test_the_functions_that_a_build_is_measured_by_exist(
+    monkeypatch: pytest.MonkeyPatch, program: str, table: str
+) -> None:
+    """Each stage of `benchmarks/build` begins with functions that are there under these names."""
+    monkeypatch.syspath_prepend(ROOT / "benchmarks" / "build")
+    stages = getattr(importlib.import_module(program), table)
+    assert not [(stage, name) for stage, begun in stages.items() for owner, name in begun if not hasattr(owner, name)]

@@ -100,4 +100,5 @@ def main() -> None:
     print(json.dumps({"seconds": clock.seconds, "megabytes": peak}))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -50,7 +50,7 @@ STAGES: Stages = {
         for name, held in vars(Linker).items()
         if callable(held) and (name == "__init__" or not name.startswith("_"))
     ],
-    "running C++": [(_Nodes, "_started"), (_Nodes, "_executable")],
+    "running C++": [(_Nodes, "_started"), (_Nodes, "executable")],
     "entries of C++": [(cpp, "read_nodes")],
     "parsing Python": [(python_syntax, "parse")],
     "Python": [(python, "read_nodes")],
@@ -120,4 +120,5 @@ def _parsing(sources: list[Source]) -> float:
     return time.process_time() - began
 
 
-main()
+if __name__ == "__main__":
+    main()

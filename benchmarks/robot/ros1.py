@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kg.robot.ros1 import Ros1Connection
 
-__all__ = ["main"]
+__all__ = ["main", "serve_master"]
 
 _NODES: Final = 500
 _TOPICS: Final = 2000
@@ -67,7 +67,8 @@ def _free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-async def _serve_master(port: int) -> None:
+async def serve_master(port: int) -> None:
+    """Run the master of `kg` at a port until this process ends."""
     async with Master(port=port):
         print("ready", flush=True)
         await asyncio.Event().wait()
@@ -173,11 +174,8 @@ def _spread(seconds: list[float]) -> str:
     return f"{statistics.median(seconds):.2f} s ({min(seconds):.2f} to {max(seconds):.2f})"
 
 
-def main(arguments: list[str]) -> None:
+def main() -> None:
     """Measure everything that can be measured here."""
-    if arguments[:1] == ["master"]:
-        asyncio.run(_serve_master(int(arguments[1])))
-        return
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors")
     crowd = str(Path(__file__).with_name("crowd.py"))
     names: list[Any] = [*(["rosmaster"] if _ROSMASTER.exists() else []), "kg"]

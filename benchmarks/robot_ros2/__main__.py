@@ -5,6 +5,7 @@ python benchmarks/robot_ros2 [dds|zenoh]
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import json
 import os
@@ -42,7 +43,11 @@ def main() -> None:
         _PEERS[sys.argv[2]](sys.argv[3])
         return
     os.environ["CYCLONEDDS_URI"] = DDS
-    for scheme in sys.argv[1:] or ["dds", "zenoh"]:
+    parser = argparse.ArgumentParser(prog="robot_ros2", description=main.__doc__)
+    parser.add_argument(
+        "schemes", nargs="*", choices=["dds", "zenoh"], default=["dds", "zenoh"], help="what to measure"
+    )
+    for scheme in parser.parse_args().schemes or ["dds", "zenoh"]:
         figures = asyncio.run(_echoes(scheme)) | asyncio.run(_discovered(scheme))
         print(scheme, json.dumps(figures), flush=True)
 

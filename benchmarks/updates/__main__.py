@@ -6,6 +6,7 @@ brackets, of processor time of this process. README.md says what is measured.
 
 from __future__ import annotations
 
+import argparse
 import asyncio
 import resource
 import shutil
@@ -58,7 +59,9 @@ class _Clock:
 
 def main() -> None:
     """Measure the store that is named."""
-    original = layout_of(load({"store": sys.argv[1]}))
+    parser = argparse.ArgumentParser(prog="updates", description=main.__doc__)
+    parser.add_argument("store", help="the store that is copied")
+    original = layout_of(load({"store": parser.parse_args().store}))
     with tempfile.TemporaryDirectory(dir=original.root.parent) as folder:
         root = Path(folder) / ".kg"
         clock = _Clock()
@@ -128,4 +131,5 @@ def _command(*words: str) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-main()
+if __name__ == "__main__":
+    main()
