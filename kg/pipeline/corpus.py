@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 _CERTAIN: Final = frozenset({"gone", "refused", "too large"})
 """States of repositories that another machine would not fetch either."""
+_MOST_ATTEMPTS: Final = 5
+"""How often a repository is tried until a second machine has tried it."""
 
 
 @dataclass(slots=True)
@@ -45,7 +47,7 @@ class Corpus:
     homes: dict[str, str] = field(default_factory=dict)
 
     def fetch(self) -> None:
-        """Fetch those that are neither fetched nor failed. After a failure, another machine tries once.
+        """Fetch those that are neither fetched nor failed. After a failure, another machine tries.
 
         Raises:
             SourceError: KG126 as `Cluster`, KG133 if none of several was fetched.
@@ -55,16 +57,16 @@ class Corpus:
             self.cluster.connect()
         for folder in left:
             self._submit(folder)
-        again = set(left)
+        tried: dict[str, list[str]] = {folder: [] for folder in left}
         for folder, result in self.cluster.results():
             if isinstance(result, BaseException):  # its workers died repeatedly, or its code failed
                 self.leave_out(folder, str(result))
                 continue
             worker, entry, source = result
+            tried[folder].append(machine_of(worker))
             if source is not None:
                 self.sources[folder], self.homes[folder] = source, machine_of(worker)
-            elif folder in again and entry.state not in _CERTAIN and self.cluster.has_other_machine(worker):
-                again.remove(folder)
+            elif self._may_retry(tried[folder], entry) and self.cluster.has_other_machine(worker):
                 self._submit(folder, f"!{machine_of(worker)}")
             else:
                 self.failed[folder] = entry
@@ -79,6 +81,13 @@ class Corpus:
         pin = self.pins[folder]
         self.sources.pop(folder, None)
         self.failed[folder] = Entry(pin.name, pin.url, commit=pin.commit, state="failed", reason=reason)
+
+    def _may_retry(self, machines: list[str], entry: Entry) -> bool:
+        """Return whether another machine should try what `machines` could not fetch.
+
+        Dask may still give it to the same one, if that one is idle first.
+        """
+        return entry.state not in _CERTAIN and len(set(machines)) == 1 and len(machines) < _MOST_ATTEMPTS
 
     def _submit(self, folder: str, near: str = "") -> None:
         pin = self.pins[folder]

@@ -178,8 +178,8 @@ LISTS: Final[Mapping[str, Listed]] = {
     "capabilities": Listed(
         "Capabilities",
         "capability",
-        "What nodes enable a robot to do, with the number of nodes by grade of evidence. Nodes with weak evidence alone "
-        "are not in the first number.",
+        "What nodes enable a robot to do, with the number of nodes by grade of evidence. "
+        "Nodes with weak evidence alone are not in the first number.",
         _classes("capability"),
     ),
     "systems": Listed(
