@@ -56,15 +56,16 @@ def labels(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
 
 
 def called(snapshot: EmbeddedSnapshot, iris: Iterable[str]) -> dict[str, str]:
-    """Return the label of each thing: its own, that of its whole with the part, or a short IRI."""
+    """Return the label of each thing: its own, else its prefixed name, that of its whole with the part, or its IRI."""
     wanted = set(iris)
     own = labels(snapshot, wanted)
     wholes = labels(snapshot, {iri.partition("#")[0] for iri in wanted - own.keys() if "#" in iri})
     names = {}
     for iri in wanted:
         whole, _, part = iri.partition("#")
-        named = f"{wholes[whole]}#{unquote(part)}" if whole in wholes else shorten(iri)
-        names[iri] = own.get(iri) or named.removeprefix("<").removesuffix(">")
+        name = shorten(iri).removeprefix("<").removesuffix(">")
+        of_part = f"{wholes[whole]}#{unquote(part)}" if name == iri and whole in wholes else name
+        names[iri] = own.get(iri) or of_part
     return names
 
 

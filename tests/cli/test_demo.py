@@ -31,8 +31,10 @@ def test_the_demo_answers_every_question_with_lines_of_code(shown: tuple[Run, Pa
         rows = part.split("file:line\n")[1].splitlines()[1:]
         assert rows[0].rpartition(":")[2].strip().isdigit()
     assert "scan_filter_nodelet.cpp:" in run.out
-    assert "by rule capability/general" in run.out
-    assert "ros:evokes" in run.out
+    proof = run.out.partition("kg why scan_filter")[2].partition("kg lint")[0]
+    assert "by rule hardware/uses" in proof
+    assert "scan_filter_nodelet.cpp:30" in proof
+    assert len(proof.splitlines()) < 30
 
 
 def test_the_demo_may_be_kept(kg: Program, tmp_path: Path) -> None:

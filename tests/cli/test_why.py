@@ -79,6 +79,12 @@ def test_a_fact_that_is_not_there_leads_to_why_not(built: Program) -> None:
     assert "owl/" not in missing.out
 
 
+def test_a_name_without_a_label_is_shown_with_its_prefix(built: Program) -> None:
+    """A term that no ontology has is named as users write it."""
+    run = built("why", "patrol", "usesHardware", "hardware:none")
+    assert "does not contain patrol rnkg:usesHardware hardware:none" in run.err
+
+
 def test_a_fact_that_is_there_needs_no_why_not(built: Program) -> None:
     """`why-not` of a fact that holds reports that it holds."""
     run = built("why-not", "patrol", "subscribes", "scan_filtered")

@@ -41,7 +41,7 @@ QUESTIONS: Final = (
     "demo/named-by-parameters",
     "demo/made-at-run-time",
 )
-FACT: Final = ("base_controller", "rnkg:hasCapability", "capability:localizing")
+FACT: Final = ("scan_filter", "rnkg:usesHardware", "laserScanner")
 """What rules inferred and the demo proves."""
 _TEMPORARY: Final = """
 The demo store is temporary. To keep one and explore it:
@@ -94,7 +94,7 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
         with target.read() as snapshot:
             _ask_all(snapshot, settings, bold)
         settings = replace(settings, store=target.layout.root)
-        title = "How is it known that a robot can measure distances with scan_filter?"
+        title = "How is it known that scan_filter works with a laser scanner?"
         write(f"\n{bold[0]}{len(QUESTIONS) + 1}. {title}{bold[1]}\n")
         write(f"    kg why {' '.join(FACT)}\n")
         why(list(FACT), settings=settings)

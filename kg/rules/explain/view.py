@@ -12,7 +12,7 @@ from kg.rules.explain.closures import Closures
 from kg.rules.explain.proof import Evidence
 from kg.rules.form import Element, Rule, Term, Variable
 from kg.rules.sparql import brief, select, spelling, substitutions
-from kg.syntax.names import PREFIXES, shorten
+from kg.syntax.names import PREFIXES, prefixed, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -173,13 +173,13 @@ class View:
         return cached
 
     def _called(self, term: Term) -> str | None:
-        """Return the label of a thing, or that of its whole with the name of the part."""
+        """Return the label of a thing, or that of its whole with the name of the part if no prefix fits the thing."""
         if isinstance(term, Literal):
             return f'"{term.value}"' if term.datatype.value == _STRING else term.value
         if (label := self._value(term, _LABEL)) is not None or not isinstance(term, NamedNode):
             return label
         whole = term.value
-        while "#" in whole:
+        while "#" in whole and prefixed(term.value, self.prefixes) is None:
             whole = whole[: max(whole.rfind("/", whole.index("#")), whole.index("#"))]
             if (label := self._value(NamedNode(whole), _LABEL)) is not None:
                 return f"{label}#{term.value[len(whole) + 1 :]}"
