@@ -12,7 +12,7 @@ from rich.text import Text
 from kg.cli.links import Links
 from kg.cli.output import folded, show
 from kg.facts import Location
-from kg.render.text import printable
+from kg.render.text import count, printable
 from kg.views.wording import quoted
 
 if TYPE_CHECKING:
@@ -30,38 +30,54 @@ _STYLES: Final = {
     "hint": "yellow",
     "fact": "bold",
 }
+_LONG: Final = 30
+"""Rows of a tree from which on its lines of code are listed below it."""
 _BRANCHES: Final = {"├─ ": "│  ", "└─ ": "   "}
 
 
 def print_tree(lines: Iterable[Line], where: Places, iris: Iris | None = None) -> None:
     """Write the lines of a proof; `where` finds sources and their lines.
 
-    With `iris`, those of the store, each line of code is shown below the first fact read from it.
+    With `iris`, those of the store, each line of code is shown below the first fact read from it; below a tree that is
+    long, all of them follow once more.
     """
     links = Links(where)
     read: set[tuple[str, str, int | None]] = set()
+    cited: list[tuple[Text, str]] = []
+    rules: set[str] = set()
+    shown = 0
     for line in lines:
-        show(*_folded(line, links))
+        rows = _folded(line, links)
+        show(*rows)
+        shown += len(rows)
+        if line.kind == "rule":
+            rules.add(line.text)
         place = (line.evidence.repository or "", line.evidence.path, line.evidence.line) if line.evidence else None
         if iris is None or place is None or place in read:
             continue
         read.add(place)
         if code := _code(line, where, iris):
-            show(code)
+            show(_dim(f"{_below(line)}  {code}"))
+            cited.append((_place(line, links) or Text(), code))
+    if shown > _LONG and cited:
+        show(Text(f"\n{count(len(rules), 'rule')}, from {count(len(cited), 'line')} of code:"))
+        for at, code in cited:
+            show(Text("  ").append_text(at), _dim(f"    {code}"))
 
 
-def _code(line: Line, where: Places, iris: Iris) -> Text | None:
+def _code(line: Line, where: Places, iris: Iris) -> str | None:
     """Return the line of code behind a fact."""
     thing = iris.parse((line.evidence.thing or "").partition("#")[0]) if line.evidence else None
     if line.evidence is None or line.evidence.line is None or thing is None:
         return None
     place = Location(line.evidence.path, line.evidence.line, line.evidence.repository)
     code = quoted(where.code(thing.parts[0], place))
-    if not code:
-        return None
-    text = Text(f"{_below(line)}  {printable(code)}", style="dim")
-    text.no_wrap, text.overflow = True, "ellipsis"
-    return text
+    return printable(code) if code else None
+
+
+def _dim(line: str) -> Text:
+    """Return a row that is cut where the terminal ends."""
+    return Text(line, style="dim", no_wrap=True, overflow="ellipsis")
 
 
 def _folded(line: Line, links: Links) -> list[Text]:

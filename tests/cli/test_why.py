@@ -24,12 +24,14 @@ def build(tmp_path_factory: pytest.TempPathFactory) -> Program:
 
 
 def test_a_proof_ends_in_lines_of_code_and_of_ontologies(built: Program) -> None:
-    """An inferred capability leads to the line of the publisher and to the line of the ontology."""
+    """An inferred capability leads to the lines of the publisher and the ontology; those of code are listed again."""
     run = built("why", "base_controller", "hasCapability", "know where it is")
     assert run.code == 0, run.err
     assert "base_controller.cpp:" in run.out
     assert "capability.ttl:" in run.out
     assert "by rule capability/general" in run.out
+    summary = run.out.partition("rules, from ")[2]
+    assert "odometry.cpp:15\n    odometry_pub_ = nh.advertise" in summary
 
 
 def test_all_ways_as_one_picture_and_as_lines_of_json(built: Program) -> None:
