@@ -28,6 +28,7 @@ FOLDS: Final = 5
 GRID: Final = {
     ("rank", "named"): (0.1, 0.2),
     ("rank", "synonym"): (0.6, 0.8),
+    ("rank", "everyday"): (0.6, 0.8),
     ("rank", "started"): (0.0, 0.2),
     ("rank", "aside"): (0.25, 1.0),
     ("rank", "alike"): (0.0, 0.1),

@@ -18,6 +18,7 @@ import msgspec
 import numpy as np
 
 from kg import resources
+from kg.search import lexicon
 from kg.search.documents import Document, PackageDocument
 from kg.search.index import Columns, Index
 from kg.search.neighbours import NEIGHBOURS
@@ -133,7 +134,7 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
 
 
 _VERSION_BYTES: Final = 4
-_DATA: Final = ("search.toml", "composing.toml")  # files in the folder `ontology` that what is kept depends on
+_DATA: Final = (*lexicon.FILES, "composing.toml")  # files in the folder `ontology` that what is kept depends on
 
 
 def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:

@@ -105,6 +105,11 @@ class Index:
         """Number of nodes."""
         return len(self.nodes)
 
+    @property
+    def most_information(self) -> float:
+        """The information of a term that no node has."""
+        return self.information("")
+
     def information(self, term: str) -> float:
         """Return the information of a term (inverse document frequency): rare terms have more.
 

@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.search.lexicon import lexicon
-from kg.search.words import is_stop, phrase, stem, words
+from kg.search.words import content_terms, phrase
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -106,16 +106,10 @@ def _synonyms(concepts: Sequence[Concept]) -> Mapping[tuple[str, ...], tuple[tup
     by_phrase: dict[tuple[str, ...], dict[tuple[str, ...], None]] = {}
     for group in groups:
         stems = [phrase(one) for one in group]
-        others = [_content(one) for one in group if not one.startswith("=") and "not" not in one.split()]
+        others = [content_terms(one) for one in group if not one.startswith("=") and "not" not in one.split()]
         for one in filter(None, stems):
             by_phrase.setdefault(one, {}).update(dict.fromkeys(filter(None, others)))
-    for typed, others_typed in lexicon().everyday.items():
-        by_phrase.setdefault(phrase(typed), {}).update(dict.fromkeys(map(_content, others_typed)))
     return {one: tuple(others) for one, others in by_phrase.items()}
-
-
-def _content(text: str) -> tuple[str, ...]:
-    return tuple(stem(word) for word in words(text) if not is_stop(word))
 
 
 def _begins(name: str, start: str) -> bool:

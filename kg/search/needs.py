@@ -10,11 +10,13 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
+from kg.search.everyday import Meaning, meanings
 from kg.search.lexicon import lexicon
 from kg.search.words import is_stop, joined, phrase, stem, words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Set as AbstractSet
 
     from kg.search.names import Names
 
@@ -60,10 +62,14 @@ _OF_EVERY: Final = ("ros", "msg", "msgs")  # names without information about a n
 
 @dataclass(frozen=True, slots=True)
 class Alternative:
-    """Terms that together are an alternative for a wording, and the weight of it."""
+    """Terms that together are an alternative for a wording, and the weight of it.
+
+    A `loose` one is meant by an everyday wording. It counts less if many nodes have the word itself.
+    """
 
     terms: tuple[str, ...]
     weight: float
+    loose: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -236,40 +242,55 @@ def _matches(tokens: Sequence[_Token], phrases: dict[tuple[str, ...], object]) -
 
 
 def _wordings(tokens: Sequence[_Token], names: Names) -> Iterator[Wording]:
-    """Yield a wording for every significant word, once each, with the synonyms of the phrase that contains it.
+    """Yield a wording for every significant word, once each, with what the phrases that contain it stand for.
 
-    A phrase of insignificant words alone that has synonyms is one wording: `where it is`.
+    A phrase of insignificant words alone that stands for something is one wording: `where it is`.
     """
     seen: set[str] = set()
     present = {token.whole for token in tokens} | {token.stem for token in tokens}
-    spans = dict(_matches(tokens, names.synonyms))  # type: ignore[arg-type]  # only the keys are looked at
-    end = 0
-    others: tuple[tuple[str, ...], ...] = ()
+    synonyms = list(_synonyms(tokens, names))
+    everyday = meanings([token.word for token in tokens])
+    for meaning in (*synonyms, *everyday):
+        phrased = [tokens[place] for place in meaning.places]
+        if meaning.terms and all(is_stop(one.word) and not one.name for one in phrased):
+            alternatives = tuple(Alternative(one, weight) for one, weight in meaning.terms.items())
+            yield Wording(" ".join(one.word for one in phrased), alternatives, phrased[0].aside)
     for at, token in enumerate(tokens):
-        if at >= end:
-            end = spans.get(at, at + 1)
-            others = names.synonyms.get(tuple(one.stem for one in tokens[at:end]), ())
-            if others and all(is_stop(one.word) and not one.name for one in tokens[at:end]):
-                phrased = " ".join(one.word for one in tokens[at:end])
-                yield Wording(phrased, tuple(Alternative(one, 1.0) for one in others), token.aside)
         if token.stem not in seen and (not is_stop(token.word) or token.name):
             seen.add(token.stem)
-            yield _wording(token, [one for one in others if not present.issuperset(one)], names)
+            yield _wording(token, _others(at, synonyms, present), _others(at, everyday, present), names)
 
 
-def _wording(token: _Token, synonyms: Sequence[tuple[str, ...]], names: Names) -> Wording:
+def _synonyms(tokens: Sequence[_Token], names: Names) -> Iterator[Meaning]:
+    stems = tuple(token.stem for token in tokens)
+    for begin, end in _matches(tokens, names.synonyms):  # type: ignore[arg-type]  # only the keys are looked at
+        yield Meaning(tuple(range(begin, end)), dict.fromkeys(names.synonyms[stems[begin:end]], 1.0))
+
+
+def _others(at: int, found: Sequence[Meaning], present: AbstractSet[str | None]) -> dict[tuple[str, ...], float]:
+    """Return the terms of the phrases that contain the word at an index, except those that the need contains."""
+    weights: dict[tuple[str, ...], float] = {}
+    for terms in (one.terms for one in found if at in one.places):
+        for term, weight in terms.items():
+            if not present >= set(term):
+                weights[term] = max(weight, weights.get(term, 0.0))
+    return weights
+
+
+def _wording(
+    token: _Token, synonyms: Mapping[tuple[str, ...], float], everyday: Mapping[tuple[str, ...], float], names: Names
+) -> Wording:
     rank = lexicon().weights["rank"]
     alternatives = [Alternative((token.stem,), 1.0)]
     if token.whole is not None:
         alternatives.append(Alternative((token.whole,), 1.0))
-    describes = any(names.describes_node(one.terms[0]) for one in alternatives)
-    near = () if describes else names.spellings(token.whole or token.stem)
+    unknown = not everyday and not any(names.describes_node(one.terms[0]) for one in alternatives)
+    near = names.spellings(token.whole or token.stem) if unknown else ()
     alternatives += [Alternative((term,), rank["spelling"] * likeness) for term, likeness in near]
-    alternatives += [Alternative(one, rank["synonym"]) for one in synonyms]
+    alternatives += [Alternative(one, rank["synonym"] * weight) for one, weight in synonyms.items()]
+    alternatives += [Alternative(one, rank["everyday"] * weight, loose=True) for one, weight in everyday.items()]
     spelled = tuple(term for term, _ in near)
-    return Wording(
-        token.typed if not describes else token.word, tuple(alternatives), token.aside, not describes, spelled
-    )
+    return Wording(token.typed if unknown else token.word, tuple(alternatives), token.aside, unknown, spelled)
 
 
 def _typed(tokens: Sequence[_Token], names: Names) -> Iterator[Wish]:

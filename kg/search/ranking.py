@@ -85,22 +85,29 @@ def _information(index: Index, need: Need, wording: Wording) -> float:
 
 
 def _spelling(index: Index, wording: Wording) -> Alternative:
-    """Return the spelling of a wording that nodes have: `influxdb` if none has `influx`."""
+    """Return the spelling of a wording that nodes have: `influxdb` if none has `influx`.
+
+    A word that no node has is as rare as the first thing that it stands for.
+    """
     own = [one for one in wording.alternatives if one.weight == 1.0]
-    return next((one for one in own if one.terms[0] in index.text.names), own[0])
+    others = () if wording.unknown else wording.alternatives
+    return next((one for one in (*own, *others) if one.terms[0] in index.text.names), own[0])
 
 
 def wording_scores(index: Index, wording: Wording) -> Floats:
     """Return the score of a wording for each node, from 0 to 1.
 
     A synonym that is more frequent than the word itself has less information, and its score is lowered accordingly.
+    What an everyday wording stands for counts by the rarity of the word itself: nodes have words of the field.
     """
     own = index.information(_spelling(index, wording).terms[0])
+    rarity = index.information(wording.alternatives[0].terms[0]) / index.most_information
     best = np.zeros(index.size, np.float32)
     for one in wording.alternatives:
         columns = [index.text.dense(term, index.size) for term in one.terms]
         amount = max(index.information(term) for term in one.terms)
-        best = np.maximum(best, np.float32(one.weight * min(1.0, amount / own)) * np.min(columns, axis=0))
+        weight = one.weight * min(1.0, amount / own) * (rarity if one.loose else 1.0)
+        best = np.maximum(best, np.float32(weight) * np.min(columns, axis=0))
     return best
 
 

@@ -75,6 +75,11 @@ def phrase(text: str) -> tuple[str, ...]:
     return tuple(map(stem, words(text)))
 
 
+def content_terms(text: str) -> tuple[str, ...]:
+    """Return the stems of the significant words of a text."""
+    return tuple(stem(word) for word in words(text) if not is_stop(word))
+
+
 def name_terms(name: str) -> list[str]:
     """Return the terms of an identifier, except those that it negates: `MarkersNoKinect` has no kinect."""
     stems, skip = [], False
@@ -103,7 +108,7 @@ def joined(text: str) -> tuple[str, ...]:
 
 
 def _terms(text: str) -> tuple[str, ...]:
-    return (*(stem(word) for word in words(text) if not is_stop(word)), *joined(text))
+    return (*content_terms(text), *joined(text))
 
 
 # Names of topics, types and parameters recur, sentences do not.
