@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from pyoxigraph import Triple
+
 
 _MERGED_SHARE = 0.25
 """After a load of more than this share of a generation's bytes, its files are merged."""
@@ -181,6 +183,11 @@ class EmbeddedTransaction:
         """Return whether the transaction contains a quad now."""
         with self._begun():
             return quad in self._engine
+
+    def copies(self, triple: Triple) -> list[Quad]:
+        """Return the quads of a triple, one for each graph that contains it now."""
+        with self._begun():
+            return list(self._engine.quads_for_pattern(triple.subject, triple.predicate, triple.object, None))
 
     def has_graph(self, graph: NamedNode) -> bool:
         """Return whether a named graph of that name exists at this point, even if empty."""

@@ -18,7 +18,7 @@ from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, mirrored, reading, writable
 
 if TYPE_CHECKING:
-    from kg.pipeline.report import Inferred
+    from kg.pipeline.inferring import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
