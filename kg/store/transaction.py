@@ -289,9 +289,9 @@ class EmbeddedTransaction:
             self._begin()
             if rdf_format.supports_datasets:
                 self.changes.forget()  # the file may write to any graph
-            else:
-                self.changes.replace(_name(target))
             self._load(file, rdf_format, path.absolute().as_uri(), target, keep_labels=keep_labels)
+            if not rdf_format.supports_datasets:
+                self.changes.load_file(_name(target), path, rdf_format)
 
     def _load(
         self,
