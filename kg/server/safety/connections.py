@@ -223,6 +223,7 @@ class Guarded(HttpToolsProtocol):
         self.transport.send(b"".join((STATUS_LINE[status], *lines, head, b"\r\n", body)))  # type: ignore[attr-defined]  # `_Joined`
         cycle.message_event.set()
         cycle.on_response()
+        cycle.disconnected = True  # middlewares did not see the response: what they send after an error is dropped
         return True
 
     def on_body(self, body: bytes) -> None:

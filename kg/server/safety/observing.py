@@ -55,19 +55,16 @@ class Observed:
         except Exception as error:
             if recorded.status and isinstance(_reason(error), KgError):
                 recorded.outcome = "aborted" if recorded.outcome == "ok" else recorded.outcome
-                if sending.complete:
-                    return
                 raise
             identity = secrets.token_hex(8)
             if not recorded.status:
                 internal = RequestError("KG900", f"a defect in kg; the log of the server has more under {identity}")
-                await answer(request, internal)(scope, receive, sending.in_parts())
+                await answer(request, internal)(scope, receive, sending)
             recorded.outcome = "KG900"
             defect = DefectError(identity)
             defect.__cause__ = error
             self._log.defect(defect)
-            if not sending.complete:  # otherwise nothing is left that the error could end
-                raise defect from error
+            raise defect from error
         except BaseException:
             recorded.outcome = "aborted" if recorded.outcome == "ok" else recorded.outcome
             raise
@@ -84,7 +81,7 @@ class _Sending:
     at once; without `whole`, and in other cases, all parts are passed on.
     """
 
-    __slots__ = ("_lines", "_recorded", "_send", "_started", "_whole", "complete")
+    __slots__ = ("_lines", "_recorded", "_send", "_started", "_whole")
 
     def __init__(self, send: Send, recorded: Record, whole: Whole | None) -> None:
         self._send = send
@@ -92,12 +89,6 @@ class _Sending:
         self._whole = whole
         self._started: Message | None = None
         self._lines = b""
-        self.complete = False
-
-    def in_parts(self) -> _Sending:
-        """Return this, to pass on all parts from now on."""
-        self._whole = None
-        return self
 
     async def __call__(self, message: Message) -> None:
         """Send a part of the response."""
@@ -111,12 +102,10 @@ class _Sending:
             return
         body = message.get("body", b"")
         self._recorded.sent += len(body)
-        started = self._started
-        if started is not None and self._whole is not None and not message.get("more_body", False):
-            self.complete = self._whole(started["status"], self._lines, body)
-            if self.complete:
-                self._started = None
-                return
+        started, whole = self._started, None if message.get("more_body", False) else self._whole
+        if started is not None and whole is not None and whole(started["status"], self._lines, body):
+            self._started = None
+            return
         await self.end()
         await self._send(message)
 
