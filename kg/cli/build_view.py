@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from kg.facts import Problem
     from kg.pipeline.estimating import Volume
-    from kg.pipeline.report import BuildReport, Inferred, SourceReport
+    from kg.pipeline.inferring import Inferred
+    from kg.pipeline.report import BuildReport, SourceReport
 
 _FEW: Final = 10
 _FEW_REASONS: Final = 5

@@ -22,15 +22,22 @@ Properties: TypeAlias = Mapping[str, list[str]]
 """The properties of one thing in the graph: values by the IRIs of properties."""
 
 
+_PLACE: Final = (v.bare(v.PATH), v.bare(v.LINE), v.bare(v.IN_REPOSITORY))
+
+
 def one(properties: Properties, term: str) -> str | None:
     """Return the value of a term that has one; the least where it has several."""
-    values = properties.get(term[1:-1])
+    return _least(properties.get(term[1:-1]))
+
+
+def _least(values: list[str] | None) -> str | None:
     return None if values is None else values[0] if len(values) == 1 else min(values, default=None)
 
 
 def place_of(properties: Properties) -> Location:
     """Return the line where a thing was read."""
-    return Location(one(properties, v.PATH) or "", int(one(properties, v.LINE) or 0), one(properties, v.IN_REPOSITORY))
+    path, line, repository = map(_least, map(properties.get, _PLACE))
+    return Location(path or "", int(line or 0), repository)
 
 
 def word(properties: Properties, term: str) -> str:

@@ -27,11 +27,11 @@ from kg.graph.shared import SHARED
 from kg.lazily import lazily
 from kg.pipeline import cache
 from kg.pipeline.calls import checked_calls
-from kg.pipeline.inferring import Inference
+from kg.pipeline.inferring import Inference, Inferred
 from kg.pipeline.plan import Key, Plan, code_bytes, code_version, entries_by_name, listing, make_plan, stamp, version
 from kg.pipeline.reasoning import digest
 from kg.pipeline.recording import RecordingWorkspace
-from kg.pipeline.report import BuildReport, Inferred, Report, SourceReport, SystemsReport, totals
+from kg.pipeline.report import BuildReport, Report, SourceReport, SystemsReport, totals
 from kg.pipeline.sources import LostSourceError, folders, gather, installed_folders
 from kg.pipeline.state import PackageState, SourceState, State, Systems, load, save
 from kg.store.allocator import share_pools

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from pyoxigraph import NamedNode
 
 from kg.graph.iris import Iris
-from kg.pipeline.inferring import Inference
+from kg.pipeline.inferring import Inference, Inferred
 from kg.pipeline.sharing import keep_shared
 from kg.pipeline.state import State, load, save
 from kg.pipeline.systems import update_systems
@@ -18,7 +18,6 @@ from kg.store.failure import translated
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.pipeline.report import Inferred
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
 

@@ -26,8 +26,9 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
+from kg.pipeline.reach import newly_asserted
 from kg.pipeline.reasoning import digest, ontology_digest, rules_in_force, rules_over, schema_of
-from kg.pipeline.report import Inferred
+from kg.rules.dependencies import patterns
 from kg.rules.recording import Names
 from kg.rules.specialise import is_schema, specialised
 from kg.store.failure import translated
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.rules.engine.limits import Limits
+    from kg.rules.files import RuleSet
     from kg.rules.remote.running import RemoteReport
     from kg.rules.reports import RunReport
     from kg.settings import Settings
@@ -55,6 +57,24 @@ with lazily():
 _LAST: Final = "rules"
 """Cache file with the record of the last run; below, that with the ontologies written to the store."""
 _ONTOLOGIES: Final = "ontologies"
+_MOST_UNREAD: Final = 16
+"""After so many changes that reach no rule, a run takes them into the saved columns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inferred:
+    """Result of rules: the number of inferred triples, and how many were added and removed.
+
+    `mode` is full or incremental, or none if the rules could not run and nothing is inferred. `problems` contains the
+    errors of the rules and ontologies that were left out.
+    """
+
+    triples: int
+    added: int
+    removed: int
+    seconds: float
+    mode: str
+    problems: tuple[KgError, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +83,8 @@ class LastRun:
 
     The inferences follow from the generation `generation` of the store and these rules, with this `base`. `costs` are
     those of the last full run: for each rule its seconds, the number of triples that it derived first, and its rounds.
+    `patterns` are those of the rules (`kg.rules.dependencies.patterns`), empty if unknown. `unread` counts the latest
+    changes that could reach none of them, so that nothing ran.
     """
 
     digest: str
@@ -72,6 +94,15 @@ class LastRun:
     inferred: int = 0
     strata: int = 0
     costs: Mapping[str, tuple[float, int, int]] = field(default_factory=dict)
+    patterns: Sequence[str] = ()
+    unread: int = 0
+
+
+def _noted(report: RunReport, rules: RuleSet, settings: Settings, cache: Path) -> LastRun:
+    """Return the record of a run, still without digest and generation."""
+    named = rules.patterns or patterns(rules.rules, rules.data)
+    counts, costs = (report.asserted, report.inferred, report.strata), _costs(report, cache)
+    return LastRun("", settings.base, None, *counts, costs, sorted(named))
 
 
 def _costs(report: RunReport, cache: Path) -> Mapping[str, tuple[float, int, int]]:
@@ -219,6 +250,9 @@ class Inference:
             UsageError: KG002 for a folder or a family of the settings that does not exist.
         """
         mark = digest(self._settings, self._store.layout.cache)
+        if self._runner is None and (last := self._unread(transaction, mark)):
+            self.digest, self._last = mark, last
+            return Inferred(last.inferred, 0, 0, 0.0, "incremental")
         unreadable: list[KgError] = []
         if self.outdated():
             self.update_ontologies(transaction, unreadable)
@@ -230,6 +264,20 @@ class Inference:
         self.digest = "" if problems or unreadable else mark
         self._last = replace(self._last, digest=self.digest)
         return replace(inferred, problems=(*unreadable, *problems))
+
+    def _unread(self, transaction: EmbeddedTransaction, mark: str) -> LastRun | None:
+        """Return the record of a run after a change that no rule can react to; None where rules have to run.
+
+        The inferences have to follow from the generation before the change and the rules with the digest `mark`.
+        """
+        last = last_run(self._store.layout.cache)
+        if last is None or not last.patterns or last.unread >= _MOST_UNREAD:
+            return None
+        if (last.digest, last.base, last.generation) != (mark, self._settings.base, transaction.base):
+            return None
+        names = Names.of(self._settings.base, RNKG)
+        more = newly_asserted(transaction, names, frozenset(last.patterns))
+        return None if more is None else replace(last, asserted=last.asserted + more, unread=last.unread + 1)
 
     def _attempt(
         self, transaction: EmbeddedTransaction, problems: list[RuleError], mark: str, *, own: bool
@@ -248,8 +296,7 @@ class Inference:
             problems.append(error)
             return None
         self._runner = runner
-        spent = _costs(report, self._store.layout.cache)
-        self._last = LastRun("", self._settings.base, None, report.asserted, report.inferred, report.strata, spent)
+        self._last = _noted(report, rules, self._settings, cache)
         return Inferred(report.inferred, report.added, report.removed, report.seconds.total, report.mode)
 
     def _nothing(self, transaction: EmbeddedTransaction) -> Inferred:
@@ -300,7 +347,7 @@ def run_on_store(
     store, mark = existing(settings), digest(settings)
     inference = Inference(store, settings)
     if inference.outdated():
-        report = _run_with_ontologies(store, settings, inference, full=full, dry_run=dry_run, limits=limits)
+        rules, report = _run_with_ontologies(store, settings, inference, full=full, dry_run=dry_run, limits=limits)
         base = report.generation
     else:
         with store.read() as snapshot:
@@ -309,16 +356,15 @@ def run_on_store(
         report = runner.run(store, rules, limits=limits, incremental=not full, dry_run=dry_run)
     if not dry_run:
         base = report.generation or base
-        spent = _costs(report, store.layout.cache)
-        last = LastRun(mark, settings.base, base, report.asserted, report.inferred, report.strata, spent)
-        _note_run(store.layout.cache, last)
+        last = _noted(report, rules, settings, store.layout.cache)
+        _note_run(store.layout.cache, replace(last, digest=mark, generation=base))
     return report
 
 
 def _run_with_ontologies(  # noqa: PLR0913 - the arguments of `run_on_store`
     store: EmbeddedStore, settings: Settings, inference: Inference, *, full: bool, dry_run: bool, limits: Limits | None
-) -> RunReport:
-    """Update the ontologies and run the rules in one transaction."""
+) -> tuple[RuleSet, RunReport]:
+    """Update the ontologies and run the rules in one transaction; return the rules too."""
     runner = _new_runner(store, settings)
     with store.write("kg rules run") as transaction:
         inference.update_ontologies(transaction)
@@ -326,11 +372,11 @@ def _run_with_ontologies(  # noqa: PLR0913 - the arguments of `run_on_store`
         report = runner.run_within(transaction, rules, limits=limits, incremental=not full)
         if dry_run:
             transaction.roll_back()
-            return replace(report, dry_run=True)
+            return rules, replace(report, dry_run=True)
         generation = transaction.commit()
     runner.remember(generation)
     inference.remember(generation)
-    return replace(report, generation=generation)
+    return rules, replace(report, generation=generation)
 
 
 def run_on_server(

@@ -10,8 +10,8 @@ from kg.facts import Problem  # noqa: TC001 - results are read by these annotati
 
 if TYPE_CHECKING:
     from kg.corpus.fetching.lock import Entry
-    from kg.errors import KgError
     from kg.facts import Repository
+    from kg.pipeline.inferring import Inferred
     from kg.pipeline.state import Systems
 
 
@@ -48,22 +48,6 @@ class SourceReport:
     def total(self, what: str) -> int:
         """Return the sum over the packages of a key of `PackageResult.counts`."""
         return sum(package.counts.get(what, 0) for package in self.packages)
-
-
-@dataclass(frozen=True, slots=True)
-class Inferred:
-    """Result of rules: the number of inferred triples, and how many were added and removed.
-
-    `mode` is full or incremental, or none if the rules could not run and nothing is inferred. `problems` contains the
-    errors of the rules and ontologies that were left out.
-    """
-
-    triples: int
-    added: int
-    removed: int
-    seconds: float
-    mode: str
-    problems: tuple[KgError, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

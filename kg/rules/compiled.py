@@ -16,6 +16,7 @@ from hashlib import blake2b
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from kg.rules.dependencies import patterns
 from kg.rules.files import Documentation, RuleFile, RuleSet
 from kg.rules.stratify import Stratum, stratify
 from kg.store.layout import write_atomically
@@ -95,7 +96,8 @@ def pack(rule_set: RuleSet, *, cut: bool = True) -> Packed:
     """Put rules in order and pickle them, which does not depend on where they are kept; errors as `save`."""
     strata = tuple(stratify(rule_set.rules, bounded=True)) if cut else ()
     prefixes = {name: iri for file in rule_set.files for name, iri in file.prefixes.items()}
-    parts = (rule_set.rules, rule_set.data, prefixes, strata, rule_set.digest)
+    named = patterns(rule_set.rules, rule_set.data)
+    parts = (rule_set.rules, rule_set.data, prefixes, strata, rule_set.digest, named)
     written = io.BytesIO()
     _Writer(written, pickle.HIGHEST_PROTOCOL).dump(parts)
     return Packed(_together(*parts), written.getvalue())
@@ -109,10 +111,16 @@ def write(cache: Path, mark: str, packed: Packed, *, cut: bool = True) -> RuleSe
     return packed.rules
 
 
-def _together(
-    rules: tuple[Rule, ...], data: Any, prefixes: dict[str, str], strata: tuple[Stratum, ...], digest: str
+def _together(  # noqa: PLR0913, PLR0917 - the parts of a file
+    rules: tuple[Rule, ...],
+    data: Any,
+    prefixes: dict[str, str],
+    strata: tuple[Stratum, ...],
+    digest: str,
+    named: frozenset[str],
 ) -> RuleSet:
-    return RuleSet((RuleFile(_NAME, Path(_NAME), "", Documentation(), rules, data, prefixes),), strata, digest)
+    file = RuleFile(_NAME, Path(_NAME), "", Documentation(), rules, data, prefixes)
+    return RuleSet((file,), strata, digest, named)
 
 
 def _digest(content: bytes) -> bytes:

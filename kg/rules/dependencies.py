@@ -30,7 +30,7 @@ from kg.rules.form import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +100,32 @@ def _atoms_of_block(block: EngineBlock) -> Iterator[Atom]:
         return
     for predicate in sorted(block.reads, key=str):
         yield Atom(subject, predicate, value, place=block.place)
+
+
+def patterns(rules: Iterable[Rule], data: Iterable[Triple] = ()) -> frozenset[str]:
+    """Return the patterns of all triples that rules read or derive, and of what their files state, as texts."""
+    found = {one for rule in rules for body in (rule.body, rule.head) for one in _patterns(body)}
+    return frozenset(found | {pattern(triple.predicate, None) for triple in data})
+
+
+def _patterns(elements: Iterable[Element]) -> Iterator[str]:
+    for element in elements:
+        if isinstance(element, Atom):
+            yield pattern(element.predicate, element.object)
+        elif isinstance(element, EngineBlock):
+            yield from (pattern(predicate, None) for predicate in element.reads or (None,))
+        elif isinstance(element, Exists | Aggregate):
+            yield from _patterns(element.body)
+
+
+def pattern(predicate: object, value: object) -> str:
+    """Return the pattern of triples with a predicate and an object; only IRIs restrict it, anything else matches all.
+
+    The store may spell literals differently than a rule does, so they do not distinguish triples.
+    """
+    if not isinstance(predicate, NamedNode):
+        return ""
+    return f"{predicate} {value}" if isinstance(value, NamedNode) else str(predicate)
 
 
 def depends(reader: Atom, head: Atom) -> bool:

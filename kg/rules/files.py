@@ -109,6 +109,8 @@ class RuleSet:
     """The order in which the rules run, where it is known already."""
     cached_digest: str = ""
     """The digest, where it is known already."""
+    patterns: frozenset[str] = frozenset()
+    """What the rules read and derive (`kg.rules.dependencies.patterns`), where it is known already."""
 
     @property
     def digest(self) -> str:

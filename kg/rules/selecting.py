@@ -13,8 +13,9 @@ its generation.
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
@@ -48,6 +49,9 @@ if TYPE_CHECKING:
 __all__ = ["Columns", "columns_of"]
 
 _T = TypeVar("_T")
+_ESCAPE: Final = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))")
+_UNESCAPED: Final = {"n": "\n", "r": "\r", "t": "\t", "b": "\b", "f": "\f"}
+"""Escapes that stand for other characters than their second one (N-Triples, ECHAR)."""
 _MANY: Final = 2_000
 """With fewer triples of its smallest pattern, a query is left to the store: it takes no longer than columns do."""
 
@@ -99,13 +103,13 @@ class Columns:
         names, table = self._evaluate(text, prefixes or {})
         if table is None:
             return cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
-        return map(_row_of(names), self._terms(names, table, self._values, _Value))
+        return map(_row_of(names), self._terms(names, table, self._values, _values_of))
 
     def texts(self, text: str, *, prefixes: Mapping[str, str]) -> Iterator[tuple[str | None, ...]]:
         """Yield the rows of `query` as tuples of IRIs and texts, with None for unbound variables."""
         names, table = self._evaluate(text, prefixes)
         if table is not None:
-            return self._terms(names, table, self._texts, _text)
+            return self._terms(names, table, self._texts, _texts_of)
         rows = cast("Iterable[Any]", self._snapshot.query(text, prefixes=prefixes))
         return (tuple(None if term is None else term.value for term in row) for row in rows)
 
@@ -128,7 +132,7 @@ class Columns:
         if table is None:
             return None
         terms: dict[int, Term | None] = {0: None}
-        return tuple(parsed.shown), list(self._terms(list(parsed.shown), table, terms, of_spelling))
+        return tuple(parsed.shown), list(self._terms(list(parsed.shown), table, terms, partial(map, of_spelling)))
 
     def _least(self, parsed: Question) -> int:
         """Return how many triples the smallest pattern of each rule has, added up."""
@@ -150,9 +154,9 @@ class Columns:
         """Return what a graph says: the values of each property, by its IRI, of each subject."""
         result: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
         for predicate, keys in self.graphs.get(graph, Facts()):
-            term = _text(self.dictionary.spelling(predicate))
+            (term,) = _texts_of([self.dictionary.spelling(predicate)])
             pairs = Table(dict(zip("so", unpack(keys), strict=True)), keys.size)
-            rows = cast("Iterator[tuple[str, str]]", self._terms(["s", "o"], pairs, self._texts, _text))
+            rows = cast("Iterator[tuple[str, str]]", self._terms(["s", "o"], pairs, self._texts, _texts_of))
             for subject, value in rows:
                 result[subject].setdefault(term, []).append(value)
         return dict(result)
@@ -199,13 +203,13 @@ class Columns:
         return distinct_rows(every) if parsed.as_set else every
 
     def _terms(
-        self, names: Sequence[str], table: Table, terms: dict[int, _T], make: Callable[[bytes], _T]
+        self, names: Sequence[str], table: Table, terms: dict[int, _T], make: Callable[[list[bytes]], Iterable[_T]]
     ) -> Iterator[tuple[_T, ...]]:
         """Yield solutions as rows; `terms` has what was made of terms already, and gets the others."""
         columns = [table.columns[name].tolist() for name in names]
         # A difference of sets would go through all that is known.
         new = [term for term in set(chain.from_iterable(columns)) if term not in terms]
-        terms.update(zip(new, map(make, self.dictionary.spellings(new)), strict=True))
+        terms.update(zip(new, make(self.dictionary.spellings(new)), strict=True))
         return zip(*(map(terms.__getitem__, column) for column in columns), strict=True)
 
 
@@ -214,15 +218,32 @@ class _Value:
 
     __slots__ = ("value",)
 
-    def __init__(self, spelling: bytes) -> None:
-        self.value = _text(spelling)
+    def __init__(self, text: str) -> None:
+        self.value = text
 
 
-def _text(spelling: bytes) -> str:
-    """Return the value of a term."""
-    if b"\\" in spelling or spelling.startswith((b"<<", b"_")):
+def _values_of(spellings: list[bytes]) -> Iterable[_Value]:
+    return map(_Value, _texts_of(spellings))
+
+
+def _texts_of(spellings: list[bytes]) -> list[str]:
+    """Return the values of terms. Answers about a whole store have 100,000, so they are decoded together."""
+    every = b"\n".join(spellings).decode().split("\n") if spellings else []
+    return [
+        one[1:-1] if "\\" not in one and (one[0] == '"' == one[-1] or one[0] == "<" != one[1]) else _text(one)
+        for one in every
+    ]
+
+
+def _text(spelling: str) -> str:
+    """Return the value of a term: of a literal the text between its quotes, with escapes resolved."""
+    if spelling[0] != '"':
         return str(getattr(of_spelling(spelling), "value", ""))
-    return spelling[1 : -1 if spelling.startswith(b"<") else spelling.rindex(b'"')].decode()
+    return _ESCAPE.sub(_unescaped, spelling[1 : spelling.rindex('"')])
+
+
+def _unescaped(escape: re.Match[str]) -> str:
+    return chr(int(escape[1] or escape[2], 16)) if escape[3] is None else _UNESCAPED.get(escape[3], escape[3])
 
 
 def _values(table: Table, node: object) -> Keys:

@@ -12,7 +12,8 @@ from kg.rules.engine.facts import Facts, gathered
 from kg.rules.engine.pages import Pages
 from kg.rules.engine.terms import Dictionary
 from kg.store.changes import Changes
-from kg.store.terms import parts_of_lines
+from kg.store.files import opened
+from kg.store.terms import BLANK_MARK, parts_of_lines
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,6 +59,25 @@ class Written(Changes):
         """Note that N-Triples were added to a graph."""
         super().replace(graph)
         self._add(graph, lines)
+
+    def load_file(self, graph: str, path: Path, rdf_format: RdfFormat) -> None:
+        """Note that the content of a file was added to a graph: N-Triples without blank nodes, which get new labels."""
+        super().replace(graph)
+        if rdf_format != RdfFormat.N_TRIPLES:
+            self._unknown.add(graph)
+            return
+        with opened(path) as file:
+            rest = b""
+            while piece := file.read(_BATCH_BYTES):
+                whole, end, rest = (rest + piece).rpartition(b"\n")
+                if BLANK_MARK in whole:
+                    self._unknown.add(graph)
+                    return
+                self._add(graph, whole + end)
+            if BLANK_MARK in rest:
+                self._unknown.add(graph)
+            elif rest.strip():
+                self._add(graph, rest + b"\n")
 
     def patch(self, graph: str, removed: bytes, added: bytes) -> None:
         """Note that triples were taken out of a graph, and then others put in."""

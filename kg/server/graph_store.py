@@ -14,7 +14,7 @@ from pyoxigraph import NamedNode, RdfFormat
 from starlette.datastructures import UploadFile
 from starlette.responses import Response
 
-from kg.query.readers.messages import Question, frame
+from kg.query.readers.messages import Question
 from kg.server.addresses import address
 from kg.server.errors import RequestError
 from kg.server.methods import route
@@ -22,7 +22,7 @@ from kg.server.negotiation import GRAPH, choose
 from kg.server.parameters import Parameters, in_utf8, media_type, unsupported
 from kg.server.preconditions import on_condition
 from kg.server.protocol_answer import answer
-from kg.server.protocol_question import QueryRequest, digest
+from kg.server.protocol_question import QueryRequest, sent_as
 from kg.server.protocol_update import counted, patience, writer
 from kg.server.safety.tokens import client
 from kg.server.state import state
@@ -88,8 +88,8 @@ async def _get(request: Request) -> Response:
     seconds = state(request).options.seconds
     stream = parameters.flag("stream") and request.scope["http_version"] != "1.0"
     chosen = {"graph": choices["graph"]}
-    message = frame(question)
-    parsed = QueryRequest(question, message, chosen, seconds, None, stream, digest(message, chosen), parameters.pairs())
+    pairs = tuple(parameters.pairs())
+    parsed = QueryRequest(question, chosen, sent_as(chosen), seconds, None, stream, pairs, is_body=False)
     return await answer(request, parsed)
 
 

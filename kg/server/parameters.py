@@ -115,6 +115,11 @@ def in_utf8(request: Request) -> None:
 def body_text(request: Request, body: bytes) -> str:
     """Return a body as text; RequestError KG524 for another declared encoding than UTF-8, KG520 for invalid UTF-8."""
     in_utf8(request)
+    return decoded(body)
+
+
+def decoded(body: bytes) -> str:
+    """Return a body as text; RequestError KG520 for invalid UTF-8."""
     try:
         return body.decode("utf-8-sig")
     except UnicodeDecodeError as error:

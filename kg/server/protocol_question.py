@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 from urllib.parse import urlencode
 
@@ -17,14 +17,14 @@ from kg.query.readers.messages import Question, frame
 from kg.server.addresses import address, url
 from kg.server.errors import RequestError
 from kg.server.negotiation import Choice, choose
-from kg.server.parameters import FORM, Parameters, body_text, in_utf8, media_type, unsupported
+from kg.server.parameters import FORM, Parameters, body_text, decoded, in_utf8, media_type, unsupported
 from kg.server.safety.bodies import ADDRESS_BYTES
 from kg.server.safety.tokens import is_trusted
-from kg.server.scopes import body_of, header
+from kg.server.scopes import body_of, head_of, header
 from kg.server.state import state
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from starlette.requests import Request
 
@@ -41,18 +41,33 @@ _JOB: Final = re.compile(r"[A-Za-z0-9_-]{16,128}")
 class QueryRequest:
     """A parsed query request: `message` is `question` encoded for a reader.
 
-    `choices` has the format for each kind of result, `seconds` is the deadline, `job` the identity that the client
-    chose. With `stream`, the response is sent as results arrive. `pairs` are the parameters of the same request as GET.
+    `choices` has the format for each kind of result, and `sent` identifies them. `seconds` is the deadline, `job` the
+    identity that the client chose. With `stream`, the response is sent as results arrive. `pairs` are the parameters of
+    the same request as GET. If the query is the body of the request (`is_body`), it is the last of them. `digest`
+    distinguishes requests whose responses are not the same bytes.
     """
 
     question: Question
-    message: bytes
     choices: Mapping[str, Choice]
+    sent: bytes
     seconds: float
     job: str | None
     stream: bool
-    digest: str
-    pairs: Sequence[tuple[str, str]]
+    pairs: tuple[tuple[str, str], ...]
+    is_body: bool
+    message: bytes = field(init=False)
+    digest: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        message = frame(self.question)
+        object.__setattr__(self, "message", message)
+        object.__setattr__(self, "digest", hashlib.sha256(message + self.sent).hexdigest()[:24])
+
+    def asking(self, text: str) -> QueryRequest:
+        """Return the request with the same head and another query as its body."""
+        question = msgspec.structs.replace(self.question, text=text)
+        pairs = (*self.pairs[:-1], ("query", text))
+        return QueryRequest(question, self.choices, self.sent, self.seconds, self.job, self.stream, pairs, self.is_body)
 
     def tag(self, snapshot: str) -> str:
         """Return the entity tag of the response for the data of an identity (RFC 9110, section 8.8.3)."""
@@ -69,10 +84,9 @@ class QueryRequest:
         return linked if len(linked) <= ADDRESS_BYTES else None
 
 
-def digest(message: bytes, choices: Mapping[str, Choice]) -> str:
-    """Return a digest that distinguishes requests whose responses are not the same bytes."""
-    sent = sorted((kind, choice.content_type) for kind, choice in choices.items())
-    return hashlib.sha256(message + msgspec.msgpack.encode(sent)).hexdigest()[:24]
+def sent_as(choices: Mapping[str, Choice]) -> bytes:
+    """Return bytes that are the same for responses in the same formats only."""
+    return msgspec.msgpack.encode(sorted((kind, choice.content_type) for kind, choice in choices.items()))
 
 
 async def parse_request(request: Request) -> QueryRequest | None:
@@ -86,14 +100,18 @@ async def parse_request(request: Request) -> QueryRequest | None:
     body = b"" if scope["method"] in {"GET", "HEAD"} else await body_of(request.receive)
     if len(body) > _REMEMBERED_BYTES:
         return _parse_request(request, body)
-    # Clients differ only by the token.
-    sent = (scope["method"], scope["path"], scope["query_string"], tuple(scope["headers"]), body)
-    key = (*sent, scope["http_version"], scope["scheme"], is_trusted(request))
+    if len(body) > _REMEMBERED_BYTES or (head := head_of(scope)) is None:
+        return _parse_request(request, body)
     parsed = state(request).parsed
+    alike = (head, is_trusted(request))
+    key = (alike, body)
     if key not in parsed:
         if len(parsed) >= _REMEMBERED:
             parsed.clear()
-        parsed[key] = _parse_request(request, body)
+        before = parsed.get(alike)
+        parsed[key] = result = before.asking(decoded(body)) if before else _parse_request(request, body)
+        if result is not None and result.is_body:
+            parsed[alike] = result
     return parsed[key]
 
 
@@ -111,17 +129,16 @@ def _parse_request(request: Request, body: bytes) -> QueryRequest | None:
     if job is not None and not _JOB.fullmatch(job):
         raise RequestError("KG520", "`job` must be 16 to 128 letters, digits, `_` and `-`, and hard to guess")
     choices = choose(header(request.scope, b"accept"), parameters.formats)
-    question = _question(request, parameters, text, choices)
-    message = frame(question)
+    is_body = "query" not in parameters
     return QueryRequest(
-        question=question,
-        message=message,
+        question=_question(request, parameters, text, choices),
         choices=choices,
+        sent=sent_as(choices),
         seconds=_seconds(request, parameters),
         job=job,
         stream=parameters.flag("stream") and request.scope["http_version"] != "1.0",
-        digest=digest(message, choices),
-        pairs=[*parameters.pairs(), *(() if "query" in parameters else [("query", text)])],
+        pairs=(*parameters.pairs(), *([("query", text)] if is_body else ())),
+        is_body=is_body,
     )
 
 

@@ -18,6 +18,8 @@ from kg.store.layout import Layout, write_atomically
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from pyoxigraph import RdfFormat
+
 
 _KEPT: Final = 64
 _MOST_BYTES: Final = 1 << 20
@@ -55,6 +57,10 @@ class Changes:
 
     def load(self, graph: str, lines: bytes) -> None:  # noqa: ARG002 - for subclasses that store them
         """Record that N-Triples were added to a graph, without storing them."""
+        self.replace(graph)
+
+    def load_file(self, graph: str, path: Path, rdf_format: RdfFormat) -> None:  # noqa: ARG002 - as `load`
+        """Record that the content of a file was added to a graph, without storing it."""
         self.replace(graph)
 
     def patch(self, graph: str, removed: bytes, added: bytes) -> None:

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from pyoxigraph import Triple
+
 
 _MERGED_SHARE = 0.25
 """After a load of more than this share of a generation's bytes, its files are merged."""
@@ -182,6 +184,11 @@ class EmbeddedTransaction:
         with self._begun():
             return quad in self._engine
 
+    def copies(self, triple: Triple) -> list[Quad]:
+        """Return the quads of a triple, one for each graph that contains it now."""
+        with self._begun():
+            return list(self._engine.quads_for_pattern(triple.subject, triple.predicate, triple.object, None))
+
     def has_graph(self, graph: NamedNode) -> bool:
         """Return whether a named graph of that name exists at this point, even if empty."""
         with self._begun():
@@ -282,9 +289,9 @@ class EmbeddedTransaction:
             self._begin()
             if rdf_format.supports_datasets:
                 self.changes.forget()  # the file may write to any graph
-            else:
-                self.changes.replace(_name(target))
             self._load(file, rdf_format, path.absolute().as_uri(), target, keep_labels=keep_labels)
+            if not rdf_format.supports_datasets:
+                self.changes.load_file(_name(target), path, rdf_format)
 
     def _load(
         self,

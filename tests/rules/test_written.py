@@ -34,7 +34,9 @@ lines = st.lists(st.tuples(st.sampled_from(["urn:p", "urn:q", "urn:r"]), st.samp
 )
 operations = st.lists(
     st.tuples(
-        st.sampled_from(["load", "replace", "small", "patch", "append", "remove", "drop", "clear", "quads", "update"]),
+        st.sampled_from(
+            ["load", "replace", "small", "patch", "append", "remove", "drop", "clear", "quads", "update", "file"]
+        ),
         st.sampled_from(GRAPHS),
         lines,
     ),
@@ -60,6 +62,11 @@ def do(transaction: EmbeddedTransaction, operation: str, graph: NamedNode, conte
         transaction.drop_graph(graph)
     elif operation == "clear":
         transaction.clear_graph(graph)
+    elif operation == "file":
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "content.nt"
+            path.write_bytes(b"# a comment\n" + content.removesuffix(b"\n"))
+            transaction.load_file(path, graph=graph)
     elif operation == "quads":
         transaction.patch_quads([], list(parse(content, RdfFormat.N_TRIPLES)))
     else:
@@ -95,3 +102,18 @@ def test_a_graph_that_was_only_loaded_need_not_be_read(tmp_path: Path) -> None:
         transaction.load(GRAPHS[2], [line])
         transaction.patch_graph(GRAPHS[2], line, b"")
         assert transaction.changes.take(list(GRAPHS))[1].keys() == set(GRAPHS[:2])
+
+
+def test_a_file_without_blank_nodes_need_not_be_read(tmp_path: Path) -> None:
+    """Blank nodes of a file get new labels, and other formats are not lines: their graphs are read back."""
+    contents = {
+        "a.nt": b"<urn:s> <urn:p> <urn:a> .\n",
+        "b.nt": b"<urn:s> <urn:p> _:b .\n",
+        "c.ttl": b"<urn:s> a <urn:a> .",
+    }
+    with EmbeddedStore.create(tmp_path / "store").write("test") as transaction:
+        transaction.changes = Written(tmp_path)
+        for graph, (name, content) in zip(GRAPHS, contents.items(), strict=True):
+            (tmp_path / name).write_bytes(content)
+            transaction.load_file(tmp_path / name, graph=graph)
+        assert transaction.changes.take(list(GRAPHS))[1].keys() == {GRAPHS[0]}

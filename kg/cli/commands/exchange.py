@@ -18,7 +18,7 @@ from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, mirrored, reading, writable
 
 if TYPE_CHECKING:
-    from kg.pipeline.report import Inferred
+    from kg.pipeline.inferring import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
@@ -138,6 +138,8 @@ def import_files(  # noqa: PLR0913 - the options of a command
         rdf_format = _format(format_name, None)
         inference = Inference(target, settings)
         with target.write("kg import") as transaction:
+            if not no_rules:
+                inference.watch(transaction)
             for file in map(Path, files):
                 into = named or NamedNode(iris.graph(f"imported-{file.name}"))
                 transaction.load_file(file, rdf_format, graph=into)

@@ -34,6 +34,7 @@ _OF_NODES: Final = (*NODE.terms, *_PLACE, v.BOUND, v.EXPORTED_AT, v.IMPORTED_AT)
 """The properties of node types that facts have."""
 _TYPE_OF: Final = tuple(dict.fromkeys(shape.has_type for shape in SHAPES.values()))
 """The properties that hold the type of an end."""
+_BARE_TYPE_OF: Final = tuple(map(v.bare, _TYPE_OF))
 _OF_PARTS: Final = dict.fromkeys((v.TYPE, *_TYPE_OF, v.HAS_QOS, *INTERFACE.terms, *PARAMETER.terms, *_PLACE, v.VIA))
 """The properties of interfaces and parameters that facts have."""
 _OWNERS: Final = """
@@ -282,7 +283,7 @@ def end_of(properties: Properties, types: Mapping[str, str]) -> facts.Interface 
 
 def type_of(properties: Properties) -> str | None:
     """Return the IRI of the type of an end."""
-    return next((iri for term in _TYPE_OF if (iri := one(properties, term))), None)
+    return next((min(iris) for term in _BARE_TYPE_OF if (iris := properties.get(term))), None)
 
 
 def _listed(rows: Iterable[Any]) -> dict[str, list[str]]:
@@ -344,7 +345,10 @@ def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:
     `nodes` has the IRIs of nodes by their part before the fragment; only nodes of one name have one of their own.
     """
     whole = part.partition("#")[0]
-    return max((one for one in nodes.get(whole, ()) if part.startswith(one)), key=len, default=whole)
+    named = nodes.get(whole, ())
+    if named == [whole]:  # most names have one node
+        return whole
+    return max((one for one in named if part.startswith(one)), key=len, default=whole)
 
 
 def _node(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, parse
 
 from kg.errors import KgError, Place, QueryError
-from kg.pipeline.inferring import Inference
+from kg.pipeline.inferring import Inference, Inferred
 from kg.pipeline.updating.changes import Change, GraphChange, Updated
 from kg.pipeline.updating.checking import parsed
 from kg.pipeline.updating.executing import Executor
@@ -22,7 +22,6 @@ from kg.store.files import BYTE_ORDER_MARK, parsing
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.pipeline.report import Inferred
     from kg.settings import Settings
     from kg.store.embedded import EmbeddedStore
     from kg.store.transaction import EmbeddedTransaction

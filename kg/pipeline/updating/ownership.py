@@ -11,7 +11,7 @@ from kg.graph.iris import Iris
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.pipeline.report import Inferred
+    from kg.pipeline.inferring import Inferred
     from kg.pipeline.updating.executing import Executor
     from kg.settings import Settings
 

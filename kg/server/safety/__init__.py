@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from starlette.middleware import Middleware
 
-from kg.server.safety.bodies import Bodies, announced
+from kg.server.safety.bodies import Bodies, announced, long
 from kg.server.safety.floods import Floods, Gate
 from kg.server.safety.hosts import Hosts
 from kg.server.safety.observing import Observed
@@ -22,11 +22,12 @@ __all__ = ["middleware"]
 def middleware(options: Options) -> list[Middleware]:
     """Return the middlewares of a server with these options, outermost first."""
     tokens = Tokens(options.token, options.token_file)
-    here, who = (announced(options.body), Hosts(options)), (Sites(options.origins), Doors(options, tokens))
-    gates = [Middleware(Gate, checks=(*here, *who))]
+    here, who = (announced, Hosts(options)), (Sites(options.origins), Doors(options, tokens))
+    each = (long(options.body),)
+    gates = [Middleware(Gate, checks=(*here, *who), each=each)]
     if options.origins:
         gates = [
-            Middleware(Gate, checks=here),
+            Middleware(Gate, checks=here, each=each),
             Middleware(CrossOrigin, origins=options.origins),
             Middleware(Gate, checks=who),
         ]

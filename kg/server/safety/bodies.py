@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from kg.server.errors import RequestError
 from kg.server.safety.tokens import CHANGING
+from kg.server.scopes import ARRIVED
 
 if TYPE_CHECKING:
     from starlette.requests import HTTPConnection
@@ -30,22 +31,25 @@ _PAUSE: Final = 10.0  # maximum seconds between two parts of a body
 _PACE: Final = 1024  # minimum rate in bytes per second of a body, after its first pause
 
 
-def announced(most: int) -> Check:
-    """Return the check of the declared address, headers, encoding and length of the body of a request."""
+def announced(request: HTTPConnection) -> RequestError | None:
+    """Check the address, the headers and the encoding of the body of a request."""
+    scope = request.scope
+    if len(scope.get("raw_path") or b"") + len(scope["query_string"]) > ADDRESS_BYTES:
+        return RequestError("KG526", f"the address is longer than {ADDRESS_BYTES} bytes")
+    given = scope["headers"]
+    if len(given) > HEADERS or sum(len(name) + len(value) for name, value in given) > HEADER_BYTES:
+        return RequestError("KG535", f"the request has more than {HEADERS} headers or {HEADER_BYTES} bytes of headers")
+    if dict(given).get(b"content-encoding", b"identity").lower() != b"identity":
+        return RequestError("KG524", "compressed bodies are not supported", headers={"Accept-Encoding": "identity"})
+    return None
+
+
+def long(most: int) -> Check:
+    """Return the check of the declared length of the body of a request."""
 
     def check(request: HTTPConnection) -> RequestError | None:
         scope = request.scope
-        if len(scope.get("raw_path") or b"") + len(scope["query_string"]) > ADDRESS_BYTES:
-            return RequestError("KG526", f"the address is longer than {ADDRESS_BYTES} bytes")
-        given = scope["headers"]
-        if len(given) > HEADERS or sum(len(name) + len(value) for name, value in given) > HEADER_BYTES:
-            return RequestError(
-                "KG535", f"the request has more than {HEADERS} headers or {HEADER_BYTES} bytes of headers"
-            )
-        headers = dict(given)
-        if headers.get(b"content-encoding", b"identity").lower() != b"identity":
-            return RequestError("KG524", "compressed bodies are not supported", headers={"Accept-Encoding": "identity"})
-        length = headers.get(b"content-length", b"0")
+        length = dict(scope["headers"]).get(b"content-length", b"0")
         if not length.isdigit():
             return RequestError("KG520", "the header Content-Length is not a number")
         bound = _bound(scope, most)
@@ -75,14 +79,14 @@ class Bodies:
         if scope["type"] != "http" or not _has_body(scope):
             await self._app(scope, receive, send)
             return
-        await self._app(scope, _counting(receive, _bound(scope, self._most)), send)
+        await self._app(scope, _counting(scope, receive, _bound(scope, self._most)), send)
 
 
 def _has_body(scope: Scope) -> bool:
     return any(name in (b"content-length", b"transfer-encoding") for name, _ in scope["headers"])
 
 
-def _counting(receive: Receive, most: int) -> Receive:
+def _counting(scope: Scope, receive: Receive, most: int) -> Receive:
     """Return `receive`, limited in bytes and time until the body is complete."""
     size, whole, began = 0, False, time.monotonic()
 
@@ -90,11 +94,14 @@ def _counting(receive: Receive, most: int) -> Receive:
         nonlocal size, whole
         if whole:
             return await receive()
-        try:
-            async with asyncio.timeout(_PAUSE):
-                message = await receive()
-        except TimeoutError:
-            raise _too_slow() from None
+        if ARRIVED in scope:  # nothing to wait for; a timer would cost more than all else here
+            message = await receive()
+        else:
+            try:
+                async with asyncio.timeout(_PAUSE):
+                    message = await receive()
+            except TimeoutError:
+                raise _too_slow() from None
         size += len(message.get("body", b""))
         whole = not message.get("more_body", False)
         if size > most:

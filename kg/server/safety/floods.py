@@ -10,6 +10,8 @@ from starlette.requests import HTTPConnection
 from kg.errors import KgError
 from kg.server.errors import RequestError, answer
 from kg.server.safety.hosts import is_loopback
+from kg.server.safety.sites import READING
+from kg.server.scopes import head_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
 
 Check: TypeAlias = "Callable[[HTTPConnection], KgError | Response | None]"
 
+_CREDENTIALS: Final = frozenset({b"authorization", b"cookie"})
+_REMEMBERED: Final = 512
+"""So many heads of requests that passed are remembered."""
 ALWAYS: Final = frozenset({"/health", "/metrics"})
 """Paths without a limit: a supervisor must not mistake a busy server for a dead one."""
 
@@ -55,19 +60,33 @@ class Floods:
 
 
 class Gate:
-    """Pass on a request if all checks do; a check returns None, an error to report, or a response."""
+    """Pass on a request if all checks do; a check returns None, an error to report, or a response.
 
-    def __init__(self, app: ASGIApp, checks: tuple[Check, ...]) -> None:
+    Only the head of a request decides `checks`. A reading request with a head that passed is not checked again, unless
+    it has credentials: the token may have changed.
+    """
+
+    def __init__(self, app: ASGIApp, checks: tuple[Check, ...], each: tuple[Check, ...] = ()) -> None:
+        """`each` are checks of further things."""
         self._app = app
         self._checks = checks
+        self._each = each
+        self._passed: set[tuple[object, ...]] = set()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Respond to an HTTP request that a check stops; pass on all others."""
         if scope["type"] == "http":
+            plain = scope["path"] in READING and _CREDENTIALS.isdisjoint([name for name, _ in scope["headers"]])
+            head = head_of(scope) if plain else None
+            passed = head is not None and head in self._passed
             request = HTTPConnection(scope)
-            for check in self._checks:
+            for check in self._each if passed else (*self._each, *self._checks):
                 if refusal := check(request):
                     stopped = answer(request, refusal) if isinstance(refusal, KgError) else refusal
                     await stopped(scope, receive, send)
                     return
+            if head is not None and not passed:
+                if len(self._passed) >= _REMEMBERED:
+                    self._passed.clear()
+                self._passed.add(head)
         await self._app(scope, receive, send)

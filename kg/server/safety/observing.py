@@ -12,12 +12,19 @@ from kg.server.errors import DefectError, RequestError, answer
 from kg.server.logs import Log
 from kg.server.metrics import Metrics
 from kg.server.records import record
-from kg.server.safety.headers import with_headers
+from kg.server.safety.headers import lines_of, with_headers
+from kg.server.scopes import WHOLE
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import TypeAlias
+
     from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
     from kg.server.options import Options
+    from kg.server.records import Record
+
+    Whole: TypeAlias = Callable[[int, bytes, bytes], bool]
 
 
 class Observed:
@@ -40,15 +47,7 @@ class Observed:
         scope["kg.metrics"] = self._metrics
         request = HTTPConnection(scope)
         recorded = record(request)
-
-        async def sending(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                recorded.status = message["status"]
-                message = with_headers(message)
-            else:
-                recorded.sent += len(message.get("body", b""))
-            await send(message)
-
+        sending = _Sending(send, recorded, scope.get(WHOLE))
         try:
             await self._app(scope, receive, sending)
         except ClientDisconnect:
@@ -70,8 +69,51 @@ class Observed:
             recorded.outcome = "aborted" if recorded.outcome == "ok" else recorded.outcome
             raise
         finally:
+            await sending.end()
             self._metrics.count(scope["method"], recorded)
             self._log.request(request, recorded)
+
+
+class _Sending:
+    """The `send` of one response: it records it, and adds the security headers.
+
+    The start of a response with a known length waits for the body, since `whole` (`kg.server.scopes.WHOLE`) sends both
+    at once; without `whole`, and in other cases, all parts are passed on.
+    """
+
+    __slots__ = ("_lines", "_recorded", "_send", "_started", "_whole")
+
+    def __init__(self, send: Send, recorded: Record, whole: Whole | None) -> None:
+        self._send = send
+        self._recorded = recorded
+        self._whole = whole
+        self._started: Message | None = None
+        self._lines = b""
+
+    async def __call__(self, message: Message) -> None:
+        """Send a part of the response."""
+        if message["type"] == "http.response.start":
+            self._recorded.status = message["status"]
+            lines = lines_of(message["headers"]) if self._whole is not None else None
+            if lines is None:
+                await self._send(with_headers(message))
+            else:
+                self._started, self._lines = message, lines
+            return
+        body = message.get("body", b"")
+        self._recorded.sent += len(body)
+        started, whole = self._started, None if message.get("more_body", False) else self._whole
+        if started is not None and whole is not None and whole(started["status"], self._lines, body):
+            self._started = None
+            return
+        await self.end()
+        await self._send(message)
+
+    async def end(self) -> None:
+        """Send the start if it still waits: without the body, the client sees that the response was cut off."""
+        if self._started is not None:
+            started, self._started = self._started, None
+            await self._send(with_headers(started))
 
 
 def _reason(error: BaseException) -> BaseException:
