@@ -476,6 +476,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name in _ENDS and isinstance(of, Sequence):
         return of.items[_ENDS[name]] if of.items else Unknown("the list is empty")
     if name in _OWN:
+        language.machine.framework.converted(of, name, given.template)
         return of
     if name in ("at", "operator[]") and values:
         return element(of, values[0])
@@ -631,7 +632,7 @@ def _empty(of: Value) -> Value:
             return Guard((f"!{of.parameter}",))
         if of.given_name or any(isinstance(part, str) and part for part in of.parts):
             return Truth(False)
-        return Truth(True) if of.exact == "" else Unknown("it is not known")
+        return Truth(True) if of.exact == "" and not of.unsure else Unknown("it is not known")
     return Unknown("it is not known")
 
 
@@ -643,7 +644,7 @@ def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
             return negate(same)
         return number(float(not same.value)) if isinstance(same, Truth) else None
     given = values[0].exact if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
-    if name not in _SEARCHES or given is None or of.parameter is not None:
+    if name not in _SEARCHES or given is None or of.parameter is not None or of.unsure:
         return None
     first = of.parts[0]
     if of.exact is None:
