@@ -96,7 +96,7 @@ _MAKERS: Final = re.compile(r"make_(?:shared|unique|optional|impl|\w+_impl|\w+_p
 _SAME: Final = frozenset(
     {
         "move", "forward", "ref", "cref", "as_const", "static_pointer_cast", "dynamic_pointer_cast",
-        "const_pointer_cast", "boost_shared_ptr", "to_string_view", "shared_from_this", "decltype",
+        "const_pointer_cast", "boost_shared_ptr", "to_string_view", "shared_from_this", "decltype", "begin", "cbegin",
     }
 )  # fmt: skip
 _OWN: Final = frozenset(
@@ -534,9 +534,11 @@ def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame
     """Return the element that `emplace` constructs in a container, behind its key."""
     declared = language.type_of(written, frame)
     inner = declared.arguments[-1] if declared is not None and declared.arguments else None
+    keys = given.values[:1] if declared is not None and declared.name in MAPS else []
+    if isinstance(inner, TypeValue) and inner.kind.name in ("pair", "tuple") and len(given.values) > 1:
+        return [*keys, Sequence(tuple(given.values[len(keys) :]))]
     if not isinstance(inner, TypeValue) or inner.kind.cls is None:
         return given.values
-    keys = given.values[:1] if declared is not None and declared.name in MAPS else []
     return [*keys, language.construct(inner.kind, given.values[len(keys) :], frame, given.line)]
 
 
