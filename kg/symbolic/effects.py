@@ -24,7 +24,7 @@ from kg.symbolic.parameters import Parameters, listed, ros_type, type_of_value
 from kg.symbolic.plugins import Loading, loading
 from kg.symbolic.results import result
 from kg.symbolic.spelling import spelled
-from kg.symbolic.state import Arguments, Invocation, Site
+from kg.symbolic.state import Arguments, Frame, Invocation, Site
 from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
@@ -114,6 +114,8 @@ class Framework:
         """The values that ports have by default."""
         self._option_sites: dict[int, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
+        self._untyped: set[str | None] = set()
+        """The parameters of which an access did not show the type."""
         self._described: dict[object, list[ClassDescription]] = {}
         self._alike: dict[object, tuple[list[ClassDescription], frozenset[str]]] = {}
         """For each type the descriptions that apply to its objects, with their names."""
@@ -496,7 +498,7 @@ class Framework:
         of = ros_type(first.kind) if isinstance(first, TypeValue) else None
         kind = of or _CONVERSIONS.get(name.removeprefix("as_").removesuffix("_value"))
         parameter = getattr(value, "parameter", None) if kind is not None else None
-        for index, one in enumerate(self.declared) if parameter is not None else ():
+        for index, one in enumerate(self.declared) if parameter in self._untyped else ():
             untyped = one.effect.access is not None and one.value_type is None
             if untyped and isinstance(one.name, Text) and one.name.shown == parameter:
                 self.declared[index] = replace(one, value_type=kind)
@@ -577,6 +579,8 @@ class Framework:
             return value
         stack, passed = tuple(machine.stack), self._passing(name)
         default, kind = reading.default, reading.type
+        if kind is None and isinstance(reading.name, Text):
+            self._untyped.add(reading.name.shown)
         self._add(Declared(effect, reading.name, None, owner, stack, default=default, value_type=kind, passed=passed))
         if effect.output is not None and given.frame is not None and effect.output < len(given.written):
             written = value
@@ -591,25 +595,18 @@ class Framework:
         sites = [site for site in reversed(self.machine.stack) if site.line] if text is not None else []
         passing, frame = 0, None
         for depth, site in enumerate(sites, 1):
-            if self._passes(site, text):
+            if any(isinstance(one, Literal) and one.value == text for one in site.given):
+                return depth
+            if site.frame is not None and self._passes(site.given, site.frame, text):
                 passing, frame = depth, site.frame
             elif site.frame is not frame:
                 break  # a call in the same function can be around the one that has the name
         return passing
 
-    def _passes(self, site: Site, text: str | None) -> bool:
-        """Check whether an argument of a running call is a text, or a variable with it."""
-        for one in site.given:
-            if isinstance(one, Literal):
-                value: object = one.value
-            elif isinstance(one, Name) and site.frame is not None:
-                held = self.machine.value(one, site.frame)
-                value = held.exact if isinstance(held, Text) else None
-            else:
-                continue
-            if value == text:
-                return True
-        return False
+    def _passes(self, given: tuple[Expression, ...], frame: Frame, text: str | None) -> bool:
+        """Check whether an argument of a running call is a variable with a text."""
+        values = (self.machine.value(one, frame) for one in given if isinstance(one, Name))
+        return any(isinstance(value, Text) and value.exact == text for value in values)
 
 
 def _written(effect: Effect, call: Invocation, constructed: tuple[Expression, ...]) -> str | None:

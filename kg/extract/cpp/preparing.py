@@ -38,11 +38,10 @@ _MACROS_ONLY: Final = re.compile(
     rb"\b(?:class|struct)\s+\w+[^;{}()]*\{(?P<body>\s*(?:[A-Z][A-Z0-9]*_[A-Z0-9_]+\s*\([^(){};]*\)\s*)+)\}"
 )
 """A class whose body consists of calls of macros, without semicolons."""
-_IN_A_ROW: Final = re.compile(
-    rb"(?<=[A-Z0-9_])[ \t](?=[A-Z][A-Z0-9_]+(?:[ \t]+[A-Z][A-Z0-9_]+)*[ \t]*(?:[;,)}+\"]|<<))"
-)
-"""The space between two macros in a row that end an expression, such as parts of a text."""
-_BEFORE_ROW: Final = re.compile(rb"(?:[=(,+?:{<]|\breturn)\s*(?:[A-Z][A-Z0-9_]+[ \t]+)*[A-Z][A-Z0-9_]+\Z")
+_IN_A_ROW: Final = re.compile(rb"[A-Z][A-Z0-9_]+(?:[ \t]+[A-Z][A-Z0-9_]+)+(?=[ \t]*(?:[;,)}+\"]|<<))")
+"""Macros in a row that end an expression, such as parts of a text."""
+_BEFORE_ROW: Final = re.compile(rb"(?:[=(,+?:{<]|\breturn)\s*\Z")
+_SPACE: Final = re.compile(rb"[ \t](?=[A-Z])")
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
@@ -95,9 +94,9 @@ def _if_statement(match: re.Match[bytes]) -> bytes:
 
 
 def _joined(match: re.Match[bytes]) -> bytes:
-    """Return a sign between two macros in an expression, which the grammar reads there alone as texts in a row."""
+    """Return macros in a row in an expression with signs between them, as the grammar reads only texts in a row."""
     line = match.string.rfind(b"\n", 0, match.start()) + 1
-    return b"+" if _BEFORE_ROW.search(match.string[line : match.start()]) else match[0]
+    return _SPACE.sub(b"+", match[0]) if _BEFORE_ROW.search(match.string[line : match.start()]) else match[0]
 
 
 def _spaces(match: re.Match[bytes]) -> bytes:
