@@ -73,7 +73,11 @@ def facts_of(
         if i.type is not None or (i.role, i.name, i.parameter) not in typed
         if i.parameter is None or not _covered(i.name, names[i.role, i.type, i.parameter, i.location])
     )
-    return tuple(completed), tuple(parameters.values())
+    types = {one.name: one.type for one in parameters.values() if one.name is not None and one.type is not None}
+    stated = (
+        one if one.type is not None else replace(one, type=types.get(one.name or "")) for one in parameters.values()
+    )
+    return tuple(completed), tuple(stated)
 
 
 def _covered(name: str | None, names: set[str | None]) -> bool:
@@ -105,17 +109,22 @@ def bounds_of(reached: Counts[str, Site], home: Home) -> tuple[Bound, ...]:
     return tuple(Bound(limit, _place(site, home)) for limit, site in sorted(reached.items()))
 
 
-def evidence(stack: tuple[Site, ...], home: Home, name: str | None = None) -> tuple[Location, tuple[Location, ...]]:
+def evidence(
+    stack: tuple[Site, ...], home: Home, name: str | None = None, passed: int = 0
+) -> tuple[Location, tuple[Location, ...]]:
     """Return the innermost call in the node's own package, else the innermost of all, and the calls from there on.
 
     With the `name` of a parameter: if a call gives that name as a text, the innermost one that does. A call in another
-    package has to give the whole name.
+    package has to give the whole name. Else the outermost one in the package among those innermost calls that have
+    the name as an argument, `passed` in number.
     """
     sites = [site for site in stack if site.line] or [stack[-1]]
     own = [home.is_own(site.unit.key) for site in sites]
     calls = range(len(sites) - 1, -1, -1)
     named = (at for at in calls if name is not None and _gives(sites[at], name, part=own[at]))
     start = next(named, None)
+    if start is None:
+        start = next((at for at in range(max(len(sites) - passed, 0), len(sites)) if own[at]), None)
     if start is None:
         start = next((at for at in calls if own[at]), -1)
     first, *rest = (_place(site, home) for site in sites[start:])
@@ -214,7 +223,7 @@ def _resolved(name: str, one: Declared, alone: str) -> str:
 
 def _parameter(one: Declared, access: Access, home: Home) -> Parameter:
     name, resolution, _, reason = _named(one.name)
-    place, via = evidence(one.stack, home, name)
+    place, via = evidence(one.stack, home, name, one.passed)
     return Parameter(
         name=name,
         type=one.value_type,

@@ -144,7 +144,7 @@ PARAMETER: Final[Mapping[str, Form]] = {
     "value": Form("a text, a number or a truth value", lambda value: isinstance(value, str | int | float)),
     "default": _INDEX,
     "output": _INDEX,
-    "prefix": _INDEX,
+    "prefix": Form("the number of an argument or a text", lambda value: _is_index(value) or _is_text(value)),
     "listed": _FLAG,
     "descriptor": _INDEX,
     "weak": _FLAG,

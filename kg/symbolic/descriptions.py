@@ -33,7 +33,8 @@ class Effect:
     qos: int | None = None
     default: int | None = None
     output: int | None = None
-    prefix: int | None = None
+    prefix: int | str | None = None
+    """The argument with the prefix of names; a text is the label of a prefix that the loader of a plugin gives."""
     listed: bool = False
     weak: bool = False
     camera: bool = False

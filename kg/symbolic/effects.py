@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from kg.facts import Access, Qos
 from kg.symbolic import durations, qos
 from kg.symbolic.binding import put
+from kg.symbolic.form import Literal, Name
 from kg.symbolic.messages import GENERATED, message_type, type_name
 from kg.symbolic.names import (
     EMPTY,
@@ -19,11 +20,11 @@ from kg.symbolic.names import (
     namespace_of,
     with_node_name,
 )
-from kg.symbolic.parameters import Parameters, listed, type_of_value
+from kg.symbolic.parameters import Parameters, listed, ros_type, type_of_value
 from kg.symbolic.plugins import Loading, loading
 from kg.symbolic.results import result
 from kg.symbolic.spelling import spelled
-from kg.symbolic.state import Arguments, Invocation, Site
+from kg.symbolic.state import Arguments, Frame, Invocation, Site
 from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
@@ -58,6 +59,12 @@ _PARAMETER_TYPE: Final = "PARAMETER_"
 _PARAMETER_TYPES: Final = re.compile(
     rf"{_PARAMETER_TYPE}(?:NOT_SET|BYTE_ARRAY|(?:BOOL|INTEGER|DOUBLE|STRING)(?:_ARRAY)?)"
 )
+_CONVERSIONS: Final = {
+    name + end: kind + end
+    for name, kind in {"string": "string", "int": "int", "integer": "int", "double": "double", "bool": "bool"}.items()
+    for end in ("", "_array")
+}
+"""The types of parameters by the words in the names of their conversions."""
 _NODES: Final = ("node", "handle")
 _OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
 """Methods that only nodes of ROS 2 have."""
@@ -80,6 +87,8 @@ class Declared:
     value_type: str | None = None
     written: str | None = None
     """The expression that gives the name."""
+    passed: int = 0
+    """How many of the innermost calls have the whole name of a parameter as an argument."""
 
 
 class Framework:
@@ -105,6 +114,8 @@ class Framework:
         """The values that ports have by default."""
         self._option_sites: dict[int, tuple[Site, ...]] = {}
         """The calls that gave an options object the name of its interface."""
+        self._untyped: set[str | None] = set()
+        """The parameters of which an access did not show the type."""
         self._described: dict[object, list[ClassDescription]] = {}
         self._alike: dict[object, tuple[list[ClassDescription], frozenset[str]]] = {}
         """For each type the descriptions that apply to its objects, with their names."""
@@ -275,7 +286,7 @@ class Framework:
     def _construct(self, instance: Object, kind: Kind, described: ClassDescription, given: Arguments) -> None:
         arguments = given.values
         for name, namespace in described.members:
-            instance.fields[name] = _handle(namespace)
+            instance.fields[name] = self.host_node() if namespace == "host" else _handle(namespace)
         if described.is_a == "handle":
             instance.native["namespace"] = handle_namespace(arguments)
         elif described.is_a == "node":
@@ -481,6 +492,17 @@ class Framework:
             if read and isinstance(one.name, Text) and one.name.shown == parameter:
                 self.declared[index] = replace(one, default=value, value_type=one.value_type or type_of_value(value))
 
+    def converted(self, value: Value, name: str, template: tuple[Value, ...] = ()) -> None:
+        """Record the type that a conversion gives a parameter without one: `as_int`, `get_value<int>`, `bool_value`."""
+        first = template[0] if template else None
+        of = ros_type(first.kind) if isinstance(first, TypeValue) else None
+        kind = of or _CONVERSIONS.get(name.removeprefix("as_").removesuffix("_value"))
+        parameter = getattr(value, "parameter", None) if kind is not None else None
+        for index, one in enumerate(self.declared) if parameter in self._untyped else ():
+            untyped = one.effect.access is not None and one.value_type is None
+            if untyped and isinstance(one.name, Text) and one.name.shown == parameter:
+                self.declared[index] = replace(one, value_type=kind)
+
     def _apply(self, effect: Effect, call: Invocation) -> Value | None:
         """Add the interface or parameter of one effect; return the value of the parameter."""
         owner = call.node if isinstance(call.node, Object) else None
@@ -507,6 +529,8 @@ class Framework:
             return self._parameter(effect, owner, name, call)
         if isinstance(name, (Closure, Bound, Sequence, Mapping)):
             return None
+        if isinstance(name, Text) and name.unsure:
+            name = Unknown("only something unknown fills it")
         kind = message_type(self.machine.language, effect, call)
         whole = with_node_name(below(namespace_of(owner), name), owner)
         if isinstance(whole, Text) and whole.exact == "" and whole.parameter is None:
@@ -553,14 +577,36 @@ class Framework:
         value = reading.value
         if effect.access is Access.WRITE and any(term.startswith("?") for term in machine.guards):
             return value
-        stack = tuple(machine.stack)
-        self._add(Declared(effect, reading.name, None, owner, stack, default=reading.default, value_type=reading.type))
+        stack, passed = tuple(machine.stack), self._passing(name)
+        default, kind = reading.default, reading.type
+        if kind is None and isinstance(reading.name, Text):
+            self._untyped.add(reading.name.shown)
+        self._add(Declared(effect, reading.name, None, owner, stack, default=default, value_type=kind, passed=passed))
         if effect.output is not None and given.frame is not None and effect.output < len(given.written):
             written = value
             if isinstance(value, Unknown) and isinstance(reading.before, Text):
                 written = Text.hole(value.reason, parameter=value.parameter)
             put(machine, given.written[effect.output], written, given.frame)
         return value
+
+    def _passing(self, name: Value) -> int:
+        """Return how many of the innermost running calls have a name as an argument, as a text or in a variable."""
+        text = name.exact if isinstance(name, Text) else None
+        sites = [site for site in reversed(self.machine.stack) if site.line] if text is not None else []
+        passing, frame = 0, None
+        for depth, site in enumerate(sites, 1):
+            if any(isinstance(one, Literal) and one.value == text for one in site.given):
+                return depth
+            if site.frame is not None and self._passes(site.given, site.frame, text):
+                passing, frame = depth, site.frame
+            elif site.frame is not frame:
+                break  # a call in the same function can be around the one that has the name
+        return passing
+
+    def _passes(self, given: tuple[Expression, ...], frame: Frame, text: str | None) -> bool:
+        """Check whether an argument of a running call is a variable with a text."""
+        values = (self.machine.value(one, frame) for one in given if isinstance(one, Name))
+        return any(isinstance(value, Text) and value.exact == text for value in values)
 
 
 def _written(effect: Effect, call: Invocation, constructed: tuple[Expression, ...]) -> str | None:

@@ -518,7 +518,7 @@ class Machine:
     def _called(
         self, run: Callable[[Any, Frame], Value], expression: form.Call | form.Construct, frame: Frame
     ) -> Value:
-        self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments))
+        self.stack.append(Site(frame.unit, expression.line, frame.this, expression.arguments, frame))
         try:
             return run(expression, frame)
         finally:

@@ -326,7 +326,7 @@ def truth(value: Value) -> Truth | Guard | Unknown:
     if isinstance(value, Object):
         # A subscriber without a topic, for one, is an object and false.
         return Truth(True) if value.created and "empty" not in value.native else Unknown("it may be null")
-    if isinstance(value, Text) and value.exact is not None:
+    if isinstance(value, Text) and value.exact is not None and not value.unsure:
         return Truth(value.exact != "") if value.parameter is None else Guard((value.parameter,))
     if isinstance(value, (Sequence, Mapping)) and not value.open:
         return Truth(bool(value.items)) if value.parameter is None else Unknown("it depends")

@@ -84,7 +84,7 @@ class Parameters:
 
     def read(self, language: Language, effect: Effect, owner: Object | None, name: Value, call: Invocation) -> Reading:
         """Return an access to a parameter, and remember the value for accesses without default."""
-        prefix = call.argument(effect.prefix)
+        prefix = _prefix(effect, call)
         whole = _whole_name(owner, prefixed(prefix, name) if prefix is not None else name)
         shown = whole.shown if isinstance(whole, Text) else None
         default = call.argument(effect.default) if effect.value is None else _literal(effect.value)
@@ -185,8 +185,15 @@ def listed(effect: Effect, call: Invocation) -> list[tuple[Value, Value]]:
             pairs.append((item.items[0], item.items[1] if len(item.items) > 1 else missing))
         else:
             pairs.append((item, missing))
-    prefix = call.argument(effect.prefix)
+    prefix = _prefix(effect, call)
     return [(prefixed(prefix, key), value) for key, value in pairs] if prefix is not None else pairs
+
+
+def _prefix(effect: Effect, call: Invocation) -> Value | None:
+    """Return the prefix of the names of parameters; None if there is none."""
+    if isinstance(effect.prefix, str):
+        return Text.hole("the loader of the plugin gives its name", effect.prefix)
+    return call.argument(effect.prefix)
 
 
 def prefixed(prefix: Value, name: Value) -> Value:

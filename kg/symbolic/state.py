@@ -88,6 +88,8 @@ class Site:
     this: Value | None = None
     given: tuple[Expression, ...] = ()
     """Its arguments, as expressions."""
+    frame: Frame | None = field(default=None, compare=False)
+    """The function that it is in."""
 
 
 @dataclass(slots=True, eq=False)

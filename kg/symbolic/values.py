@@ -388,7 +388,7 @@ def read_back(value: Value, name: str = "") -> Value:
             return Unknown(value.reason, value.parameter, label_of(name) or None)
     elif type(value) is Text:
         if value.resolution is Resolution.LITERAL:
-            return Text(value.parts, Resolution.CONSTANT, value.parameter, value.reason)
+            return Text(value.parts, Resolution.CONSTANT, value.parameter, value.reason, unsure=value.unsure)
         if value.parts == _NAMELESS and label_of(name):
             return Text((Hole(label_of(name)),), value.resolution, value.parameter, value.reason)
     elif type(value) is Either:

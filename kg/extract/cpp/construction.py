@@ -180,7 +180,7 @@ class Constructions:
     def _at(self, frame: Frame, line: int, given: tuple[Expression, ...] = ()) -> Iterator[None]:
         """Run something as part of a line of a frame."""
         stack = self._language.machine.stack
-        stack.append(Site(frame.unit, line, frame.this, given))
+        stack.append(Site(frame.unit, line, frame.this, given, frame))
         try:
             yield
         finally:

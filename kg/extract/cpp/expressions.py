@@ -318,6 +318,8 @@ class Expressions:
         function = target.function if isinstance(target, Call) and len(target.arguments) == 1 else None
         if isinstance(target, Call) and isinstance(function, Member) and function.name == "at":
             target = Index(target.line, function.of, target.arguments[0])
+        elif isinstance(target, Call) and isinstance(target.function, Name) and target.function.names[-1] == "tie":
+            target = Display(target.line, target.arguments)
         return Assign(line_of(node), target, self.expression(right), syntax.text(operator)[:-1])
 
     def _conditional(self, node: Node) -> Expression:

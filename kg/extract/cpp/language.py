@@ -15,6 +15,7 @@ from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
+from kg.symbolic.spelling import spelled
 from kg.symbolic.state import Alias, Frame
 from kg.symbolic.values import (
     OUTSIDE,
@@ -243,9 +244,13 @@ class Cpp:
 
     def expanded(self, macro: Macro, given: tuple[Expression, ...], frame: Frame, line: int) -> Value:
         """Run the text of a macro in the frame that uses it, at a line there."""
-        function = macro.unit.expand(macro, line)
+        texts = tuple(map(spelled, given)) if macro.is_textual else ()
+        texts = texts if not any("..." in one for one in texts) else ()
+        function = macro.unit.expand(macro, line, texts)
         inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
-        for parameter, expression in zip(function.parameters, given, strict=False):
+        if texts:  # what the text declares is where the macro is used
+            inner = replace(inner, variables=frame.variables, types=frame.types, declared=frame.declared)
+        for parameter, expression in zip(function.parameters, given if not texts else (), strict=False):
             inner.variables[parameter.name] = Alias(expression, frame)
             if isinstance(expression, form.Name) and len(expression.names) > 1:
                 resolved = self.kinds.kind(form.Type(expression.names, expression.template), frame)

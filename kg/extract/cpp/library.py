@@ -96,7 +96,7 @@ _MAKERS: Final = re.compile(r"make_(?:shared|unique|optional|impl|\w+_impl|\w+_p
 _SAME: Final = frozenset(
     {
         "move", "forward", "ref", "cref", "as_const", "static_pointer_cast", "dynamic_pointer_cast",
-        "const_pointer_cast", "boost_shared_ptr", "to_string_view", "shared_from_this", "decltype",
+        "const_pointer_cast", "boost_shared_ptr", "to_string_view", "shared_from_this", "decltype", "begin", "cbegin",
     }
 )  # fmt: skip
 _OWN: Final = frozenset(
@@ -476,6 +476,7 @@ def method(language: Cpp, of: Value, name: str, given: Arguments, written: Expre
     if name in _ENDS and isinstance(of, Sequence):
         return of.items[_ENDS[name]] if of.items else Unknown("the list is empty")
     if name in _OWN:
+        language.machine.framework.converted(of, name, given.template)
         return of
     if name in ("at", "operator[]") and values:
         return element(of, values[0])
@@ -533,9 +534,11 @@ def _emplaced(language: Cpp, given: Arguments, written: Expression, frame: Frame
     """Return the element that `emplace` constructs in a container, behind its key."""
     declared = language.type_of(written, frame)
     inner = declared.arguments[-1] if declared is not None and declared.arguments else None
+    keys = given.values[:1] if declared is not None and declared.name in MAPS else []
+    if isinstance(inner, TypeValue) and inner.kind.name in ("pair", "tuple") and len(given.values) > 1:
+        return [*keys, Sequence(tuple(given.values[len(keys) :]))]
     if not isinstance(inner, TypeValue) or inner.kind.cls is None:
         return given.values
-    keys = given.values[:1] if declared is not None and declared.name in MAPS else []
     return [*keys, language.construct(inner.kind, given.values[len(keys) :], frame, given.line)]
 
 
@@ -631,7 +634,7 @@ def _empty(of: Value) -> Value:
             return Guard((f"!{of.parameter}",))
         if of.given_name or any(isinstance(part, str) and part for part in of.parts):
             return Truth(False)
-        return Truth(True) if of.exact == "" else Unknown("it is not known")
+        return Truth(True) if of.exact == "" and not of.unsure else Unknown("it is not known")
     return Unknown("it is not known")
 
 
@@ -643,7 +646,7 @@ def _of_text(of: Text, name: str, values: list[Value]) -> Value | None:
             return negate(same)
         return number(float(not same.value)) if isinstance(same, Truth) else None
     given = values[0].exact if len(values) == 1 and isinstance(values[0], Text) and not values[0].parameter else None
-    if name not in _SEARCHES or given is None or of.parameter is not None:
+    if name not in _SEARCHES or given is None or of.parameter is not None or of.unsure:
         return None
     first = of.parts[0]
     if of.exact is None:

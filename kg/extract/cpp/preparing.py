@@ -38,6 +38,10 @@ _MACROS_ONLY: Final = re.compile(
     rb"\b(?:class|struct)\s+\w+[^;{}()]*\{(?P<body>\s*(?:[A-Z][A-Z0-9]*_[A-Z0-9_]+\s*\([^(){};]*\)\s*)+)\}"
 )
 """A class whose body consists of calls of macros, without semicolons."""
+_IN_A_ROW: Final = re.compile(rb"[A-Z][A-Z0-9_]+(?:[ \t]+[A-Z][A-Z0-9_]+)+(?=[ \t]*(?:[;,)}+\"]|<<))")
+"""Macros in a row that end an expression, such as parts of a text."""
+_BEFORE_ROW: Final = re.compile(rb"(?:[=(,+?:{<]|\breturn)\s*\Z")
+_SPACE: Final = re.compile(rb"[ \t](?=[A-Z])")
 _CONNECTED: Final = re.compile(rb"\b((?:SIGNAL|SLOT)\(\s*)(\w+\s*\([^()]*\))(?=\s*\))")
 """The signatures of signals and slots, which are no expressions."""
 _DIRECTIVE: Final = re.compile(
@@ -78,6 +82,7 @@ def prepared(source: bytes, ros: int, absent: frozenset[str] = frozenset()) -> b
         source = _QT.sub(_unless_directive(_of_qt), source)
     if b"SIGNAL(" in source or b"SLOT(" in source:
         source = _CONNECTED.sub(lambda m: m[1] + b"0" + _VISIBLE.sub(b" ", m[2])[1:], source)
+    source = _IN_A_ROW.sub(_unless_directive(_joined), source)
     return _without_branches(source, ros, absent) if b"#if" in source or b"# if" in source else source
 
 
@@ -86,6 +91,12 @@ def _if_statement(match: re.Match[bytes]) -> bytes:
     before = _before(match.string, match.start())
     begins = before.endswith((b";", b"}", b":")) or (match["declares"] and (not before or before.endswith(b"{")))
     return _VISIBLE.sub(b" ", match[0]) if begins else match[0]
+
+
+def _joined(match: re.Match[bytes]) -> bytes:
+    """Return macros in a row in an expression with signs between them, as the grammar reads only texts in a row."""
+    line = match.string.rfind(b"\n", 0, match.start()) + 1
+    return _SPACE.sub(b"+", match[0]) if _BEFORE_ROW.search(match.string[line : match.start()]) else match[0]
 
 
 def _spaces(match: re.Match[bytes]) -> bytes:

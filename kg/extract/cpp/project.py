@@ -65,6 +65,10 @@ _MOST_HEADERS: Final = 600
 _MARKS: Final = b"_:("
 _NAMES: Final = bytes(code if code < 128 and (chr(code).isalnum() or code in _MARKS) else 32 for code in range(256))  # noqa: PLR2004 - ASCII
 """A table that replaces by spaces what is not part of a name, `::` or `(`."""
+_OF_TEMPLATE: Final = re.compile(rb"(\w+)<[^;{}()<>]*(?:<[^;{}()<>]*>[^;{}()<>]*)*>\Z")
+"""A name with template arguments."""
+_LONGEST: Final = 200
+"""So many bytes before a `::` are searched for such a name."""
 
 
 class _Cache:
@@ -424,9 +428,12 @@ class Project:
 
 @lru_cache(maxsize=512)  # the sources of a library are searched for each package that uses it
 def _followed(source: bytes) -> frozenset[bytes]:
-    """Return the names in a source with the `::` or `(` that follows."""
+    """Return the names in a source with the `::` or `(` that follows, also after template arguments."""
     spaced = source.translate(_NAMES).replace(b"::", b":: ").replace(b"(", b"( ")
-    return frozenset(word for word in spaced.split() if word.endswith((b"::", b"(")))
+    names = frozenset(word for word in spaced.split() if word.endswith((b"::", b"(")))
+    ends = (one.end() - len(b"::") for one in re.finditer(b">::", source))
+    templates = (_OF_TEMPLATE.search(source, max(0, end - _LONGEST), end) for end in ends)
+    return names.union(one[1] + b"::" for one in templates if one is not None)
 
 
 def _is_source(path: str) -> bool:

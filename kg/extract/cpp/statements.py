@@ -124,6 +124,8 @@ class Statements:
             return self._vexing(node, target, kind)
         name = syntax.declared_name(target)
         value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
+        if isinstance(value, Display) and any(isinstance(one, Construct) for one in value.items):
+            kind = Type(("vector",), (kind,)) if _dimensions(target) else kind
         return [Declare(line, syntax.text(name), kind, value)] if name is not None else []
 
     def _structured(self, target: Node, written: Node | None, line: int) -> list[Declare]:
@@ -144,7 +146,11 @@ class Statements:
         if written.type not in ("argument_list", "initializer_list"):
             return self._expressions.expression(written)
         given, listed = self._expressions.arguments(written), written.type == "initializer_list"
-        if listed and _is_array(target):
+        if listed and (dimensions := _dimensions(target)):
+            if dimensions == 1:  # an element in braces is an object
+                given = tuple(
+                    Construct(line, kind, one.items, listed=True) if isinstance(one, Display) else one for one in given
+                )
             return Display(line, given)
         if kind.names != ("auto",):
             return Construct(line, kind, given, listed=listed)
@@ -355,7 +361,10 @@ def _condition(node: Node) -> tuple[Node | None, Node | None]:
     return clause, clause
 
 
-def _is_array(declarator: Node | None) -> bool:
-    while declarator is not None and declarator.type != "array_declarator":
+def _dimensions(declarator: Node | None) -> int:
+    """Return the number of dimensions of the array that a declarator declares; 0 if it declares none."""
+    count = 0
+    while declarator is not None:
+        count += declarator.type == "array_declarator"
         declarator = declarator.child_by_field_name("declarator")
-    return declarator is not None
+    return count

@@ -1,4 +1,4 @@
-"""Reading a stream or splitting a text in C++, piece by piece: `>>`, `std::getline`, `boost::split`."""
+"""Functions of C++ that take texts apart or change them in place: `>>`, `std::getline`, `boost::split`, `replace`."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Final
 
 from kg.symbolic.binding import put
 from kg.symbolic.containers import part_of
+from kg.symbolic.form import Call, Member
 from kg.symbolic.operators import compute
 from kg.symbolic.parameters import with_parameter
-from kg.symbolic.values import Object, Sequence, Text, Truth, Unknown, Value
+from kg.symbolic.values import Object, Sequence, Text, Truth, Unknown, Value, over
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kg.extract.cpp.language import Cpp
     from kg.symbolic.form import Expression
     from kg.symbolic.state import Arguments
@@ -40,7 +43,43 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return pieces
     if name == "is_any_of" and values:
         return values[0]
-    return None
+    return _changed(language, names, given) if name in _CHANGES else None
+
+
+def _changed(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | None:
+    """Change the text in the first argument, or whose characters the first two span; None for other functions."""
+    first, frame = given.written[0], given.frame
+    spanned = isinstance(first, Call) and isinstance(first.function, Member) and first.function.name in _BEGINNINGS
+    if frame is None or not (spanned or names[0] in ("boost", "algorithm")):
+        return None
+    target = first.function.of if isinstance(first, Call) and isinstance(first.function, Member) else first
+    texts = [one.exact for one in given.values[2 if spanned else 1 :] if isinstance(one, Text)]
+    known = [one for one in texts if one is not None]
+    count, change = _CHANGES[names[-1]]
+
+    def changed(value: Value) -> Value:
+        if not isinstance(value, Text):
+            return value
+        if len(known) != count:
+            return Text.hole("it is changed when the program runs")
+        return replace(value, parts=tuple(change(one, *known) if isinstance(one, str) else one for one in value.parts))
+
+    put(language.machine, target, over((language.machine.value(target, frame),), changed), frame)
+    return Unknown("it returns nothing")
+
+
+_BEGINNINGS: Final = ("begin", "cbegin")
+_CHANGES: Final[dict[str, tuple[int, Callable[..., str]]]] = {
+    "replace": (2, str.replace),
+    "replace_all": (2, str.replace),
+    "replace_first": (2, lambda text, old, new: text.replace(old, new, 1)),
+    "erase_all": (1, lambda text, old: text.replace(old, "")),
+    "erase_first": (1, lambda text, old: text.replace(old, "", 1)),
+    "to_lower": (0, str.lower),
+    "to_upper": (0, str.upper),
+    "trim": (0, str.strip),
+}
+"""Functions that change a text in place: how many other texts they get, and what they make of all."""
 
 
 def _next(language: Cpp, stream: Value, target: Expression, separator: str, given: Arguments) -> Value:

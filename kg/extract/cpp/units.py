@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import defaultdict
 from dataclasses import dataclass, field
@@ -82,10 +83,32 @@ class Macro:
     parameters: tuple[str, ...] | None
     text: str
     line: int
-    functions: dict[int, Function] = field(default_factory=dict)
-    """The macro as a function, by the line at which it was expanded."""
+    functions: dict[tuple[int, tuple[str, ...]], Function] = field(default_factory=dict)
+    """The macro as a function, by the line at which it was expanded, and the arguments if they became its text."""
+
+    @property
+    def is_textual(self) -> bool:
+        """Whether it makes texts or names of its arguments."""
+        return self.parameters is not None and "#" in self.text
+
+    def filled(self, given: tuple[str, ...]) -> str:
+        """Return the text with arguments in the places of the parameters."""
+        values = dict(zip(self.parameters or (), given, strict=False))
+
+        def place(match: re.Match[str]) -> str:
+            value = values.get(match["name"])
+            if value is None:
+                return match[0]
+            return json.dumps(value) if match["quoted"] else value
+
+        return _PASTED.sub("", _PLACES.sub(place, self.text))
 
 
+_PLACES: Final = re.compile(r"(?:(?<!#)(?P<quoted>#)(?!#)\s*)?\b(?P<name>[A-Za-z_]\w*)")
+"""A name in the text of a macro, which can be made a text."""
+_DECLARES: Final = re.compile(r"(?:const\s+|static\s+)*[\w:]+(?:<[^;=]*>)?[\s*&]+\w+\s*=[^=]")
+"""The begin of a declaration with a value."""
+_PASTED: Final = re.compile(r"\s*##\s*")
 _PURE: Final = re.compile(rb"\Avirtual\b[^{]*=\s*0\s*;\Z")
 
 
@@ -555,25 +578,31 @@ class CppUnit(Unit):
             initialisers.append(Initialiser(syntax.simple_name(name), arguments, line_of(entry), listed))
         return tuple(initialisers)
 
-    def expand(self, macro: Macro, line: int) -> Function:
-        """Return a macro as a function at the line that uses it. Its text is an expression or statements."""
-        if line in macro.functions:
-            return macro.functions[line]
-        body = f"void kg_macro() {{ {macro.text} }}"
-        if not _is_statements(macro.text):
-            body = f"auto kg_macro() {{ return {macro.text}; }}"
+    def expand(self, macro: Macro, line: int, given: tuple[str, ...] = ()) -> Function:
+        """Return a macro as a function at the line that uses it. Its text is an expression or statements.
+
+        `given` are arguments that become a part of the text.
+        """
+        key = (line, given)
+        if key in macro.functions:
+            return macro.functions[key]
+        text = macro.filled(given) if given else macro.text
+        body = f"void kg_macro() {{ {text} }}"
+        if not _is_statements(text):
+            body = f"auto kg_macro() {{ return {text}; }}"
         source = b"\n" * (line - 1) + body.encode()  # so that what it declares is at the line that uses it
         statements = Statements(Expressions(self), source)
         definition = next(iter(syntax.of_type(syntax.parse(source).root_node, "function_definition")), None)
         block = statements.block(definition.child_by_field_name("body") if definition is not None else None)
         parameters = tuple(Parameter(name, None) for name in macro.parameters or ())
-        macro.functions[line] = Function(self, macro.name, (), parameters, macro.line, lowered_body=block)
-        return macro.functions[line]
+        macro.functions[key] = Function(self, macro.name, (), parameters, macro.line, lowered_body=block)
+        return macro.functions[key]
 
 
 def _is_statements(text: str) -> bool:
     stripped = text.strip()
-    return ";" in stripped or stripped.startswith(("do ", "do{", "{", "if ", "if(", "static ", "return "))
+    declares = _DECLARES.match(stripped) is not None
+    return declares or ";" in stripped or stripped.startswith(("do ", "do{", "{", "if ", "if(", "static ", "return "))
 
 
 def _template_names(node: Node) -> tuple[str, ...]:

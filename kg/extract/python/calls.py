@@ -122,8 +122,10 @@ class Calls:
             return self.construct(called.kind, given) if called.kind.cls is not None else self.outside(called, given)
         if isinstance(called, Object):
             method = self._language.of_object(called, "__call__")
-            if isinstance(method, Closure):
-                return self._invoke(method, given)
+            result = self._invoke(method, given) if isinstance(method, Closure) else None
+            result = result if result is not None else library.called(self._language, called, given)
+            if result is not None:
+                return result
         self._escape_all(given)
         return Unknown(called.reason if isinstance(called, Unknown) else "the called function is unknown")
 

@@ -301,6 +301,7 @@ class Python:
             return Text.of(of.function.name)
         value = library.member(of, name)
         if value is not None:
+            self.machine.framework.converted(of, name)
             return value
         return Unknown(of.reason if isinstance(of, Unknown) else f"the member {name} is not known")
 

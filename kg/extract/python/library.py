@@ -18,6 +18,7 @@ from kg.symbolic.parameters import with_parameter
 from kg.symbolic.state import Alias, Arguments
 from kg.symbolic.values import (
     ABSENT,
+    Bound,
     Closure,
     Kind,
     Mapping,
@@ -132,9 +133,38 @@ def _set_attribute(language: Python, given: Arguments) -> Value:
 def _partial(given: Arguments) -> Value:
     """`functools.partial(function, ...)`."""
     first = given.values[0] if given.values else _COMPUTED
+    if isinstance(first, Bound | TypeValue):
+        named = Mapping(tuple((Text.of(name), value) for name, value in given.named.items()))
+        return Object(_PARTIAL, native={"called": first, "values": Sequence(tuple(given.values[1:])), "named": named})
     if not isinstance(first, Closure):
         return first
     return replace(first, bound=(*first.bound, *given.values[1:]), named=(*first.named, *given.named.items()))
+
+
+def _named_tuple(given: Arguments) -> Value:
+    """`collections.namedtuple(name, fields)`: a class whose objects have these fields."""
+    fields = given.values[1] if len(given.values) > 1 else None
+    if isinstance(fields, Text) and fields.exact is not None:
+        fields = Sequence(tuple(Text.of(name) for name in fields.exact.replace(",", " ").split()))
+    return Object(_NAMED_TUPLE, native={"fields": fields}) if isinstance(fields, Sequence) else _COMPUTED
+
+
+def called(language: Python, of: Object, given: Arguments) -> Value | None:
+    """Return the result of a call of a partial function or of a class of named tuples; None for other objects."""
+    native = of.native
+    if of.kind == _PARTIAL and isinstance(native["values"], Sequence) and isinstance(native["named"], Mapping):
+        bound = {key.exact or "": value for key, value in native["named"].items if isinstance(key, Text)}
+        values = [*native["values"].items, *given.values]
+        return language.calls.value(native["called"], replace(given, values=values, named={**bound, **given.named}))
+    if of.kind == _NAMED_TUPLE and isinstance(native["fields"], Sequence):
+        names = [name.exact or "" for name in native["fields"].items if isinstance(name, Text)]
+        return Object(_TUPLE, fields={**dict(zip(names, given.values, strict=False)), **given.named})
+    return None
+
+
+_PARTIAL: Final = Kind(("functools", "partial"))
+_NAMED_TUPLE: Final = Kind(("collections", "namedtuple"))
+_TUPLE: Final = Kind(("collections", "tuple"))
 
 
 def _mapped(language: Python, given: Arguments) -> Value:
@@ -228,6 +258,7 @@ _SPECIAL: Final[dict[str, Callable[[Python, Arguments], Value]]] = {
     "builtins.locals": lambda _, given: _locals(given),
     **dict.fromkeys(("dataclasses.field", "attr.ib", "attr.field", "attrs.field", "pydantic.Field"), _field),
     "functools.partial": lambda _, given: _partial(given),
+    "collections.namedtuple": lambda _, given: _named_tuple(given),
     "functools.wraps": lambda _, given: _COMPUTED,  # noqa: ARG005 - it calls none of its arguments
     "unittest.main": _tests,
     "rclpy.qos.QoSPresetProfiles.get_from_short_key": _preset,

@@ -37,6 +37,9 @@ _CODE: Final = frozenset({FileKind.CPP, FileKind.PYTHON})
 _SUBMODULE: Final = re.compile(rb"^\s*path\s*=\s*(\S+)", re.MULTILINE)
 _WRITES: Final = re.compile(rb"\bofstream\b|\bfopen\b|\.write\(|\bdump\(|[\"'][wa]b?\+?[\"']")
 """What code has that writes files."""
+_LAUNCHES: Final = (".launch", ".xml")
+_GIVEN: Final = re.compile(rb"<node\b[^>]*\bargs=\"(?P<args>[^\"]*)\"[^>]*>")
+_TYPE: Final = re.compile(rb"(?<=type=\")[^\"]+")
 _MOST_NAME: Final = 200
 """Characters of the name of a file or folder, which file systems bound to 255 bytes."""
 
@@ -163,7 +166,7 @@ class Files:
                 return Match(None, unresolved, f"{text} is in the submodule {folder.decode()}, which is empty", text)
         if self._is_ignored(file):
             return Match(None, unresolved, f"{text} is not in the source: git ignores it", text)
-        writer = self._writer(text)
+        writer = self._writer(text) or self._program(file)
         if writer is not None:
             return Match(None, unresolved, f"{text} is not in the source: {writer} presumably writes it", text)
         return Match(None, LaunchProblemKind.MISSING_FILE, f"file not found: {text}", text)
@@ -179,6 +182,18 @@ class Files:
             code = self.read(FilePath(place.repository, entry.path)) if entry.kind in _CODE else None
             if code is not None and named in code and _WRITES.search(code):
                 return entry.path
+        return None
+
+    def _program(self, file: FilePath) -> str | None:
+        """Return the program that a launch file gives its own path, if the name of an absent one only adds to it."""
+        folder, name = posixpath.split(file.path)
+        stem, ending = posixpath.splitext(name)
+        shorter = (f"{stem[:length]}{ending}" for length in range(len(stem) - 1, 0, -1))
+        for sibling in shorter if ending in _LAUNCHES else ():
+            text = self.read(FilePath(file.repository, posixpath.join(folder, sibling)))
+            for node in _GIVEN.finditer(text or b""):
+                if node["args"].endswith(f"/{sibling}".encode()):
+                    return (_TYPE.search(node[0]) or node)[0].decode()
         return None
 
     def _is_ignored(self, file: FilePath) -> bool:
