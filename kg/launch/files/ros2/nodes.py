@@ -175,12 +175,14 @@ def _run_operands(words: Sequence[str]) -> tuple[str | None, str | None, Sequenc
 def _load(context: Context, component: NodeAction, host: str | None) -> None:
     """Load a component, which inherits nothing of its container but the place."""
     with context.at(component.location):
-        held = True if component.condition is None else holds(context, component.condition)
-        if held is False:
-            return
         conditions = context.conditions
-        if held is None and component.condition is not None:
-            context.conditions = (*conditions, component.condition.words)
+        for condition in filter(None, (component.choice, component.condition)):
+            held = holds(context, condition)
+            if held is False:
+                context.conditions = conditions
+                return
+            if held is None:
+                context.conditions += (condition.words,)
         name, namespace = _optional(context, component.name) or None, _optional(context, component.namespace)
         _record(context, component, StartKind.COMPONENT, name, namespace, CommandLine(), host=host)
         context.conditions = conditions
