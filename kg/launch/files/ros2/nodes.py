@@ -95,7 +95,14 @@ _KINDS: Final = {
     "component": StartKind.COMPONENT,
 }
 _RUN: Final = ("ros2", "run")
-_TOOLS: Final = {("topic", "pub"), ("topic", "echo"), ("service", "call"), ("action", "send_goal")}
+_TOOLS: Final = {
+    ("topic", "pub"),
+    ("topic", "echo"),
+    ("service", "call"),
+    ("action", "send_goal"),
+    ("control", "load_controller"),
+    ("control", "load_start_controller"),
+}
 """Commands of `ros2` that are nodes."""
 
 
