@@ -89,7 +89,7 @@ def _resolved(system: str, truth: dict[str, Any], mirrors: Path, folder: Path) -
     ends: list[End] = []
     for file in truth["launch"]:
         text = next(workspace.glob(f"**/{file}")).read_text(encoding="utf-8")
-        declared = set(re.findall(r"DeclareLaunchArgument\(\s*[\"'](\w+)", text))
+        declared = set(re.findall(r"(?:DeclareLaunchArgument\(\s*|<arg\s+name\s*=\s*)[\"'](\w+)", text))
         given = truth["arguments"] if "partial" in truth else {}
         arguments = {name: value for name, value in truth["arguments"].items() if name in declared}
         for instance in answers("instances", Path(file), store, truth.get("environment", {}), arguments or given):

@@ -114,14 +114,14 @@ class Reader:
         """Return the text of a file as UTF-8, without a byte order mark; a string is a path of this source.
 
         None, and a problem, for a file that is unreadable, above the limit or binary; invalid UTF-8 is read as Latin-1,
-        with a problem.
+        with a problem. Those of files of other sources are told where their packages are read.
         """
         key = self.file(file) if isinstance(file, str) else file
         if key not in self._texts:
             loaded = load(self.workspace, key, self.limit_bytes)
             self._marks[key] = mark(loaded)
             if isinstance(loaded, Problem):
-                self._problems.setdefault(loaded)
+                self._report(key, loaded.code, loaded.message)
             self._texts[key] = self._normalise(key, loaded) if isinstance(loaded, bytes) else None
         return self._texts[key]
 
@@ -135,12 +135,17 @@ class Reader:
             raise LookupError(code)
         self._problems.setdefault(Problem(code, message, path, line))
 
+    def _report(self, file: FilePath, code: str, message: str, line: int | None = None) -> None:
+        others = {source.repository.name for source in self.workspace.sources} - {self.repository}
+        if file.repository not in others:
+            self.problem(code, message, file.path, line)
+
     def _normalise(self, file: FilePath, data: bytes) -> bytes | None:
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-            self.problem("KG113", "the file is UTF-16", file.path)
+            self._report(file, "KG113", "the file is UTF-16")
             return data.decode("utf-16", "replace").encode()
         if b"\0" in data[:_BINARY_SAMPLE]:
-            self.problem("KG112", "the file holds binary data", file.path)
+            self._report(file, "KG112", "the file holds binary data")
             return None
         data = data.removeprefix(b"\xef\xbb\xbf")
         if data.isascii():
@@ -149,6 +154,6 @@ class Reader:
             data.decode()
         except UnicodeDecodeError as error:
             line = data.count(b"\n", 0, error.start) + 1
-            self.problem("KG113", "the file is not UTF-8; bytes that are not were read as Latin-1", file.path, line)
+            self._report(file, "KG113", "the file is not UTF-8; bytes that are not were read as Latin-1", line)
             return data.decode("utf-8", "surrogateescape").translate(_LATIN1).encode()
         return data

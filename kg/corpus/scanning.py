@@ -148,7 +148,7 @@ def _take(walk: _Walk, entry: os.DirEntry[str], path: str, owner: _Folder, *, in
     if not stat.S_ISREG(status.st_mode):
         return
     if kind is None:
-        kind = _kind_by_shebang(entry.path)
+        kind = _kind_by_beginning(entry.path, executable=executable)
     if kind is not None:
         owner.files.append(FileEntry(path, kind, status.st_size, status.st_mtime_ns, executable))
 
@@ -179,14 +179,16 @@ def _follow(walk: _Walk, entry: os.DirEntry[str], path: str) -> bool:
     return False
 
 
-def _kind_by_shebang(path: str) -> FileKind | None:
-    """Return `PYTHON` for a program without a suffix whose first line names python."""
+def _kind_by_beginning(path: str, *, executable: bool) -> FileKind | None:
+    """Return `PYTHON` for a program without a suffix whose first line names python, `PROGRAM` for other programs."""
     try:
         with open(path, "rb") as file:  # noqa: PTH123  (a Path for each file would cost more than the reading)
             first = file.read(_SHEBANG_BYTES)
     except OSError:
         return None
-    return FileKind.PYTHON if first.startswith(b"#!") and b"python" in first.split(b"\n", 1)[0] else None
+    if first.startswith(b"#!") and b"python" in first.split(b"\n", 1)[0]:
+        return FileKind.PYTHON
+    return FileKind.PROGRAM if executable and first.startswith((b"#!", b"\x7fELF")) else None
 
 
 def _by_path(files: list[FileEntry]) -> list[FileEntry]:

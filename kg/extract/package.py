@@ -18,6 +18,7 @@ from kg.extract.buildmodel import BuildModel, TargetKind
 from kg.extract.imports import add_imports
 from kg.extract.sending import add_sending
 from kg.facts import (
+    FileKind,
     Interface,
     InterfaceDefinition,
     Location,
@@ -292,7 +293,8 @@ def guard(reader: Reader, read: Callable[..., _Result], instead: _Result, *argum
 
 def _files(reader: Reader, package: PackageFolder) -> Iterator[SourceFile]:
     """Yield the files of the package that could be read, by path."""
-    ordered = sorted(package.files, key=lambda entry: entry.path)
+    files = [entry for entry in package.files if entry.kind is not FileKind.PROGRAM]
+    ordered = sorted(files, key=lambda entry: entry.path)
     readable = [entry for entry in ordered if reader.read(entry.path) is not None]
     digests = dict(reader.inputs)
     for entry in readable:

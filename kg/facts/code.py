@@ -116,6 +116,8 @@ class FileKind(StrEnum):
     PLUGIN = "plugin"
     CONFIG = "config"
     TEXT = "text"
+    PROGRAM = "program"
+    """A program that is not read: a script in another language, or a binary."""
 
 
 @dataclass(frozen=True, slots=True)

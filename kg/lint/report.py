@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from kg.codes import SEVERITIES
 from kg.lint.allowing import Allowance, Comments, allowed_by
 from kg.lint.baseline import Entry, compared
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Sequence
 
     from kg.errors import Place
     from kg.lint.finding import Finding
@@ -102,7 +102,34 @@ def merged(findings: Iterable[Finding]) -> list[Finding]:
     for one in findings:
         place = one.place and (one.place.repository, one.place.path, one.place.line)
         groups[one.code, one.rule, one.severity, place or one.system, one.subjects].append(one)
-    return sorted(map(_one, groups.values()), key=lambda one: one.order)
+    return sorted(_folded(map(_one, groups.values())), key=lambda one: one.order)
+
+
+_BY_FILE: Final = "architecture/undeclared-argument"
+"""The rule whose notes about one file are one: an included file can read tens of arguments that others declare."""
+_NAMED: Final = 4
+
+
+def _folded(findings: Iterable[Finding]) -> Iterator[Finding]:
+    """Yield findings, with the notes of a rule about the lines of one file as one note at its first line."""
+    notes: defaultdict[object, list[Finding]] = defaultdict(list)
+    for one in findings:
+        if one.rule == _BY_FILE and one.severity == "note" and one.place is not None:
+            notes[one.place.repository, one.place.path].append(one)
+        else:
+            yield one
+    for group in notes.values():
+        first, *rest = sorted(group, key=lambda one: one.order)
+        subjects = tuple(dict.fromkeys(name for one in (first, *rest) for name in one.subjects))
+        names = ", ".join(f"'{name}'" for name in subjects[:_NAMED])
+        more = ", ..." if len(subjects) > _NAMED else ""
+        yield replace(
+            first,
+            message=f"{len(subjects)} arguments are read and not declared: {names}{more}" if rest else first.message,
+            subjects=subjects,
+            evidence=(*first.evidence, *(one.place for one in rest if one.place is not None)),
+            also=tuple(sorted({name for one in group for name in (one.system, *one.also)} - {first.system})),
+        )
 
 
 def _one(group: list[Finding]) -> Finding:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from kg.corpus.files import FilePath, PackageFolder, Source
 from kg.corpus.reading import Reader, digest
+from kg.corpus.scanning import scan
 from kg.corpus.workspace import Workspace
 from kg.facts import Repository
 
@@ -41,6 +42,21 @@ def test_content(tmp_path: Path, content: bytes, text: str | None, problem: tupl
     read = reader.read("demo/a.cpp")
     assert (None if read is None else read.decode()) == text
     assert codes(reader.problems) == ([problem] if problem else [])
+
+
+def test_problems_of_other_sources(tmp_path: Path) -> None:
+    """A file of another source is read, and its problems are those of its own package."""
+    for name in ("one", "two"):
+        (tmp_path / name / "demo").mkdir(parents=True)
+        (tmp_path / name / "demo" / "a.cpp").write_bytes("// käse".encode("latin-1"))
+        (tmp_path / name / "demo" / "b.cpp").write_bytes(b"\x7fELF\0\0\1")
+    sources = [scan(tmp_path / name, Repository(f"local/{name}", str(tmp_path / name))) for name in ("one", "two")]
+    reader = Reader(Workspace(sources), sources[0], PackageFolder("demo", "demo", None, ()))
+    reader.limit_bytes = 8
+    for path in ("demo/a.cpp", "demo/b.cpp", "demo/gone.cpp"):
+        reader.read(FilePath("local/two", path))
+    assert reader.problems == ()
+    assert reader.read(FilePath("local/two", "demo/a.cpp")) == "// käse".encode()
 
 
 def test_missing_file(tmp_path: Path) -> None:

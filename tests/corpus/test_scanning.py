@@ -140,17 +140,24 @@ def test_malformed_manifest_keeps_the_package(tmp_path: Path) -> None:
 
 
 def test_executable_bit_and_shebang(tmp_path: Path) -> None:
-    """Executables are marked; a program without suffix is Python if its first line names it."""
+    """Executables are marked; a program without suffix is Python if its first line names it, and listed otherwise."""
     folder = package(tmp_path, "pkg") / "scripts"
     folder.mkdir()
     (folder / "talker").write_text("#!/usr/bin/env python3\n")
     (folder / "talker").chmod(0o755)
     (folder / "shell").write_text("#!/bin/sh\n")
+    for name, content in (("run", b"#!/bin/sh\n"), ("binary", b"\x7fELF\0\0"), ("notes", b"text")):
+        (folder / name).write_bytes(content)
+        (folder / name).chmod(0o755)
     entries = {entry.path: entry for entry in scan(tmp_path).packages[0].files}
     assert entries["pkg/scripts/talker"].kind is FileKind.PYTHON
     assert entries["pkg/scripts/talker"].executable
     assert not entries["pkg/src/node.cpp"].executable
-    assert "pkg/scripts/shell" not in entries
+    assert {path for path in entries if entries[path].kind is FileKind.PROGRAM} == {
+        "pkg/scripts/run",
+        "pkg/scripts/binary",
+    }
+    assert not entries.keys() & {"pkg/scripts/shell", "pkg/scripts/notes"}
 
 
 def test_links(tmp_path: Path) -> None:

@@ -40,6 +40,29 @@ def test_different_faults_stay_apart(other: dict[str, Any]) -> None:
     assert len(merged([finding(), finding(system=ALL, **other)])) == 2
 
 
+def test_undeclared_arguments_of_a_file_are_one_note() -> None:
+    """Notes about arguments that one file reads without declaring them are one, at its first line; errors are not."""
+    rule = "architecture/undeclared-argument"
+    findings = [
+        finding(
+            code="KG413",
+            rule=rule,
+            severity="note",
+            message="read",
+            subjects=(f"a{line}",),
+            place=Evidence(path, line, "local/rover"),
+            evidence=(),
+        )
+        for path, line in ((BASE, 9), (BASE, 3), (BASE, 12), (BASE, 5), (BASE, 7), (SIM, 1))
+    ]
+    one, other = merged(findings)
+    assert str(one.place) == f"{BASE}:3"
+    assert one.message == "5 arguments are read and not declared: 'a3', 'a5', 'a7', 'a9', ..."
+    assert [str(place) for place in one.evidence] == [f"{BASE}:{line}" for line in (5, 7, 9, 12)]
+    assert other.message == "read"
+    assert len(merged([replace(each, severity="error") for each in findings])) == 6
+
+
 def test_findings_without_a_line_stay_apart_by_system() -> None:
     """If the rule names no line, each system is reported."""
     assert len(merged([finding(place=None), finding(place=None, system=ALL)])) == 2

@@ -123,10 +123,10 @@ class Files:
         source = self._installed[place].source(inner)
         if source is not None:
             return FilePath(place.repository, source)
-        return None if self._installed[place].complete else self._likely(place, inner)
+        return None if self._installed[place].complete else self.likely(place, inner)
 
-    def _likely(self, place: Place, inner: str) -> FilePath | None:
-        """Return the one file of a package whose path ends as a path that is installed from somewhere."""
+    def likely(self, place: Place, inner: str) -> FilePath | None:
+        """Return the one file of a package whose path ends as a path that is installed or found from somewhere."""
         parts = [part for part in inner.split("/") if part not in ("", ".", "..")]
         paths = [entry.path for entry in self.reader.workspace.folder(place)[1].files]
         for length in range(len(parts), 0, -1):
@@ -135,6 +135,17 @@ class Files:
             if ending:
                 return FilePath(place.repository, ending[0]) if len(ending) == 1 else None
         return None
+
+    def names(self, text: str) -> list[str] | None:
+        """Return the paths of all files below the folder that a text names, sorted; None if it is not in the build."""
+        folder = self.at(text)
+        package = self.reader.workspace.package(text.removeprefix(SCHEME).partition("/")[0], self._near)
+        if folder is None or package is None or not text.startswith(SCHEME):
+            return None
+        begin = "" if folder.path == "." else f"{folder.path}/"
+        files = self.reader.workspace.folder(package)[1].files
+        paths = [entry.path.removeprefix(begin) for entry in files if entry.path.startswith(begin)]
+        return sorted(paths) or None
 
     def find(self, text: str) -> Match:
         """Return the file that a text names."""

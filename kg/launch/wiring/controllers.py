@@ -37,6 +37,7 @@ class _Spawner:
     named: str
     kind: tuple[str, ...]
     valued: tuple[str, ...]
+    first: tuple[str, ...] = ()
 
 
 def with_controllers(drafts: Sequence[Draft], types: NodeTypes) -> Iterator[Draft]:
@@ -78,6 +79,8 @@ def _read(row: _Spawner, arguments: Sequence[str]) -> tuple[dict[str, str], list
             options[option] = value if given else next(words, "")
         elif not word.startswith("-"):
             names.append(word)
+    if row.first:
+        names = names[1:] if names and names[0] in row.first else []
     return options, names
 
 

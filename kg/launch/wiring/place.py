@@ -6,10 +6,11 @@ Sources: wiki.ros.org/Names, and `rcl_expand_topic_name` of ROS 2. Parts that ar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 from kg.holes import ANONYMOUS, PARENT, substitute
+from kg.launch.wiring.plugin_table import rows
 from kg.launch.wiring.types import own_name
 from kg.names import join, normalise
 
@@ -62,6 +63,21 @@ def _resolved(name: str, namespace: str, private: str) -> str:
     return normalise(f"/{join(namespace, written)}")
 
 
+@dataclass(frozen=True, slots=True)
+class _Called:
+    """A row of the table; its head explains the fields."""
+
+    ros: int
+    source: str
+    program: tuple[str, ...]
+    name: str
+
+
+@cache
+def _called() -> dict[str, str]:
+    return {program: row.name for row in rows("called", _Called) for program in row.program}
+
+
 def place_of(started: StartedNode, node: NodeType | None) -> Place:
     """Return the place of a started node.
 
@@ -74,7 +90,7 @@ def place_of(started: StartedNode, node: NodeType | None) -> Place:
         name = own_name(node)
     elif not name:
         program = (started.executable or started.plugin or ANONYMOUS).replace("::", "/").rpartition("/")[2]
-        name = program.removesuffix(".py") or ANONYMOUS
+        name = _called().get(f"{started.package}/{program}") or program.removesuffix(".py") or ANONYMOUS
     namespace = normalise(f"/{started.namespace}")
     if namespace == "/" and "__ns" in rules:
         namespace = normalise(f"/{rules['__ns']}")

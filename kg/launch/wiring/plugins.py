@@ -65,7 +65,10 @@ class Loaded:
 
     def place(self, node: Place) -> Place:
         """Return the base of the plugin's names."""
-        private = node.resolve(self._filled(self.framework.private))
+        pattern = self.framework.private
+        if self.scope.startswith("/"):  # the program that names the plugin has parameters outside of the node
+            pattern = pattern.removeprefix("~/")
+        private = node.resolve(self._filled(pattern))
         relative = self.framework.relative
         namespace = node.resolve(self._filled(relative)) if relative is not None else node.namespace
         return Place(namespace, node.name, private)

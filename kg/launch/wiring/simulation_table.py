@@ -91,6 +91,21 @@ class Spawner:
     model: tuple[str, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Manager:
+    """A row for plugins that manage controllers as nodes; the head of the table explains the fields."""
+
+    library: tuple[str, ...]
+    ros: int
+    package: str
+    source: str
+    named: str
+    name: tuple[str, ...]
+    namespace: str
+    parameters: str
+    remapping: str
+
+
 @cache
 def read_end(text: str) -> End:
     """Return the end that a text of the table describes; `ValueError` if malformed."""
@@ -118,8 +133,16 @@ def filled(pattern: str, values: Mapping[str, str], depth: int = 0) -> str | Non
 
 def device_of(library: str, ros: int) -> Device | None:
     """Return the row for a library, named as in `filename`."""
-    stem = library.rpartition("/")[2].removesuffix(".so").removeprefix("lib")
-    return _devices().get((stem, ros))
+    return _devices().get((_stem(library), ros))
+
+
+def manager_of(library: str, ros: int) -> Manager | None:
+    """Return the row for a library that manages controllers, named as in `filename`."""
+    return _managers().get((_stem(library), ros))
+
+
+def _stem(library: str) -> str:
+    return library.rpartition("/")[2].removesuffix(".so").removeprefix("lib")
 
 
 def simulator_of(package: str | None, executable: str | None, ros: int) -> Simulator | None:
@@ -145,6 +168,12 @@ def load() -> tuple[tuple[Device, ...], tuple[Simulator, ...], tuple[Spawner, ..
         load_rows(path, "simulator", Simulator),
         load_rows(path, "spawner", Spawner),
     )
+
+
+@cache
+def _managers() -> dict[tuple[str, int], Manager]:
+    rows = load_rows(folder("ontology") / _FILE, "manager", Manager)
+    return {(name, row.ros): row for row in rows for name in row.library}
 
 
 @cache

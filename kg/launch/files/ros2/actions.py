@@ -209,6 +209,8 @@ class NodeAction(Action):
     ros_arguments: tuple[Text, ...] = ()
     settings: tuple[tuple[str, Text], ...] = ()
     components: Sequence[NodeAction] = ()
+    choice: Condition | None = None
+    """For a component: what decides whether it is in the list, in addition to its own condition."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

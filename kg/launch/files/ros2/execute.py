@@ -28,6 +28,7 @@ from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, Scope, find,
 from kg.launch.files.ros2.frontend import read_xml, read_yaml
 from kg.launch.files.ros2.nodes import execute_process, load_components, start_node
 from kg.launch.files.ros2.parameters import given_parameter, without_others
+from kg.launch.files.ros2.simulated import managers
 from kg.launch.files.ros2.substitute import described, holds, perform
 from kg.launch.wiring.similar_names import alike, alike_when_short
 from kg.lazily import lazily
@@ -385,6 +386,8 @@ def evaluate(
     owner = files.reader.workspace.owner(file)
     results = context.results
     nodes = without_others(results.nodes)
+    plugins = tuple(described(results, nodes))
+    nodes = (*nodes, *managers(context, nodes, plugins))
     return LaunchConfiguration(
         repository=file.repository,
         package=owner.name if owner else "",
@@ -397,5 +400,5 @@ def evaluate(
         includes=tuple(results.includes),
         problems=tuple(results.problems),
         files=tuple((one.repository, one.path) for one in results.files),
-        plugins=tuple(described(results, nodes)),
+        plugins=plugins,
     )

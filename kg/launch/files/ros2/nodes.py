@@ -95,7 +95,14 @@ _KINDS: Final = {
     "component": StartKind.COMPONENT,
 }
 _RUN: Final = ("ros2", "run")
-_TOOLS: Final = {("topic", "pub"), ("topic", "echo"), ("service", "call"), ("action", "send_goal")}
+_TOOLS: Final = {
+    ("topic", "pub"),
+    ("topic", "echo"),
+    ("service", "call"),
+    ("action", "send_goal"),
+    ("control", "load_controller"),
+    ("control", "load_start_controller"),
+}
 """Commands of `ros2` that are nodes."""
 
 
@@ -175,12 +182,14 @@ def _run_operands(words: Sequence[str]) -> tuple[str | None, str | None, Sequenc
 def _load(context: Context, component: NodeAction, host: str | None) -> None:
     """Load a component, which inherits nothing of its container but the place."""
     with context.at(component.location):
-        held = True if component.condition is None else holds(context, component.condition)
-        if held is False:
-            return
         conditions = context.conditions
-        if held is None and component.condition is not None:
-            context.conditions = (*conditions, component.condition.words)
+        for condition in filter(None, (component.choice, component.condition)):
+            held = holds(context, condition)
+            if held is False:
+                context.conditions = conditions
+                return
+            if held is None:
+                context.conditions += (condition.words,)
         name, namespace = _optional(context, component.name) or None, _optional(context, component.namespace)
         _record(context, component, StartKind.COMPONENT, name, namespace, CommandLine(), host=host)
         context.conditions = conditions

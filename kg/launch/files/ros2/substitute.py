@@ -11,6 +11,8 @@ import shlex
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
+import yaml
+
 from kg.extract.python.evaluation import Dialect, ExpressionError, UnsupportedError, evaluate_text, failure
 from kg.facts import LaunchParameter, LaunchPlugin, LaunchProblemKind, StartedNode
 from kg.holes import ANONYMOUS
@@ -21,6 +23,7 @@ from kg.launch.files.ros2.parameters import Entry, Rewriting, read_parameters
 from kg.launch.files.ros2.values import truth
 from kg.launch.files.xacro.plugins import Descriptions, named_description, started
 from kg.names import normalise
+from kg.yamltext import compose_yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -341,6 +344,19 @@ def _parameter(context: Context, name: Text) -> str:
     return context.unresolved(f"the parameter `{wanted}` is not among those set for all nodes", wanted)
 
 
+def _has_section(context: Context, path: Text, node: Text) -> str:
+    """Return whether a parameter file has a section for a node at its top (`nav2_common.launch.HasNodeParams`)."""
+    file, name = read(context, perform(context, path)), perform(context, node)
+    if file is None or HOLE in name:
+        return HOLE
+    try:
+        document = compose_yaml(file[1].decode("utf-8", "replace"))
+    except (yaml.YAMLError, ValueError, RecursionError):
+        return HOLE
+    keys = document.value if isinstance(document, yaml.MappingNode) else []
+    return str(any(key.value == name for key, _ in keys))
+
+
 def _dirname(context: Context) -> str:
     return context.files.folder(context.file)
 
@@ -373,6 +389,7 @@ _KINDS: Final[Mapping[str, tuple[Callable[..., str], int, int]]] = {
     "not-equals": (_differs, 2, 2),
     "if": (_if, 2, 3),
     "param": (_parameter, 1, 1),
+    "has-node-params": (_has_section, 2, 2),
     "replaced-file": (replaced_file, 2, _MANY),
 }
 """Substitutions by name, with the least and the most operands that they take."""

@@ -45,7 +45,20 @@ from kg.launch.files.ros2.python.values import (
     terms_of_way,
 )
 from kg.symbolic.operators import NULL, plain
-from kg.symbolic.values import Closure, Either, Mapping, Number, Sequence, Text, Truth, TypeValue, Unknown, Value, rows
+from kg.symbolic.values import (
+    Closure,
+    Either,
+    Mapping,
+    Number,
+    Sequence,
+    Text,
+    Truth,
+    TypeValue,
+    Unknown,
+    Value,
+    paths,
+    rows,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -147,17 +160,14 @@ _NAMING: Final = ("package", "executable", "plugin", "name", "namespace", "node_
 _MAX_OPTIONS: Final = 16
 
 
-def _rows(entity: Instance) -> list[tuple[Condition | None, Instance]]:
-    """Return a node for each option of its type and name, with the condition of the option."""
+def _rows(entity: Instance) -> list[tuple[tuple[str, ...], Instance]]:
+    """Return a node for each option of its type and name, with the terms of the option."""
     names = [name for name in _NAMING if isinstance(entity.fields.get(name), Either)]
     if not names:
-        return [(None, entity)]
+        return [((), entity)]
     options = rows(tuple(entity.fields[name] for name in names), _MAX_OPTIONS)
     return [
-        (
-            condition_of(terms_of_way(way)),
-            replace(entity, fields={**entity.fields, **dict(zip(names, row, strict=True))}),
-        )
+        (terms_of_way(way), replace(entity, fields={**entity.fields, **dict(zip(names, row, strict=True))}))
         for row, way in options
     ]
 
@@ -169,8 +179,10 @@ def _optional(value: Value | None) -> LaunchText | None:
 def _node(kind: str) -> Callable[[Reading, Instance], list[Action]]:
     def read(reading: Reading, entity: Instance) -> list[Action]:
         actions: list[Action] = []
-        for condition, one in _rows(entity):
-            actions += reading.under(condition, [_started(reading, one, kind)])
+        for terms, one in _rows(entity):
+            more = reading.added(terms)
+            if more is not None:
+                actions += reading.under(condition_of(more), [_started(reading, one, kind)])
         return actions
 
     return read
@@ -257,19 +269,25 @@ def _remaps(reading: Reading, entity: Instance) -> tuple[tuple[LaunchText, Launc
 
 
 def _components(reading: Reading, entity: Instance) -> list[NodeAction]:
-    """Return the components of a list, whatever conditions it has; unknown parts are reported."""
+    """Return the components of a list, each with the terms that it is in the list under; unknown parts are reported."""
     value = entity.value("composable_node_descriptions")
-    return _listed(reading, entity, value, None) if value is not None else []
+    return _listed(reading, entity, value, ()) if value is not None else []
 
 
-def _listed(reading: Reading, entity: Instance, value: Value, condition: Condition | None) -> list[NodeAction]:
+def _listed(reading: Reading, entity: Instance, value: Value, terms: tuple[str, ...]) -> list[NodeAction]:
     if isinstance(value, Either):
-        return [one for each, item in options(value) for one in _listed(reading, entity, item, each or condition)]
+        choices = ((reading.added(terms_of_way(way), terms), item) for item, way in paths(value))
+        listed = (_listed(reading, entity, item, terms + more) for more, item in choices if more is not None)
+        return [one for components in listed for one in components]
     if isinstance(value, Sequence):
-        return [one for item in value.items for one in _listed(reading, entity, item, condition)]
+        return [one for item in value.items for one in _listed(reading, entity, item, terms)]
     if isinstance(value, Instance) and value.name in ("ComposableNode", "ComposableLifecycleNode"):
-        components = ((each or condition, _started(reading, one, "component")) for each, one in _rows(value))
-        return [replace(one, condition=one.condition or each) for each, one in components]
+        components = ((reading.added(more, terms), one) for more, one in _rows(value))
+        return [
+            replace(_started(reading, one, "component"), choice=condition_of(terms + more))
+            for more, one in components
+            if more is not None
+        ]
     if value != NULL:
         reading.note(LaunchProblemKind.UNKNOWN_PART, f"a component is not known: {reason_of(value)}", entity.location)
     return []

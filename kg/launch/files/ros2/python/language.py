@@ -63,7 +63,7 @@ _OUTSIDE: Final = frozenset(
         "ament_index_python", "os", "sys", "pathlib", "typing", "yaml", "json", "xacro", "nav2_common", "rclpy",
         "lifecycle_msgs", "moveit_configs_utils", "math", "subprocess", "tempfile", "copy", "re", "dataclasses",
         "enum", "unittest", "pytest", "__future__", "collections", "functools", "itertools", "random", "shutil",
-        "time", "logging",
+        "time", "logging", "ast", "glob",
     }
 )  # fmt: skip
 """First names of modules that are never looked for in the build: the tables know them, or nobody does."""
@@ -92,6 +92,9 @@ class LaunchModules:
         sibling = FilePath(unit.key.repository, path)
         if file is None and self.files.exists(sibling):
             file = sibling  # launch files often extend the search path by their own folder
+        if file is None and b"sys.path" in unit.source:
+            owner = self.files.reader.workspace.owner(unit.key)
+            file = self.files.likely(owner, f"{dotted.lstrip('.').replace('.', '/')}.py") if owner else None
         return self.unit(file) if file is not None and file != unit.key else None
 
     def starred(self, name: str, modules: Iterable[str]) -> tuple[str, ...] | None:
@@ -109,6 +112,8 @@ class LaunchCalls(Calls):
         """Call a method of a value."""
         if isinstance(of, Text) and name in library.PATH_METHODS:
             return library.PATH_METHODS[name](self._language, of)
+        if isinstance(of, Text) and name in ("glob", "iterdir"):
+            return library.found_below(self._language, of, given)
         if isinstance(of, Text) and name not in ("join", "format"):
             of = self._language.resolved(of)
             if isinstance(of, Text) and of.exact is None and name not in METHODS:

@@ -5,12 +5,15 @@ A call of a class of launch becomes an object, whose meaning is read when the la
 
 from __future__ import annotations
 
+import posixpath
 from dataclasses import replace
+from fnmatch import fnmatch
 from typing import TYPE_CHECKING, Final
 
 import yaml
 
 from kg.extract.python import library as python
+from kg.extract.python.evaluation import Dialect, ExpressionError, UnknownValueError, UnsupportedError, evaluate_text
 from kg.extract.python.paths import joined
 from kg.launch.files.ros2.context import HOLE
 from kg.launch.files.ros2.python.entities import ENTITIES
@@ -28,7 +31,7 @@ from kg.launch.files.ros2.python.values import (
     reason_of,
     text_of,
 )
-from kg.symbolic.operators import NULL
+from kg.symbolic.operators import NULL, plain
 from kg.symbolic.state import Arguments
 from kg.symbolic.values import Kind, Mapping, Number, Sequence, Text, Truth, Unknown, Value, as_text
 from kg.yamltext import compose_yaml
@@ -85,7 +88,6 @@ _CLASSES: Final[Names[str, tuple[str, ...]]] = {
     "LaunchContext": (),
     "LaunchLogDir": (),
     "LaunchConfigurationContext": (),
-    "HasNodeParams": (),
     "ParameterValue": ("value",),
     "Parameter": ("name", "value"),
 }
@@ -211,6 +213,67 @@ def opened(language: LaunchPython, path: Value) -> Value:
     return create(language, _FILE, {"text": content})
 
 
+def _listed(language: LaunchPython, folder: Value, pattern: str = "*") -> Value:
+    """Return the paths below a folder that fit a pattern, sorted: what `glob` finds."""
+    text = language.resolved(folder)
+    exact = text.exact if isinstance(text, Text) else None
+    paths = language.reading.files.names(exact) if exact is not None else None
+    if exact is None or paths is None:
+        return Unknown(reason_of(text) if exact is None else f"the files in {exact}")
+    depth = pattern.count("/")
+    names = dict.fromkeys("/".join(path.split("/")[: depth + 1]) for path in paths if path.count("/") >= depth)
+    language.machine.step(len(paths) // 20)
+    return Sequence(tuple(Text.of(f"{exact}/{name}") for name in names if fnmatch(name, pattern)))
+
+
+def _glob(language: LaunchPython, path: Value) -> Value:
+    """`glob.glob(path)`; `*` in the names of folders is not read."""
+    text = language.resolved(path)
+    if not isinstance(text, Text) or text.exact is None:
+        return Unknown(reason_of(text))
+    folder, _, pattern = text.exact.rpartition("/")
+    return _listed(language, Text.of(folder), pattern)
+
+
+def found_below(language: LaunchPython, folder: Text, given: Arguments) -> Value:
+    """Return what `glob` and `iterdir` of a path give; without a pattern that is known, all that is in the folder."""
+    pattern = given.values[0] if given.values else None
+    exact = pattern.exact if isinstance(pattern, Text) else None
+    return _listed(language, folder, exact or "*")
+
+
+def _names(language: LaunchPython, folder: Value) -> Value:
+    """`os.listdir(folder)`."""
+    paths = _listed(language, folder)
+    if not isinstance(paths, Sequence):
+        return paths
+    return Sequence(tuple(Text.of(posixpath.basename(str(plain(path)))) for path in paths.items))
+
+
+def _expression(language: LaunchPython, source: Value) -> Value:
+    """Return the value of a text with an expression: `eval` and `ast.literal_eval`."""
+    text = language.resolved(source)
+    if not isinstance(text, Text) or text.exact is None:
+        return Unknown(reason_of(text))
+    try:
+        return _of_python(language, evaluate_text(text.exact, Dialect()))
+    except (ExpressionError, UnknownValueError, UnsupportedError) as error:
+        return Unknown(f"`{text.exact[:40]}` cannot be evaluated: {error}")
+
+
+def _of_python(language: LaunchPython, value: object) -> Value:
+    language.machine.step()
+    if isinstance(value, bool):
+        return Truth(value)
+    if isinstance(value, int | float):
+        return Number(value, repr(value))
+    if isinstance(value, list | tuple):
+        return Sequence(tuple(_of_python(language, item) for item in value))
+    if isinstance(value, dict):
+        return Mapping(tuple((_of_python(language, key), _of_python(language, one)) for key, one in value.items()))
+    return NULL if value is None else Text.of(value) if isinstance(value, str) else Unknown("what `eval` returns")
+
+
 def _document(language: LaunchPython, of: Value) -> Value:
     text = of.fields["text"] if isinstance(of, Instance) and of.name == _FILE else language.resolved(of)
     exact = text.exact if isinstance(text, Text) else None
@@ -260,14 +323,28 @@ def _exit(language: LaunchPython, fields: Fields, given: Arguments) -> Value:
     return EXIT
 
 
+def _prefix(language: LaunchPython, name: Value) -> Value:
+    del language
+    return later("find-pkg-prefix", launch_text(name))
+
+
+_FOUND: Final[dict[str, Callable[[LaunchPython, Value], Value]]] = {
+    "FindPackage": _prefix,
+    "FindPackagePrefix": _prefix,
+    "FindPackageShare": _share,
+}
+"""The folder that `find` of a substitution returns, by its class."""
 _OF_ONE: Final[dict[str, Callable[[LaunchPython, Value], Value]]] = {
     **dict.fromkeys(("get_package_share_directory", "get_package_share_path"), _share),
-    "get_package_prefix": lambda _, name: later("find-pkg-prefix", launch_text(name)),
+    "get_package_prefix": _prefix,
     **dict.fromkeys(("os.path.exists", "os.path.isfile"), exists),
     "builtins.open": opened,
     **dict.fromkeys(("yaml.safe_load", "yaml.load", "yaml.full_load", "json.load", "json.loads"), _document),
     "evaluate_condition_expression": _holds,
     **dict.fromkeys(("perform_substitutions", "perform_typed_substitution"), _performed),
+    **dict.fromkeys(("glob.glob", "glob.iglob"), _glob),
+    "os.listdir": _names,
+    **dict.fromkeys(("builtins.eval", "ast.literal_eval"), _expression),
 }
 """Functions that are evaluated at once, of their first argument but the context."""
 _WITH_CONTEXT: Final = frozenset(
@@ -296,6 +373,8 @@ def method(language: LaunchPython, of: Instance, name: str, given: Arguments) ->
     reading, machine = language.reading, language.machine
     if is_substitution(of) and name in ("perform", "evaluate"):
         return reading.perform(of)
+    if of.name in _FOUND and name == "find":
+        return _FOUND[of.name](language, _first(_bound(("package_name",), given)))
     if of.name == "process_file" and name in ("toxml", "toprettyxml"):
         return of
     if of.name in CONDITIONS and name == "evaluate":

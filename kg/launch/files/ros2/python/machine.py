@@ -206,16 +206,21 @@ class LaunchMachine(Machine):
 
     def leave(self, value: Value, frame: Frame) -> None:
         """Add a value that a function returns, under the conditions that it came to since it was called."""
-        terms = tuple(self.guards[self._heights[-1] :])
-        way: Way = frozenset({(self.fork([terms]), 0)}) if terms else frozenset()
-        pairs = list(paths(value))
-        frame.returned.append(Either(tuple(item for item, _ in pairs), tuple(own | way for _, own in pairs)))
+        way: Way = frozenset({(self.fork([tuple(self.guards[self._heights[-1] :])]), 0)})
+        frame.returned.append(Either((value,), (way,)))
 
     def result(self, frame: Frame, ended: str | None) -> Value:
         """Return the value of a call; None if it ends without one."""
         if ended is None or not frame.returned:
             self.leave(NULL, frame)
-        return _either([pair for one in frame.returned for pair in paths(one)])
+        returned = [pair for one in frame.returned for pair in paths(one)]
+        terms = [terms_of_way(way) for _, way in returned]
+        if not any(terms):
+            return _either([pair for value, _ in returned for pair in paths(value)])
+        fork = self.fork(terms)  # one for all, so that what two `return`s give is never combined
+        return _either(
+            [(item, own | {(fork, side)}) for side, (value, _) in enumerate(returned) for item, own in paths(value)]
+        )
 
     # Statements
 
@@ -387,6 +392,9 @@ class LaunchMachine(Machine):
         unsure: Value | None = None
         for operand in expression.operands:
             value = self.value(operand, frame)
+            last = expression.sign == "and" or operand is expression.operands[-1]
+            if not last and _is_unset(self.language.resolved(value)):
+                continue
             truth = self.truth(value)
             if not isinstance(truth, Truth):
                 unsure = Unknown(f"it depends on `{words(operand, frame.unit)}`")
@@ -452,6 +460,12 @@ class LaunchMachine(Machine):
             self.assign(target.of, changed, frame)
             return
         super().assign(target, value, frame)
+
+
+def _is_unset(value: Value) -> bool:
+    """Return whether a value is a variable of the environment that has no default, and that nobody gives a value."""
+    variable = value.parts[0] if isinstance(value, Text) and len(value.parts) == 1 else None
+    return isinstance(variable, Later) and variable.part.kind == "env" and len(variable.part.arguments) == 1
 
 
 def resolve_text(value: Value, perform: Callable[[Substitution], str | None]) -> Value:

@@ -152,14 +152,20 @@ class Reading:
 
     def _conditional(self, item: Value, way: Way, location: Location, depth: int) -> list[Action]:
         """Return the actions of an alternative; none if its conditions exclude it."""
-        terms = terms_of_way(way)
-        if any(negated_term(term) in self._terms for term in terms):
+        more = self.added(terms_of_way(way))
+        if more is None:
             return []
-        more = tuple(term for term in terms if term not in self._terms)
         self._terms += more
         actions = self.actions(item, location, depth)
         del self._terms[len(self._terms) - len(more) :]
         return self.under(condition_of(more), actions)
+
+    def added(self, terms: tuple[str, ...], given: tuple[str, ...] = ()) -> tuple[str, ...] | None:
+        """Return the terms that those of the moment and `given` do not have; None if they exclude one."""
+        before = {*self._terms, *given}
+        if any(negated_term(term) in before for term in terms):
+            return None
+        return tuple(term for term in terms if term not in before)
 
     def under(self, condition: Condition | None, actions: list[Action]) -> list[Action]:
         """Return actions as a group under a condition."""

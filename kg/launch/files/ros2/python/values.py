@@ -293,6 +293,7 @@ PLAIN: Final[dict[str, tuple[str, ...]]] = {
     "LaunchConfiguration": ("var", "variable_name", "default"),
     "LaunchConfigAsBool": ("var", "variable_name", "default"),
     "EnvironmentVariable": ("env", "name", "default_value"),
+    "HasNodeParams": ("has-node-params", "source_file", "node_name"),
 }
 """Substitutions whose operands are their arguments, by class: the kind, and the arguments in order."""
 _OWN: Final = frozenset({"Substitution"})
@@ -300,7 +301,6 @@ _OWN: Final = frozenset({"Substitution"})
 _UNKNOWN: Final[dict[str, str]] = {
     "LaunchLogDir": "the folder of the log files",
     "LaunchConfigurationContext": "a configuration of another file",
-    "HasNodeParams": "whether a parameter file has a section for a node",
 }
 
 
