@@ -98,8 +98,6 @@ async def parse_request(request: Request) -> QueryRequest | None:
     """
     scope = request.scope
     body = b"" if scope["method"] in {"GET", "HEAD"} else await body_of(request.receive)
-    if len(body) > _REMEMBERED_BYTES:
-        return _parse_request(request, body)
     if len(body) > _REMEMBERED_BYTES or (head := head_of(scope)) is None:
         return _parse_request(request, body)
     parsed = state(request).parsed
