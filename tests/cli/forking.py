@@ -16,11 +16,12 @@ import json
 import os
 import pkgutil
 import runpy
-import signal
+import select
 import socket
 import struct
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final, NoReturn, TextIO
 
@@ -69,37 +70,42 @@ def _serve(orders: socket.socket) -> None:
     for name in _LATER:
         importlib.import_module(name)
     gc.freeze()
-    running: dict[int, int] = {}
-    signal.signal(signal.SIGCHLD, lambda *_: _reap(running))
+    running: dict[int, tuple[int, int]] = {}  # by the descriptor of each process: its number, and the pipe for answers
     while True:
+        # A handler of SIGCHLD could come just before a read that blocks, and would wait until the read ends.
+        ready, _, _ = select.select([orders.fileno(), *running], [], [])
+        for process in running.keys() & set(ready):
+            _report(*running.pop(process))
+            os.close(process)
+        if orders.fileno() not in ready:
+            continue
         content, files, _, _ = socket.recv_fds(orders, _MOST, 3)
         if not content:
             return
         order = json.loads(content)
         if _BUILDING & set(order["arguments"]):
             _prepare_builds()
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGCHLD})
         child = os.fork()
         if not child:
             orders.close()
-            for answers in (*running.values(), files[2]):
+            for process, (_, answers) in running.items():
+                os.close(process)
                 os.close(answers)
+            os.close(files[2])
             _attend(order, *files[:2])
-        *streams, running[child] = files
+        *streams, answers = files
         for stream in streams:
             os.close(stream)
-        os.write(running[child], ANSWER.pack(child))
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
+        os.write(answers, ANSWER.pack(child))
+        running[os.pidfd_open(child)] = child, answers
 
 
-def _reap(running: dict[int, int]) -> None:
-    """Report the exit code of each finished run to the pipe of its order."""
-    for child, answers in list(running.items()):
-        ended, status = os.waitpid(child, os.WNOHANG)
-        if ended:
-            os.write(answers, ANSWER.pack(os.waitstatus_to_exitcode(status)))
-            os.close(answers)
-            del running[child]
+def _report(child: int, answers: int) -> None:
+    """Write the exit code of a run that has ended to the pipe of its order; a test that gave up has closed it."""
+    _, status = os.waitpid(child, 0)
+    with suppress(BrokenPipeError):
+        os.write(answers, ANSWER.pack(os.waitstatus_to_exitcode(status)))
+    os.close(answers)
 
 
 def _prepare_builds() -> None:
@@ -119,8 +125,6 @@ def _prepare_builds() -> None:
 
 def _attend(order: dict[str, Any], out: int, err: int) -> None:
     """Execute a run in this process, with its streams and exit code."""
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGCHLD})
     sys.stdout, sys.stderr = _stream(out, sys.stdout), _stream(err, sys.stderr)
     _end(_run(order))
 
