@@ -199,11 +199,12 @@ class Files:
         """Return the program that a launch file gives its own path, if the name of an absent one only adds to it."""
         folder, name = posixpath.split(file.path)
         stem, ending = posixpath.splitext(name)
-        shorter = (f"{stem[:length]}{ending}" for length in range(len(stem) - 1, 0, -1))
-        for sibling in shorter if ending in _LAUNCHES else ():
-            text = self.read(FilePath(file.repository, posixpath.join(folder, sibling)))
+        for length in range(len(stem) - 1, 0, -1) if ending in _LAUNCHES else ():
+            sibling = FilePath(file.repository, posixpath.join(folder, f"{stem[:length]}{ending}"))
+            # A look at the file system for each would take longer than all else.
+            text = self.read(sibling) if self.reader.workspace.entry(sibling) is not None else None
             for node in _GIVEN.finditer(text or b""):
-                if node["args"].endswith(f"/{sibling}".encode()):
+                if node["args"].endswith(f"/{stem[:length]}{ending}".encode()):
                     return (_TYPE.search(node[0]) or node)[0].decode()
         return None
 
