@@ -88,7 +88,8 @@ def resolve(base: str, reference: str) -> str:
     if is_absolute(reference):
         return reference
     try:
-        (quad,) = parse(f"<{reference}> <x:> <x:> .", RdfFormat.TURTLE, base_iri=base)
+        # As bytes, since a surrogate that stands alone is a ValueError then.
+        (quad,) = parse(f"<{reference}> <x:> <x:> .".encode(), RdfFormat.TURTLE, base_iri=base)
     except SyntaxError as error:
         raise ValueError(error.msg) from error
     return str(quad.subject)[1:-1]
