@@ -10,6 +10,8 @@ The shapes graphs avoid features in which pySHACL differs from the standard, or 
 * Rules of one shape are repeated together: one of a lower order sees derivations of a higher order, and a condition
   with negation is tested before its input is complete; rules of different shapes are not repeated together. Here each
   shape therefore has an order of its own, and conditions read derivations of earlier shapes.
+* Any type may bring a node into a class that an earlier shape targets. With a condition that negates what that shape
+  derives, there is no order of rules, so they are refused (KG202); such graphs are left out.
 """
 
 from __future__ import annotations
@@ -17,10 +19,12 @@ from __future__ import annotations
 import logging
 
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, assume, given, settings
 from rdflib import Graph
 from rules.notations.shacl.running import canonical, evaluated, triples
 from rules.notations.shacl.shapes import data, shapes_graphs
+
+from kg.errors import RuleError
 
 pyshacl = pytest.importorskip("pyshacl", reason="pySHACL is a dependency of tests only")
 
@@ -44,4 +48,9 @@ def test_rules_infer_what_pyshacl_infers(shapes: str, given_data: str) -> None:
     """The data with the inferences is the same graph."""
     logging.getLogger("pyshacl").setLevel(logging.CRITICAL)
     asserted = triples(given_data)
-    assert canonical([*asserted, *evaluated(shapes, asserted)]) == expanded(shapes, given_data)
+    try:
+        inferred = evaluated(shapes, asserted)
+    except RuleError as error:
+        assume(error.code != "KG202")
+        raise
+    assert canonical([*asserted, *inferred]) == expanded(shapes, given_data)
