@@ -114,7 +114,7 @@ class Reader:
         """Return the text of a file as UTF-8, without a byte order mark; a string is a path of this source.
 
         None, and a problem, for a file that is unreadable, above the limit or binary; invalid UTF-8 is read as Latin-1,
-        with a problem. Those of files of other sources are told where their packages are read.
+        with a problem. Problems of files of other sources are reported with the packages that own them.
         """
         key = self.file(file) if isinstance(file, str) else file
         if key not in self._texts:

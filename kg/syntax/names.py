@@ -88,7 +88,7 @@ def resolve(base: str, reference: str) -> str:
     if is_absolute(reference):
         return reference
     try:
-        # As bytes, since a surrogate that stands alone is a ValueError then.
+        # An unpaired surrogate is a ValueError when it is encoded; the parser would take the text for a file.
         (quad,) = parse(f"<{reference}> <x:> <x:> .".encode(), RdfFormat.TURTLE, base_iri=base)
     except SyntaxError as error:
         raise ValueError(error.msg) from error

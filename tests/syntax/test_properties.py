@@ -73,7 +73,7 @@ def test_a_damaged_rule_set_gives_a_tree_or_an_error(text: str, at: int, gone: i
 
 
 @pytest.mark.parametrize("iri", ["\ud800http://example.org/", "http://example.org/\ud800"])
-def test_half_a_surrogate_in_an_iri_is_refused(iri: str) -> None:
+def test_an_unpaired_surrogate_in_an_iri_is_refused(iri: str) -> None:
     """An IRI that cannot be encoded is an error, relative or not."""
     error = refusal(parse_srl, f"PREFIX : <{iri}>\nRULE {{ ?s :half ?h }} WHERE {{ ?s :p ?o }}\n")
     assert error is not None

@@ -160,20 +160,20 @@ def _is_of(row: Simulator | Spawner, package: str | None, executable: str | None
 
 
 @cache
-def load() -> tuple[tuple[Device, ...], tuple[Simulator, ...], tuple[Spawner, ...]]:
+def load() -> tuple[tuple[Device, ...], tuple[Simulator, ...], tuple[Spawner, ...], tuple[Manager, ...]]:
     """Return the rows of the table of the installation; a `UsageError` KG002 names the problems of it."""
     path = folder("ontology") / _FILE
     return (
         load_rows(path, "device", Device),
         load_rows(path, "simulator", Simulator),
         load_rows(path, "spawner", Spawner),
+        load_rows(path, "manager", Manager),
     )
 
 
 @cache
 def _managers() -> dict[tuple[str, int], Manager]:
-    rows = load_rows(folder("ontology") / _FILE, "manager", Manager)
-    return {(name, row.ros): row for row in rows for name in row.library}
+    return {(name, row.ros): row for row in load()[3] for name in row.library}
 
 
 @cache

@@ -178,8 +178,10 @@ class View:
             return f'"{term.value}"' if term.datatype.value == _STRING else term.value
         if (label := self._value(term, _LABEL)) is not None or not isinstance(term, NamedNode):
             return label
+        if prefixed(term.value, self.prefixes) is not None:
+            return None
         whole = term.value
-        while "#" in whole and prefixed(term.value, self.prefixes) is None:
+        while "#" in whole:
             whole = whole[: max(whole.rfind("/", whole.index("#")), whole.index("#"))]
             if (label := self._value(NamedNode(whole), _LABEL)) is not None:
                 return f"{label}#{term.value[len(whole) + 1 :]}"

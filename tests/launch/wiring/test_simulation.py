@@ -158,10 +158,11 @@ def test_a_topic_of_a_description_elsewhere_is_the_only_one_there_is() -> None:
 
 def test_the_table_can_be_used_and_says_where_it_is_from() -> None:
     """Every row has a source and ends that can be parsed."""
-    devices, simulators, spawners = load()
+    devices, simulators, spawners, managers = load()
     assert all(row.source and row.ros in {1, 2} for row in devices)
     assert all(row.source and row.ros in {1, 2} for row in simulators)
     assert all(row.source and row.ros in {1, 2} for row in spawners)
+    assert all(row.source and row.ros in {1, 2} for row in managers)
     assert all(read_end(text) for row in devices for text in row.ends)
     assert all(read_end(text) for row in simulators for text in row.ends)
     assert isinstance(device_of("/opt/ros/lib/libgazebo_ros_imu.so", 1), Device)
