@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard
 
 from pyoxigraph import NamedNode
 
+from kg.syntax.names import RDF_TYPE
 from kg.syntax.terms import Pattern, Term, TripleTerm, Variable, has_blank, replaced, variables_of
 
 if TYPE_CHECKING:
@@ -268,3 +269,24 @@ def mentions(element: Element) -> frozenset[Variable]:
     if isinstance(element, Exists):
         return frozenset().union(*map(mentions, element.body))
     return binds(element)
+
+
+def names_in(elements: Iterable[Element]) -> Iterator[Variable]:
+    """Yield the variables in the place of predicates or classes, at any depth."""
+    for atom, _ in atoms_of(elements):
+        if isinstance(atom.predicate, Variable):
+            yield atom.predicate
+        elif atom.predicate == RDF_TYPE and isinstance(atom.object, Variable):
+            yield atom.object
+
+
+def filled(body: Iterable[Element], by: Mapping[Variable, Pattern]) -> tuple[Element, ...]:
+    """Return a body with terms in the place of variables in its triple patterns, at any depth."""
+    return tuple(
+        element.replaced(by)
+        if isinstance(element, Atom)
+        else replace(element, body=filled(element.body, by))
+        if isinstance(element, Exists)
+        else element
+        for element in body
+    )

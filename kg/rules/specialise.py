@@ -29,8 +29,10 @@ from kg.rules.form import (
     Values,
     Variable,
     bound_in,
+    filled,
     is_auxiliary,
     mentions,
+    names_in,
     variables_of,
 )
 from kg.rules.sparql import construct, select
@@ -183,7 +185,7 @@ def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[Nam
     axioms: tuple[Atom, ...] = tuple(element for element in rule.body if _is_axiom(element, hidden))
     bound = bound_in(axioms)
     asserted = {axiom.asserted for axiom in axioms}
-    if len(asserted) != 1 or not (bound & set(_open(rule))):
+    if len(asserted) != 1 or bound.isdisjoint(names_in((*rule.head, *rule.body))):
         yield rule
         return
     schema: tuple[Element, ...] = (
@@ -205,20 +207,11 @@ def _is_axiom(element: Element, hidden: AbstractSet[NamedNode]) -> TypeGuard[Ato
     return isinstance(element, Atom) and (element.predicate in hidden or is_schema(element.predicate, element.object))
 
 
-def _open(rule: Rule) -> Iterator[Variable]:
-    """Yield the variables in the place of predicates or classes."""
-    for atom in (*rule.head, *(element for element in rule.body if isinstance(element, Atom))):
-        if isinstance(atom.predicate, Variable):
-            yield atom.predicate
-        elif atom.predicate == RDF_TYPE and isinstance(atom.object, Variable):
-            yield atom.object
-
-
 def _instance(rule: Rule, rest: Sequence[Element], bindings: Mapping[Variable, Term]) -> Rule:
     """Return a rule with variables replaced by terms in its atoms, and bound by a row where terms are not allowed."""
     written = {variable: value for variable, value in bindings.items() if not isinstance(value, BlankNode)}
     head = tuple(atom.replaced(written) for atom in rule.head)
-    body = tuple(element.replaced(written) if isinstance(element, Atom) else element for element in rest)
+    body = filled(rest, written)
     left = {variable for atom in head for part in atom.positions for variable in variables_of(part)}
     needed = sorted(left.union(*map(mentions, body)) & bindings.keys(), key=str)
     row = (Values(tuple(needed), (tuple(bindings[variable] for variable in needed),)),) if needed else ()

@@ -311,7 +311,7 @@ def test_a_long_rule_has_pages(connected: Connected) -> None:
 
     async def run() -> list[str]:
         async with connected() as client:
-            pages = [(await client.read_resource("kg://rule/architecture/unknown-end")).contents[0].text]
+            pages = [(await client.read_resource("kg://rule/architecture/undeclared-argument")).contents[0].text]
             while found := re.search(r"continue with (kg://\S+)", pages[-1]):
                 pages.append((await client.read_resource(found[1])).contents[0].text)
             return pages
@@ -320,7 +320,7 @@ def test_a_long_rule_has_pages(connected: Connected) -> None:
     assert len(pages) > 1
     assert max(len(page.encode()) for page in pages) <= 3000
     text = "\n".join(page.rpartition("\npage ")[0] for page in pages)
-    assert text.splitlines() == (folder("rules") / "architecture" / "unknown-end.srl").read_text("utf-8").splitlines()
+    assert text.splitlines() == (folder("rules") / "architecture" / "undeclared-argument.srl").read_text("utf-8").splitlines()
 
 
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from pyoxigraph import NamedNode
 
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 Statement = tuple[tuple[form.Atom, ...], tuple["form.Element", ...]]
 """A head and a body."""
+
+MOST_ROWS: Final = 16
+"""How many rows of VALUES become rules of their own."""
 
 
 def finished(head: tuple[form.Atom, ...], body: tuple[form.Element, ...], names: Names) -> Statement | None:
@@ -108,9 +111,33 @@ def decompose(rule: RuleText, name: str, path: str, text: str) -> tuple[form.Rul
     except IndivisibleError:
         work = Work(rule, text, path)
         statements = [_whole(work)]
+    statements = [unfolded for statement in statements for unfolded in _unfolded(*statement)]
     place = work.place(rule.span)
     every = dict.fromkeys([*statements, *_auxiliary(work, statements)])
     return tuple(form.Rule(name, head, body, place, part) for part, (head, body) in enumerate(every, 1))
+
+
+def _unfolded(head: tuple[form.Atom, ...], body: tuple[form.Element, ...]) -> Iterator[Statement]:
+    """Yield one rule for each row of a VALUES that lists predicates or classes.
+
+    Each then names what it reads and writes. With a variable there, a rule depends on all that derive any predicate or
+    any class, and most negations become cycles.
+    """
+    names = {*form.names_in(head), *form.names_in(body)}
+    for element in body:
+        if (
+            isinstance(element, form.Values)
+            and names.intersection(element.variables)
+            and 1 < len(element.rows) <= MOST_ROWS
+        ):
+            for row in element.rows:
+                cells = zip(element.variables, row, strict=True)
+                terms = {variable: term for variable, term in cells if isinstance(term, NamedNode)}
+                one = form.Values(element.variables, (row,))
+                rest = form.filled((one if each is element else each for each in body), terms)
+                yield from _unfolded(tuple(atom.replaced(terms) for atom in head), rest)
+            return
+    yield head, body
 
 
 def _auxiliary(work: Work, statements: list[Statement]) -> Iterator[Statement]:
