@@ -23,6 +23,8 @@ Level: TypeAlias = Literal["info", "warning", "error"]
 """The severity of a line of the log."""
 Value: TypeAlias = dict[str, Any]
 """A message as plain values."""
+Cancel: TypeAlias = "Callable[[str], Awaitable[None]]"
+"""Requests the cancellation of a goal by its identity; RobotError KG803 if the server does not answer."""
 FAILURES: Final = (KgError, ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
 """Exceptions of service and action callbacks that are reported to the client as failures."""
 
@@ -138,13 +140,6 @@ class Goal(Protocol):
         """Request cancellation of the goal; `result` returns when it has ended."""
 
 
-class Canceller(Protocol):
-    """Cancels goals of one action, whoever sent them."""
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal; RobotError KG803 if the server does not answer."""
-
-
 class Serving(Protocol):
     """A service or action that this node serves."""
 
@@ -207,8 +202,8 @@ class Connection(Protocol):
         random one.
         """
 
-    async def canceller(self, action: str) -> Canceller:
-        """Return an object that cancels goals of an action by identity."""
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action, whoever sent them."""
 
     async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
         """Serve a service; an exception of `answer` is reported to the client as a failure."""

@@ -23,6 +23,7 @@ from kg.robot.clock import Clock, WallClock, within
 from kg.robot.connection import (
     FAILURES,
     Accepted,
+    Cancel,
     ComputationGraph,
     GraphProblem,
     Level,
@@ -165,20 +166,6 @@ class MemoryGoal(GoalProgress):
         """Request cancellation of the goal."""
         self._client.present()
         self._work.cancelled = True
-        await asyncio.sleep(0)
-
-
-class MemoryCanceller:
-    """Cancels goals of an action by their identities, whoever sent them."""
-
-    def __init__(self, bus: Bus, action: str) -> None:
-        self._bus = bus
-        self._action = action
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal."""
-        if server := self._bus.actions.get(self._action):
-            server.cancel(identity)
         await asyncio.sleep(0)
 
 
@@ -374,10 +361,16 @@ class MemoryConnection:
             raise RobotError("KG806", f"`{action}` is of the type {server.kind}, not {kind}")
         return server.accept(self, value, identity)
 
-    async def canceller(self, action: str) -> MemoryCanceller:
-        """Return an object that cancels goals of an action."""
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action."""
         self.present()
-        return MemoryCanceller(self.bus, action)
+
+        async def cancel(identity: str) -> None:
+            if server := self.bus.actions.get(action):
+                server.cancel(identity)
+            await asyncio.sleep(0)
+
+        return cancel
 
     async def _server(self, action: str) -> ActionServer:
         with self.bus.changes.news() as news:

@@ -365,10 +365,10 @@ class Behaviour:
                 goal = await two.send_goal(
                     "/count", "kg_test/Count", {"until": 10**6}, seconds=patient(system.seconds), identity=identity
                 )
-                canceller = await other.canceller("/count")
-                await system.soon(canceller.cancel(uuid4().hex))
+                cancel = await other.canceller("/count")
+                await system.soon(cancel(uuid4().hex))
                 await system.soon(anext(aiter(goal.feedback())))
-                await system.soon(canceller.cancel(identity))
+                await system.soon(cancel(identity))
                 with pytest.raises(RobotError) as ended:
                     await system.soon(goal.result())
                 assert ended.value.code == "KG809"

@@ -31,7 +31,7 @@ from kg.robot.tasks import Tasks, ended, spawn
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.robot.connection import Canceller, Connection, Publication, Value
+    from kg.robot.connection import Cancel, Connection, Publication, Value
 
 NODES: Final = "/kg_watchdog_"
 """Prefix of the names of watchdogs."""
@@ -243,7 +243,7 @@ class _Watching:
         self._publications: dict[str, asyncio.Task[Publication]] = {}
         self._stopping: set[str] = set()
         self._tasks = Tasks()
-        self._cancellers: dict[str, asyncio.Task[Canceller]] = {}
+        self._cancellers: dict[str, asyncio.Task[Cancel]] = {}
 
     async def run(self) -> None:
         """Watch until the controller releases this process, or closes its end of the pipe by dying."""
@@ -332,7 +332,7 @@ class _Watching:
 
     async def _cancelled(self, identity: str, action: str) -> None:
         async with asyncio.timeout(_PEERS):
-            await (await self._cancellers[action]).cancel(identity)
+            await (await self._cancellers[action])(identity)
             await asyncio.sleep(_PAUSE)  # messages leave before the node does
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.robot.clock import stamp
-from kg.robot.connection import FAILURES, Accepted, Publication, Value, goal_lost, reason
+from kg.robot.connection import FAILURES, Accepted, Cancel, Publication, Value, goal_lost, reason
 from kg.robot.inbox import GoalProgress
 
 if TYPE_CHECKING:
@@ -97,17 +97,16 @@ class Ros1Goal(GoalProgress):
         self.accepted.set()
 
 
-class Ros1Canceller:
-    """Cancels goals of an action by their identities, whoever sent them."""
+async def canceller(connection: Ros1Connection, action: str) -> Cancel:
+    """Return the function that cancels goals of an action, once the server is connected."""
+    publication = await connection.advertise(f"{action}/cancel", "actionlib_msgs/GoalID")
 
-    def __init__(self, publication: Publication) -> None:
-        self._publication = publication
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal, sent once the server is connected."""
-        while self._publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
+    async def cancel(identity: str) -> None:
+        while publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
             await asyncio.sleep(_POLL)
-        await self._publication.publish({"id": identity})
+        await publication.publish({"id": identity})
+
+    return cancel
 
 
 class ActionClient:

@@ -12,7 +12,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import Clock, SimulatedClock, WallClock, stamp, within
 from kg.robot.messages import Types
-from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
+from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Goal, canceller
 from kg.robot.ros1.graph import Analyzer, system_state, topic_types
 from kg.robot.ros1.names import absolute, netloc
 from kg.robot.ros1.node import Node
@@ -24,7 +24,7 @@ from kg.robot.tasks import ended
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping
 
-    from kg.robot.connection import Accepted, ComputationGraph, Level, Serving, Value
+    from kg.robot.connection import Accepted, Cancel, ComputationGraph, Level, Serving, Value
     from kg.robot.ros1.topics import Offer
 
 Result = TypeVar("Result")
@@ -191,9 +191,9 @@ class Ros1Connection:
         silent = RobotError("KG803", f"`{action}` did not accept the goal within {seconds:g} s")
         return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
 
-    async def canceller(self, action: str) -> Ros1Canceller:
-        """Return an object that cancels goals of an action."""
-        return Ros1Canceller(await self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID"))
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action."""
+        return await canceller(self, action)
 
     async def _client(self, action: str, kind: str) -> ActionClient:
         """Return our client of an action, shared by all its goals."""

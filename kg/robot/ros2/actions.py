@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Final
 
 from kg.errors import RobotError
 from kg.facts import Qos, Role
-from kg.robot.clock import Clock, stamp, within
-from kg.robot.connection import Accepted, GraphProblem, Value, goal_lost
+from kg.robot.clock import stamp, within
+from kg.robot.connection import Accepted, Cancel, GraphProblem, Value, goal_lost
 from kg.robot.inbox import GoalProgress
 from kg.robot.ros2.ends import Client, Ros2Publication, Service
 from kg.robot.ros2.middleware import LATCHED, OFFERED
@@ -55,27 +55,18 @@ async def send_goal(  # noqa: PLR0913 - what a goal consists of
     return sent
 
 
-async def canceller(owner: Ros2Connection, action: str) -> Ros2Canceller:
-    """Return an object that cancels goals of an action."""
+async def canceller(owner: Ros2Connection, action: str) -> Cancel:
+    """Return the function that cancels goals of an action."""
     client = await owner.client(f"{action}/_action/cancel_goal", "action_msgs/CancelGoal")
-    return Ros2Canceller(client, owner.clock, action)
 
-
-class Ros2Canceller:
-    """Cancels goals of an action by their identities, whoever sent them."""
-
-    def __init__(self, client: Client, clock: Clock, action: str) -> None:
-        self._client = client
-        self._clock = clock
-        self._action = action
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal; RobotError KG803 if the server does not answer."""
+    async def cancel(identity: str) -> None:
         request = {"goal_info": {"goal_id": {"uuid": bytes.fromhex(identity)}}}
         try:
-            await within(self._clock, _CONFIRMING, self._client.call(request))
+            await within(owner.clock, _CONFIRMING, client.call(request))
         except TimeoutError:
-            raise RobotError("KG803", f"`{self._action}` did not confirm that the goal is cancelled") from None
+            raise RobotError("KG803", f"`{action}` did not confirm that the goal is cancelled") from None
+
+    return cancel
 
 
 class Ros2Goal(GoalProgress):
@@ -161,7 +152,8 @@ class Ros2Goal(GoalProgress):
 
     async def cancel(self) -> None:
         """Request cancellation of the goal; `result` returns when it has ended."""
-        await (await canceller(self._owner, self._action)).cancel(self._id.hex())
+        cancel = await canceller(self._owner, self._action)
+        await cancel(self._id.hex())
 
 
 _UNKNOWN_GOAL, _TERMINATED = 2, 3

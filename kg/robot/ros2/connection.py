@@ -10,9 +10,9 @@ from uuid import uuid4
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import Clock, SimulatedClock, WallClock, within
-from kg.robot.connection import Accepted, ComputationGraph, Goal, GraphProblem, LiveEnd, Value
+from kg.robot.connection import Accepted, Cancel, ComputationGraph, Goal, GraphProblem, LiveEnd, Value
 from kg.robot.lifecycle import States
-from kg.robot.ros2.actions import ActionServer, Ros2Canceller, canceller, send_goal
+from kg.robot.ros2.actions import ActionServer, canceller, send_goal
 from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
 from kg.robot.ros2.graph import Watch, is_hidden
 from kg.robot.ros2.middleware import LATCHED, OFFERED, Middleware
@@ -225,8 +225,8 @@ class Ros2Connection:
         self._present()
         return await send_goal(self, action, kind, goal, seconds=seconds, identity=identity or uuid4().hex)
 
-    async def canceller(self, action: str) -> Ros2Canceller:
-        """Return an object that cancels goals of an action."""
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action."""
         self._present()
         return await canceller(self, action)
 
