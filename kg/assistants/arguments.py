@@ -55,7 +55,6 @@ def _hint(schema: Mapping[str, Any], advice: Iterable[str | None]) -> str:
 
 
 def _kind(schema: Mapping[str, Any]) -> str:
-    """Return the type of an argument in words."""
     choices = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
     if choices:
         return " or ".join(map(_kind, choices))

@@ -413,7 +413,6 @@ def _text(  # noqa: PLR0913 - how an answer is shown
 
 
 def _further(kind: str, name: str) -> str:
-    """Return the address of a page of a resource; `{}` is the number of the page."""
     return f"kg://{kind}/{quote(name)}?page={{}}"
 
 

@@ -50,8 +50,6 @@ _BATCH: Final = 128
 
 @dataclass(frozen=True, slots=True)
 class _Tagged:
-    """Annotations of a sentence."""
-
     words: frozenset[str]
     phrases: tuple[Phrase, ...]
 

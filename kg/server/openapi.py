@@ -211,7 +211,6 @@ def describe(routes: list[BaseRoute]) -> dict[str, Any]:
 
 
 def _operations(routes: list[BaseRoute]) -> Iterator[tuple[str, str, Operation]]:
-    """Yield each address and method with its operation."""
     for route in routes:
         if not isinstance(route, Route):
             continue

@@ -119,7 +119,6 @@ class Server(uvicorn.Server):
                 await leaving
 
     def _end(self) -> None:
-        """Cancel all running work."""
         if (state := self._state) is not None:
             for identity in tuple(state.readers.jobs):
                 state.readers.cancel(identity)

@@ -271,7 +271,6 @@ class Shell(App[None]):
         self._above(SystemsScreen)
 
     def _above(self, kind: Any) -> None:
-        """Open a screen, replacing another one above the main screen."""
         if isinstance(self.screen, kind | CommandPalette):
             return
         while len(self.screen_stack) > 1:

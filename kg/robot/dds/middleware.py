@@ -139,7 +139,6 @@ class DdsMiddleware:
         self._watch.changed()
 
     def _announce(self) -> None:
-        """Announce the readers and writers of our node."""
         node = (self._name, sorted(self._readers), sorted(self._writers))
         self._info.write(encode_info(self.types, self._gid, [node], self._length))
 

@@ -414,7 +414,6 @@ class Driver:
         return self._routes[key]
 
     def _is_offered(self, chosen: Route) -> bool:
-        """Return whether the robot still has a capability over an interface."""
         key = _key(chosen.capability, chosen.way)
         return any(key == _key(one, way) for one in self.capabilities.capabilities for way in one.ways)
 

@@ -86,8 +86,6 @@ def parse(text: str) -> Path:
 
 
 class _Parser:
-    """Parser of a path."""
-
     def __init__(self, text: str) -> None:
         self._text = text
         self._at = 0
@@ -219,7 +217,6 @@ def _distance(of: dict[str, float]) -> float:
 
 
 def _containing(look: Look, value: Any, path: Argument) -> dict[str, Any]:
-    """Return the message that a list is a field of."""
     if not isinstance(path, Field):
         return {}
     message = value if path.of is None else look(path.of, value)

@@ -347,6 +347,5 @@ def _check(what: str, task: asyncio.Task[Any]) -> None:
 
 
 def _report(code: str, message: str) -> None:
-    """Write a warning to the controller's standard error, if it still exists."""
     with suppress(OSError):
         os.write(sys.stderr.fileno(), f"warning[{code}]: {message}\n".encode())

@@ -223,7 +223,6 @@ class Types:
         self._defined.update(new if from_peer else ())
 
     def _is_registered(self, one: Definition) -> bool:
-        """Return whether a type is known with exactly this definition."""
         if _full(one.name) not in self._store.fielddefs:
             return False
         fields = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]

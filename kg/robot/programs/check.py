@@ -93,8 +93,6 @@ def kinds_of(program: tree.Program, capabilities: Capabilities) -> Kinds:
 
 @dataclass(slots=True)
 class _Loop:
-    """A loop; `left` is set by a `break` in it."""
-
     left: bool = False
 
 
@@ -246,7 +244,6 @@ class _Checker:
         return self._ending(statement, capability, path, flow)
 
     def _ending(self, statement: tree.Do, capability: Capability, path: str, flow: _Flow) -> _Flow:
-        """Report durations that do not apply to the capability."""
         if not capability.ways:
             return flow
         renewed = capability.ways[0].kind == "topic" and capability.ways[0].rate > 0
@@ -301,7 +298,6 @@ class _Checker:
                 self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")
 
     def _place(self, capability: Capability, value: tree.Expression, path: str) -> None:
-        """Report a place outside of the limits of its parameters."""
         always = kinds.constant(value)
         components = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
         for parameter in capability.parameters:
@@ -456,7 +452,6 @@ class _Checker:
 
 
 def _given(body: tuple[tree.Statement, ...]) -> set[str]:
-    """Return the variables that statements assign."""
     return {statement.variable for _, statement in tree.statements(body) if isinstance(statement, tree.Set | tree.For)}
 
 

@@ -103,7 +103,6 @@ def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _lines(text: str, tree: ast.Module) -> int:
-    """Count the lines that contain code."""
     blank = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
     lines: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):

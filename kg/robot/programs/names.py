@@ -23,7 +23,6 @@ class CapabilityIndex:
     """The capabilities that a program may use, found by name or label."""
 
     def __init__(self, capabilities: Capabilities) -> None:
-        """Create an index, built on first use."""
         self._capabilities = capabilities
         self._cache: dict[tuple[str, str], Capability] = {}
 

@@ -248,7 +248,6 @@ def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Stateme
 
 
 def _commented(statement: tree.Statement, *comments: str) -> tree.Statement:
-    """Return a statement with more comments."""
     comment = "\n".join(filter(None, (statement.comment, *comments)))
     return msgspec.structs.replace(statement, comment=comment) if comment != statement.comment else statement
 
@@ -327,7 +326,6 @@ def _if(cursor: Cursor, path: str, depth: int) -> tree.If:
 
 
 def _loop(cursor: Cursor, path: str, depth: int, kind: type[_Loop], word: str, **given: Any) -> _Loop:
-    """Parse the rest of a loop, with a keyword that may follow."""
     cursor.phrase(word)
     identifier = _id(cursor)
     body, comment = _block(cursor, f"{path}/body", kind.__name__.lower(), depth)

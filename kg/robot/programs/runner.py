@@ -227,7 +227,6 @@ async def execute(  # noqa: PLR0913 - what a run can say
 
 
 async def _follow(driver: Driver, settings: Settings) -> None:
-    """Keep the program's capabilities up to date while nodes start and exit."""
     async for graph in driver.connection.changes():
         driver.saw(graph)
         capabilities = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)

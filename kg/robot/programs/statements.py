@@ -31,7 +31,6 @@ class Pace:
     """The clock of a program, which stops while it is paused."""
 
     def __init__(self, clock: Clock) -> None:
-        """Start the clock."""
         self._clock = clock
         self._steps = 0
         self._going = asyncio.Event()
@@ -107,7 +106,6 @@ class Evaluation:
     """Evaluator of expressions: variables, which all parts of a program share, and the robot's readings."""
 
     def __init__(self, driver: Driver, index: CapabilityIndex, events: Events) -> None:
-        """Create an evaluator without variables."""
         self._driver = driver
         self.index = index
         self._events = events
@@ -193,7 +191,6 @@ class Failed(Exception):  # noqa: N818 - it says how the program ended
     """Failure of a statement; names the innermost one."""
 
     def __init__(self, problem: Problem) -> None:
-        """Create the failure of a statement with its error."""
         super().__init__(problem.message)
         self.problem = problem
 
@@ -210,7 +207,6 @@ class Statements:
     """Executes statements with the variables, the clock and the events of one program."""
 
     def __init__(self, driver: Driver, evaluation: Evaluation, pace: Pace, events: Events) -> None:
-        """Create the interpreter; nothing runs yet."""
         self.count = 0
         self._driver = driver
         self._evaluation = evaluation

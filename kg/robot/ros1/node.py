@@ -259,7 +259,6 @@ class Node:
         return True
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve a peer on the TCPROS port."""
         host = str((writer.get_extra_info("peername") or "?")[0])
         task = asyncio.current_task()
         if task is None or len(self._tasks) > _MOST_CONNECTIONS:

@@ -152,7 +152,6 @@ class Planner:
         return None
 
     def _straightened(self, cells: list[Cell]) -> list[tuple[float, float]]:
-        """Return the corners of a path, without the points between."""
         corners = [cells[0]]
         for last, cell in pairwise(cells):
             if not self._clear(corners[-1], cell):
@@ -160,7 +159,6 @@ class Planner:
         return [self._grid.point(one) for one in (*corners, cells[-1])]
 
     def _clear(self, start: Cell, end: Cell) -> bool:
-        """Return whether a straight line crosses only cells away from walls."""
         steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)  # half cells, so that none is skipped
         return not any(
             self._close[

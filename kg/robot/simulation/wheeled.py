@@ -69,7 +69,6 @@ class Wheeled:
         self.battery.drain(seconds, abs(self.forward))
 
     def _blocked(self) -> bool:
-        """Return whether a contact blocks the motion."""
         self.bumped = False
         ahead = math.copysign(1.0, self.forward)
         x, y = ahead * math.cos(self.pose.heading), ahead * math.sin(self.pose.heading)

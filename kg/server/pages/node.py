@@ -123,7 +123,6 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
 
 
 async def _graph(request: Request) -> Response:
-    """Respond with a picture of the entities and relations of a node."""
     node = await view(request, "node", iri=request.query_params.get("iri", ""))
     return Response(node_graph_svg(node["name"], node_relations(node)), media_type="image/svg+xml")
 

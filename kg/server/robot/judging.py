@@ -122,7 +122,6 @@ def identified(program: Program) -> tuple[Program, dict[str, str]]:
 
 
 def _statements(part: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the statements of a tree with their paths."""
     if isinstance(part, dict):
         if "block" in part:
             yield path, part

@@ -85,7 +85,6 @@ class Status(Static):
 
 
 def _short(path: Path) -> str:
-    """Return the path of a store, with a tilde for the home folder."""
     home = path.home()
     folder = path.parent if path.name == ".kg" else path
     return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
@@ -272,7 +271,6 @@ class MainScreen(Screen[None]):
         self.app.push_screen(JumpScreen(shown), lambda widget: widget.focus() if widget else None)
 
     def _view(self) -> ResultView | None:
-        """Return the visible result, if there is one."""
         buffer = self.buffers.current
         return buffer.results if buffer and buffer.results.result is not None else None
 

@@ -73,7 +73,6 @@ class RulesScreen(UpperScreen[None]):
 
 
 def _manual(rule: dict[str, Any]) -> str:
-    """Return the documentation of a rule as Markdown."""
     parts = [f"# {rule['rule']}", f"**{rule['title']}**"]
     if rule["error"]:
         parts.append(f"{rule['error']['code']}: {rule['error']['message']}")

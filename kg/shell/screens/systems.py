@@ -55,7 +55,6 @@ class SystemsScreen(UpperScreen[None]):
         self._read(0)
 
     def _read(self, begin: int) -> None:
-        """Request the configurations from an index on."""
         request = partial(self.app.link.call, "systems", offset=str(begin), limit=str(_PART))
         deliver(self, request, partial(self._answer, begin), self.app.report)
 

@@ -35,7 +35,6 @@ def _sentence(program: Program) -> str:
 
 
 def _imports(members: Members, used: set[str], code: str) -> str:
-    """Return the imports in the order of isort."""
     standard = [f"import {one}" for one in _STANDARD if f"{one}." in code]
     abstract = ["Callable", *(["Iterator"] if "counted" in used else [])]
     standard.append(f"from collections.abc import {', '.join(abstract)}")

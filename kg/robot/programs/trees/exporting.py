@@ -94,8 +94,6 @@ def _milliseconds(seconds: tree.Expression) -> str:
 
 
 class _Tree:
-    """Exports one program."""
-
     def __init__(self, program: tree.Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
         self._program = program
         self._place = place
@@ -365,7 +363,6 @@ class _Tree:
 
 
 def _read_by(expression: tree.Expression) -> Iterator[tuple[str, str]]:
-    """Yield the capabilities and parameters that an expression reads; of a counted list, only its length."""
     match expression:
         case tree.Read(capability=capability, parameter=parameter):
             yield capability, parameter

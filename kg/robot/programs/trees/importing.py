@@ -107,8 +107,6 @@ def _children(node: _Element) -> list[_Element]:
 
 
 class _Reader:
-    """Reader of one file."""
-
     def __init__(self, root: _Element, capabilities: Capabilities, path: str) -> None:
         self._root = root
         self._path = path
@@ -185,7 +183,6 @@ class _Reader:
         return int(text) / 1000
 
     def _body(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
-        """Return the statements of a branch."""
         if self._name(node) == "AlwaysSuccess":
             return ()
         self._depth += 1
