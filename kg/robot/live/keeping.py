@@ -117,7 +117,6 @@ class Keeper:
 
     def __init__(self, store: EmbeddedStore, settings: Settings, *, address: str, name: str) -> None:
         self._store = store
-        self._settings = settings
         self._iris = Iris(settings.base)
         self._address = address
         self._name = name

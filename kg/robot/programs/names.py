@@ -11,7 +11,6 @@ from kg.robot.programs.tree import Program, rewritten
 from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
 
     from kg.robot.capability import Capabilities, Capability, Parameter
 
@@ -80,15 +79,6 @@ def _other_way(capability: Capability) -> RobotError:
 
 def named(program: Program, capabilities: Capabilities) -> Program:
     """Return a program with names instead of labels; unknown ones are unchanged."""
-    return _renamed(program, capabilities, lambda one: one.name)
-
-
-def labelled(program: Program, capabilities: Capabilities) -> Program:
-    """Return a program with labels of capabilities, and names of parameters; unknown ones are unchanged."""
-    return _renamed(program, capabilities, lambda one: one.label)
-
-
-def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Capability], str]) -> Program:
     index = CapabilityIndex(capabilities)
 
     def change(part: dict[str, Any]) -> dict[str, Any]:
@@ -102,7 +92,7 @@ def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Cap
                 capability = index.write(part["capability"])
                 arguments = part.get("arguments", {})
                 part["arguments"] = {index.argument(capability, name): value for name, value in arguments.items()}
-            part["capability"] = called(capability)
+            part["capability"] = capability.name
         return part
 
     return rewritten(program, change)
