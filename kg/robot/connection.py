@@ -140,13 +140,6 @@ class Goal(Protocol):
         """Request cancellation of the goal; `result` returns when it has ended."""
 
 
-class Serving(Protocol):
-    """A service or action that this node serves."""
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-
-
 class Connection(Protocol):
     """Our node in the system of a robot."""
 
@@ -205,11 +198,14 @@ class Connection(Protocol):
     async def canceller(self, action: str) -> Cancel:
         """Return the function that cancels goals of an action, whoever sent them."""
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
-        """Serve a service; an exception of `answer` is reported to the client as a failure."""
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
+        """Serve a service while connected; an exception of `answer` is reported to the client as a failure."""
 
-    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
-        """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
+        """Serve an action while connected, one goal at a time: a new goal cancels the previous one.
+
+        `carry_out` returns the result.
+        """
 
     def log(self, level: Level, message: str) -> None:
         """Write a line to the log of the robot (`/rosout`), if the connection supports that."""

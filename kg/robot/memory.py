@@ -148,11 +148,6 @@ class Service:
         if self._owner.bus.services.get(self._name) is self:
             del self._owner.bus.services[self._name]
 
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()
-        self._owner.bus.changed()
-
 
 class MemoryGoal(GoalProgress):
     """The client's side of a goal."""
@@ -253,11 +248,6 @@ class ActionServer:
         self._goals.clear()
         if self._owner.bus.actions.get(self._name) is self:
             del self._owner.bus.actions[self._name]
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()
-        self._owner.bus.changed()
 
 
 class MemoryConnection:
@@ -379,23 +369,19 @@ class MemoryConnection:
                 await news.wait()
             return self.bus.actions[action]
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; the newest of several servers is called."""
         self.present()
         self.types.fields(f"{kind}_Request")
         self.bus.services[service] = Service(self, service, kind, answer)
         self.bus.changed()
-        return self.bus.services[service]
 
-    async def serve_action(
-        self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
-    ) -> ActionServer:
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time."""
         self.present()
         self.types.fields(f"{kind}_Goal")
         self.bus.actions[action] = ActionServer(self, action, kind, carry_out)
         self.bus.changed()
-        return self.bus.actions[action]
 
     def log(self, level: Level, message: str) -> None:
         """Do nothing: there is no log."""

@@ -11,7 +11,6 @@ from kg.robot.programs.tree import Program, rewritten
 from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
-
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 AT: Final = "at"

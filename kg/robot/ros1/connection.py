@@ -24,7 +24,7 @@ from kg.robot.tasks import ended
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping
 
-    from kg.robot.connection import Accepted, Cancel, ComputationGraph, Level, Serving, Value
+    from kg.robot.connection import Accepted, Cancel, ComputationGraph, Level, Value
     from kg.robot.ros1.topics import Offer
 
 Result = TypeVar("Result")
@@ -204,17 +204,15 @@ class Ros1Connection:
                 self._clients[action, kind] = client
             return self._clients[action, kind]
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; an exception of `answer` is reported to the client as a failure."""
         self.node.present()
-        return await self.node.serve(absolute(service), kind, answer)
+        await self.node.serve(absolute(service), kind, answer)
 
-    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time."""
         self.node.present()
-        server = ActionServer(self, absolute(action), kind, carry_out)
-        await server.open()
-        return server
+        await ActionServer(self, absolute(action), kind, carry_out).open()
 
     async def parameter_names(self) -> list[str]:
         """Return the names of all parameters of the parameter server; RobotError as `http.ask`."""

@@ -170,7 +170,7 @@ class Node:
         if not others and self.subscriptions.pop(subscription.topic, None) is not None:
             await self._notify_master("unregisterSubscriber", subscription.topic, self.uri)
 
-    async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+    async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; RobotError KG804 if its type is unknown."""
         self.types.md5(kind)
         service = self.services[name] = Service(self, name, kind, answer)
@@ -179,7 +179,6 @@ class Node:
         except (RobotError, asyncio.CancelledError):
             await service.aclose()
             raise
-        return service
 
     async def stop_serving(self, service: Service) -> None:
         """Stop serving a service."""

@@ -9,11 +9,10 @@ from __future__ import annotations
 import asyncio
 from collections import OrderedDict
 from contextlib import suppress
-from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import RobotError
-from kg.facts import Qos, Role
+from kg.facts import Role
 from kg.robot.clock import stamp, within
 from kg.robot.connection import Accepted, Cancel, GraphProblem, Value, goal_lost
 from kg.robot.inbox import GoalProgress
@@ -205,17 +204,13 @@ class ActionServer:
         self._carry_out = carry_out
         self._goals: OrderedDict[bytes, _Work] = OrderedDict()
         self._working: asyncio.Task[None] | None = None
-        self._feedback = self._topic("feedback", f"{kind}_FeedbackMessage", OFFERED)
-        self._status = self._topic("status", "action_msgs/GoalStatusArray", LATCHED)
+        self._feedback = Ros2Publication(owner, f"{name}/_action/feedback", f"{kind}_FeedbackMessage", OFFERED)
+        self._status = Ros2Publication(owner, f"{name}/_action/status", "action_msgs/GoalStatusArray", LATCHED)
         self._services = [
             Service(owner, f"{name}/_action/get_result", f"{kind}_GetResult", self._get_result),
             Service(owner, f"{name}/_action/cancel_goal", "action_msgs/CancelGoal", self._cancel_goal),
             Service(owner, f"{name}/_action/send_goal", f"{kind}_SendGoal", self._send_goal),
         ]
-
-    def _topic(self, part: str, kind: str, qos: Qos) -> Ros2Publication:
-        name = f"{self._name}/_action/{part}"
-        return Ros2Publication(name, partial(self._owner.types.encode, kind), self._owner.wire.writer(name, kind, qos))
 
     def stamp(self) -> Value:
         """Return the time of the robot as builtin_interfaces/Time."""
@@ -295,8 +290,3 @@ class ActionServer:
             service.end()
         self._feedback.end()
         self._status.end()
-        self._owner.forget(self)
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()

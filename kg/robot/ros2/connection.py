@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from typing import TYPE_CHECKING, Final, Protocol, Self
 from uuid import uuid4
 
@@ -179,8 +178,7 @@ class Ros2Connection:
         await self.ensure_type(kind, kind, topic)
         requested = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
         is_latched = latch or any(one.durability == "transient_local" for one in requested)
-        writer = self.wire.writer(topic, kind, LATCHED if is_latched else OFFERED)
-        publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
+        publication = Ros2Publication(self, topic, kind, LATCHED if is_latched else OFFERED)
         self._open.add(publication)
         return publication
 
@@ -230,23 +228,17 @@ class Ros2Connection:
         self._present()
         return await canceller(self, action)
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; RobotError KG804 for an unknown type."""
         self._present()
         await self.ensure_type(kind, f"{kind}_Request", service)
-        serving = Service(self, service, kind, answer)
-        self._open.add(serving)
-        return serving
+        self._open.add(Service(self, service, kind, answer))
 
-    async def serve_action(
-        self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
-    ) -> ActionServer:
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
         self._present()
         await self.ensure_type(kind, f"{kind}_Goal", action)
-        server = ActionServer(self, action, kind, carry_out)
-        self._open.add(server)
-        return server
+        self._open.add(ActionServer(self, action, kind, carry_out))
 
     def forget(self, one: _Open) -> None:
         """Remove something that is already closed."""
