@@ -138,6 +138,7 @@ class Shell(App[None]):
 
     async def on_mount(self) -> None:
         """Apply the saved theme, and start the readers."""
+        self.state.tell = self._tell_unsaved
         theme = self.state.choice("theme", _THEME)
         self.theme = theme if theme in self.available_themes else _THEME
         self.set_keymap({one.identity: ",".join(one.keys) for one in self.actions if one not in ACTIONS})
@@ -192,6 +193,9 @@ class Shell(App[None]):
         """Show an error on top of the current screen."""
         words = f"{error.message}\n{error.hint}" if error.hint else error.message
         self.notify(words, title=error.code, severity="error", timeout=10, markup=False)
+
+    def _tell_unsaved(self, why: str) -> None:
+        self.notify(f"Buffers, history and choices are not saved in {why}", severity="warning", markup=False)
 
     def edit(self, place: Mapping[str, Any] | None) -> None:
         """Open the place of a view in the editor, with this application suspended."""

@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
 
 _KEPT: Final = 2_000  # maximum number of entries in the history
 
@@ -34,15 +36,13 @@ class Entry:
 
 
 class State:
-    """Reads and writes the folder; unreadable files are ignored, unwritable ones reported once.
-
-    `problem` is the reason why something was not saved, None without problems.
-    """
+    """Reads and writes the folder; unreadable files are ignored, and the first unwritable one is told to `tell`."""
 
     def __init__(self, folder: Path, store: str) -> None:
         self._folder = folder
         self._store = store
-        self.problem: str | None = None
+        self._told = False
+        self.tell: Callable[[str], object] = lambda _why: None
 
     def buffers(self) -> list[str]:
         """Return the saved buffers of this store."""
@@ -113,7 +113,9 @@ class State:
         try:
             write()
         except OSError as error:
-            self.problem = f"{self._folder}: {error.strerror or error}"
+            if not self._told:
+                self._told = True
+                self.tell(f"{self._folder}: {error.strerror or error}")
 
 
 def _write(path: Path, text: str) -> None:

@@ -344,3 +344,11 @@ async def test_colour_can_be_left_out(store: Path, tmp_path: Path, monkeypatch: 
         await run_query(app, pilot, NODES)
         assert app.no_color
         assert any(isinstance(one, Monochrome) for one in app._filters)
+
+
+async def test_what_is_not_saved_is_told(store: Path, tmp_path: Path) -> None:
+    """A folder that cannot be written is reported by a notice when something is to be saved."""
+    (tmp_path / "file").write_text("")
+    async with running(store, tmp_path / "file") as (app, pilot):
+        await pilot.press("f8")
+        await until(pilot, lambda: any("are not saved" in one.message for one in app._notifications))
