@@ -180,11 +180,7 @@ class Connection(Protocol):
         """Advertise a topic; `latch` keeps the last message for later subscribers (ROS 2: transient local)."""
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
-        """Call a service and return the response.
-
-        Raises:
-            RobotError: KG807 no server, KG808 a failure, KG803 a timeout.
-        """
+        """Call a service and return the response; RobotError KG807 no server, KG808 a failure, KG803 a timeout."""
 
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None

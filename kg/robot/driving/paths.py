@@ -325,11 +325,7 @@ def _element(of: Any, index: int, *, many: bool) -> Any:
 
 
 def put(path: Path, message: Value, value: Any) -> None:
-    """Set the value at a path of a message, creating missing parents.
-
-    Raises:
-        RobotError: KG826 a read-only path.
-    """
+    """Set the value at a path of a message, creating missing parents; RobotError KG826 a read-only path."""
     if isinstance(path, Call):
         write, (target, *others) = _function(path).write, path.arguments
         numbers = tuple(one for one in others if isinstance(one, float))
