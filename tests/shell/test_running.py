@@ -175,7 +175,7 @@ async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: P
     for turns in (0, 1, 2, 4, 7, 11):
         async with running(store, tmp_path / str(turns)) as (app, pilot):
             current(app).editor.text = "ASK {}"
-            app.main.call_later(app.main.open_text, "SELECT")
+            app.main.call_later(app.main.buffers.open, "SELECT")
             for _ in range(turns):
                 await asyncio.sleep(0)
             await app.action_quit()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 from pyoxigraph import Literal, NamedNode
 from textual import on
 from textual.containers import Horizontal
+from textual.events import DescendantBlur
 from textual.screen import Screen
 from textual.widgets import Footer, Static, TabbedContent, TextArea
 
@@ -69,12 +70,12 @@ class Status(Static):
         self._snapshot, self._note = snapshot, note
         self._draw()
 
-    def run(self, job: Job | None, rows: int = 0) -> None:
+    def run(self, job: Job | None) -> None:
         """Show the running work; None without any."""
         if job is None:
             self._work = ""
         else:
-            progress = f", {count(rows, 'row')} so far" if rows else ""
+            progress = f", {count(job.rows, 'row')} so far" if job.rows else ""
             self._work = f"running {job.elapsed:.1f} s{progress} (Esc stops)"
         self._draw()
 
@@ -274,6 +275,7 @@ class MainScreen(Screen[None]):
         buffer = self.buffers.current
         return buffer.results if buffer and buffer.results.result is not None else None
 
+    @on(AnswerTable.Passed)
     def action_next_page(self) -> None:
         """Show the next page of rows."""
         if view := self._view():
@@ -354,6 +356,7 @@ class MainScreen(Screen[None]):
         """Reload the tree."""
         self.query_one(KnowledgeTree).reload()
 
+    @on(KnowledgeTree.NodeSelected)
     def action_open_entry(self) -> None:
         """Open the page of the entry; folders expand and collapse."""
         tree = self.query_one(KnowledgeTree)
@@ -377,15 +380,11 @@ class MainScreen(Screen[None]):
         entry = self.query_one(KnowledgeTree).entry
         if entry.get("iri"):
             text = f"# {entry['label']}\nSELECT ?property ?value {{ <{entry['iri']}> ?property ?value }}\n"
-            await self.open_text(text)
-
-    async def open_text(self, text: str) -> None:
-        """Open a query in a new buffer."""
-        await self.buffers.open(text)
+            await self.buffers.open(text)
 
     async def _take(self, text: str | None) -> None:
         if text:
-            await self.open_text(text)
+            await self.buffers.open(text)
 
     @on(TextArea.Changed)
     def _changed(self, event: TextArea.Changed) -> None:
@@ -422,11 +421,8 @@ class MainScreen(Screen[None]):
         self.completions.insert(event.option_index)
 
     @on(TabbedContent.TabActivated)
-    def _another_tab(self) -> None:
-        self.completions.close()
-
-    def on_descendant_blur(self) -> None:
-        """Hide completions of an editor that loses the focus."""
+    @on(DescendantBlur)
+    def _hide_completions(self) -> None:
         self.completions.close()
 
     def offer(self, editor: QueryEditor) -> None:
@@ -445,11 +441,3 @@ class MainScreen(Screen[None]):
                     buffer.mark(problems)
 
             deliver(buffer, partial(diagnosed, self.link, text), mark, self._log_error, latest="check")
-
-    @on(AnswerTable.Passed)
-    def _page_passed(self) -> None:
-        self.action_next_page()
-
-    @on(KnowledgeTree.NodeSelected)
-    def _entry_chosen(self) -> None:
-        self.action_open_entry()
