@@ -61,7 +61,7 @@ class MemorySubscription(Inbox[Received]):
     def _leave(self) -> None:
         side = self._owner.bus.topics[self._topic]
         side.subscriptions = [one for one in side.subscriptions if one is not self]
-        self._owner.bus.changed()
+        self._owner.bus.changes.notify()
 
 
 class MemoryPublication:
@@ -105,7 +105,7 @@ class MemoryPublication:
     async def aclose(self) -> None:
         """Stop publishing the topic."""
         self._side.publications = [one for one in self._side.publications if one is not self]
-        self._owner.bus.changed()
+        self._owner.bus.changes.notify()
 
 
 class Service:
@@ -212,7 +212,7 @@ class ActionServer:
         self._goals.append(work)
         if client.name not in self.clients:
             self.clients.add(client.name)
-            self._owner.bus.changed()
+            self._owner.bus.changes.notify()
         if self._worker is None or self._worker.done():
             self._worker = spawn(self._work(), f"carrying out {self._name}")
         return work.client
@@ -298,7 +298,7 @@ class MemoryConnection:
         for latched in (one.last for one in side.publications if one.last is not None):
             subscription.put(Received(deepcopy(latched.value), latched.at, latched.node))
         side.subscriptions.append(subscription)
-        self.bus.changed()
+        self.bus.changes.notify()
         return subscription
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> MemoryPublication:
@@ -307,7 +307,7 @@ class MemoryConnection:
         side = self._side(topic, kind)
         publication = MemoryPublication(self, topic, kind, latch=latch)
         side.publications.append(publication)
-        self.bus.changed()
+        self.bus.changes.notify()
         return publication
 
     def _side(self, topic: str, kind: str) -> Topic:
@@ -374,14 +374,14 @@ class MemoryConnection:
         self.present()
         self.types.fields(f"{kind}_Request")
         self.bus.services[service] = Service(self, service, kind, answer)
-        self.bus.changed()
+        self.bus.changes.notify()
 
     async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time."""
         self.present()
         self.types.fields(f"{kind}_Goal")
         self.bus.actions[action] = ActionServer(self, action, kind, carry_out)
-        self.bus.changed()
+        self.bus.changes.notify()
 
     def log(self, level: Level, message: str) -> None:
         """Do nothing: there is no log."""
@@ -420,7 +420,7 @@ class MemoryConnection:
                 served.end()
         if self.bus.nodes.get(self.name) is self:
             del self.bus.nodes[self.name]
-        self.bus.changed()
+        self.bus.changes.notify()
 
 
 class Bus:
@@ -459,7 +459,7 @@ class Bus:
         self.cut(absolute, "another node with the same name joined")
         node = MemoryConnection(self, absolute, types or self.types)
         self.nodes[absolute] = node
-        self.changed()
+        self.changes.notify()
         return node
 
     def cut(self, name: str, why: str) -> None:
@@ -479,10 +479,6 @@ class Bus:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def changed(self) -> None:
-        """Notify the watchers of the graph."""
-        self.changes.notify()
 
     def graph(self, without: str | None = None) -> ComputationGraph:
         """Return the computation graph, without the named node."""

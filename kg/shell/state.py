@@ -40,18 +40,18 @@ class State:
 
     def __init__(self, folder: Path, store: str) -> None:
         self._folder = folder
-        self._store = store
+        self._buffers = f"buffers-{hashlib.sha256(store.encode()).hexdigest()[:16]}.json"
         self._told = False
         self.tell: Callable[[str], object] = lambda _why: None
 
     def buffers(self) -> list[str]:
         """Return the saved buffers of this store."""
-        saved = self._read(self._buffers_name(), [])
+        saved = self._read(self._buffers, [])
         return [one for one in saved if isinstance(one, str)] if isinstance(saved, list) else []
 
     def keep_buffers(self, texts: Sequence[str]) -> None:
         """Save the texts of the buffers for this store."""
-        self._write(self._buffers_name(), list(texts))
+        self._write(self._buffers, list(texts))
 
     def choice(self, name: str, default: str) -> str:
         """Return a saved choice, such as the theme."""
@@ -86,9 +86,6 @@ class State:
         """Save the traceback of the last unexpected error; return its file."""
         self._guarded(lambda: _write(self._ensure_folder() / "failure.txt", words))
         return self._folder / "failure.txt"
-
-    def _buffers_name(self) -> str:
-        return f"buffers-{hashlib.sha256(self._store.encode()).hexdigest()[:16]}.json"
 
     def _lines(self) -> list[str]:
         try:

@@ -98,7 +98,7 @@ class Driver:
             self._watch.cancel()
         await self.stop()
         await asyncio.gather(*(one.aclose() for one in self._readings))
-        await self._newest.aclose()
+        await self._newest.keep(())
         await self._doing.aclose()
 
     async def take(self, capabilities: Capabilities) -> None:

@@ -33,9 +33,10 @@ class Pace:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._steps = 0
-        self._going = asyncio.Event()
+        self.going = asyncio.Event()
+        """Set while the program is not paused."""
         self._paused = asyncio.Event()
-        self._going.set()
+        self.going.set()
 
     @property
     def paused(self) -> bool:
@@ -44,21 +45,17 @@ class Pace:
 
     def pause(self) -> None:
         """Pause."""
-        self._going.clear()
+        self.going.clear()
         self._paused.set()
 
     def resume(self) -> None:
         """Resume."""
         self._paused.clear()
-        self._going.set()
+        self.going.set()
 
     def waited(self) -> None:
         """Record that the program waited, which resets the limit of steps."""
         self._steps = 0
-
-    async def going(self) -> None:
-        """Return once the program is not paused."""
-        await self._going.wait()
 
     async def step(self) -> None:
         """Enter a statement; RobotError KG837 after too many without a wait."""
@@ -66,14 +63,14 @@ class Pace:
         if self._steps > MOST_STEPS:
             hint = "Put `wait 0.1 s` into the loop."
             raise RobotError("KG837", f"more than {MOST_STEPS} statements without a wait", hint=hint)
-        await self._going.wait()
+        await self.going.wait()
         await asyncio.sleep(0)
 
     async def sleep(self, seconds: float) -> None:
         """Sleep for some seconds, not counting pauses."""
         left = seconds
         while left > 0:
-            await self._going.wait()
+            await self.going.wait()
             begun = self._clock.now()
             if await self.until_paused(self._clock.sleep(left)) is not None:
                 break
@@ -324,7 +321,7 @@ class Statements:
         """Run a long action; a pause stops it, and it is restarted for the remaining time."""
         clock = self._driver.connection.clock
         while True:
-            await self._pace.going()
+            await self._pace.going.wait()
             begun = clock.now()
             done = await self._pace.until_paused(work(left))
             if done is not None:
@@ -397,7 +394,7 @@ class Statements:
         """Return when a condition becomes true or false; it is evaluated whenever one of its inputs changes."""
         async with self._evaluation.watching(condition) as news:
             while True:
-                await self._pace.going()
+                await self._pace.going.wait()
                 news.clear()  # before the evaluation, so that a change during it is not missed
                 if await self._evaluation.truth(condition, path, statement) == holds:
                     return

@@ -177,13 +177,14 @@ class Node:
         try:
             await self._in_turn("registerService", name, self._service_uri, self.uri)
         except (RobotError, asyncio.CancelledError):
-            await service.aclose()
+            await self._stop_serving(service)
             raise
 
-    async def stop_serving(self, service: Service) -> None:
-        """Stop serving a service."""
-        self.services.pop(service.name, None)
-        await self._notify_master("unregisterService", service.name, self._service_uri)
+    async def _stop_serving(self, service: Service) -> None:
+        if self.services.get(service.name) is service:
+            del self.services[service.name]
+            await self._notify_master("unregisterService", service.name, self._service_uri)
+        service.close()
 
     async def aclose(self) -> None:
         """Leave the graph."""
@@ -193,7 +194,7 @@ class Node:
         for subscription in [one for ones in self.subscriptions.values() for one in ones]:
             await subscription.aclose()
         for service in list(self.services.values()):
-            await service.aclose()
+            await self._stop_serving(service)
         if not self.lost.done():
             # What was withdrawn just before is no longer listed, but the master may not have received it yet.
             for turn in list(self._turns.values()):
