@@ -41,9 +41,7 @@ _BEATS: Final = 5  # heartbeats within that time
 _IDLE: Final = 5.0  # seconds that the controller may be blocked without movement before its commands end
 _TIMES: Final = 5  # how often zero is sent: the controller's last command may still be in transit
 _PAUSE: Final = 0.1
-_PEERS: Final = (
-    3.0  # seconds to wait for a subscriber of a topic, or the server of a goal, that was in use a moment ago
-)
+_PEERS: Final = 3.0  # seconds to wait for the subscriber of a topic, or server of a goal, that was just in use
 _ENDS: Final = 5.0  # seconds for the watchdog to leave the graph
 _AGAIN: Final = 60.0  # seconds for which a robot that was lost while it moved is looked for
 _LOOK: Final = 1.0  # seconds between attempts to reach it

@@ -128,11 +128,7 @@ class Ros2Connection:
         return [one for one in ends if one.role is role and one.name == name]
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros2Subscription:
-        """Subscribe to a topic; without `kind` its type is looked up.
-
-        Raises:
-            RobotError: KG804 the type is unknown to us and all peers, KG806 the topic has another type.
-        """
+        """Subscribe to a topic; RobotError KG804 or KG806 as every connection."""
         self._present()
         if kind is None:
             kind = await self._type_of(topic)

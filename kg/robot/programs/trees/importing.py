@@ -62,19 +62,11 @@ def _in(expression: tree.Expression, dimension: Dimension) -> tree.Expression:
 _IGNORED: Final = frozenset({"name", "ID", "_autoremap", "_description", "_fullpath", "_uid", "_collapsed", HINT})
 _EXPLICIT: Final = frozenset({"Action", "Condition", "Control", "Decorator"})
 _NODES: Final = frozenset(
-    {
-        "AlwaysFailure",
-        "AsyncFallback",
-        "AsyncSequence",
-        "Delay",
-        "Fallback",
-        "ForceFailure",
-        "ForceSuccess",
-        "IfThenElse",
-    }
-    | {"Inverter", "KeepRunningUntilFailure", "LoopBool", "LoopDouble", "LoopInt", "LoopString", "Parallel"}
-    | {"ParallelAll", "Precondition", "ReactiveFallback", "ReactiveSequence", "Repeat", "RetryUntilSuccessful"}
-    | {"RunOnce", "Script", "ScriptCondition", "SequenceWithMemory", "SetBlackboard", "SkipUnlessUpdated", "Sleep"}
+    {"AlwaysFailure", "AsyncFallback", "AsyncSequence", "Delay", "Fallback", "ForceFailure", "ForceSuccess"}
+    | {"IfThenElse", "Inverter", "KeepRunningUntilFailure", "LoopBool", "LoopDouble", "LoopInt", "LoopString"}
+    | {"Parallel", "ParallelAll", "Precondition", "ReactiveFallback", "ReactiveSequence", "Repeat"}
+    | {"RetryUntilSuccessful", "RunOnce", "Script", "ScriptCondition", "SequenceWithMemory", "SetBlackboard"}
+    | {"SkipUnlessUpdated", "Sleep"}
     | {"SubTree", "Switch2", "Switch3", "Switch4", "Switch5", "Switch6", "Timeout", "TryCatch", "UnsetBlackboard"}
     | {"WaitValueUpdate", "WasEntryUpdated", "WhileDoElse"}
 )
