@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
 
 _CODE: Final = "KG003"
-_MOST: Final = 60
-"""Characters of a wrong value that are shown."""
+_MOST: Final = 60  # characters of a wrong value that are shown
 
 
 def unknown_tool(name: str, tools: Iterable[str]) -> UsageError:

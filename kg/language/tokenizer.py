@@ -33,8 +33,7 @@ IDENTIFIER: Final = re.compile(
 
 _RUNS: Final = (r"[!?]{2,}", r"[-=_~*]{2,}", r"\${2,}", r"<{2,}", r">{2,}", r"\+{2,}")
 """Repeated signs that are one word, as in the treebank: rows of dashes, `!!`."""
-_JOINED: Final = ("and/or",)
-"""Words that spaCy preserves and the treebank splits."""
+_JOINED: Final = ("and/or",)  # words that spaCy preserves and the treebank splits
 
 
 def make_tokenizer() -> Callable[[Language], Tokenizer]:

@@ -35,8 +35,7 @@ _COMPONENTS: Final = {
 }
 _LIBRARIES: Final = ("rospy", "rclpy")
 _INTERFACES: Final = ("msg", "srv", "action")
-_STATUS: Final = "GoalStatus"
-"""The type of goal states in both action client libraries; no node exchanges it."""
+_STATUS: Final = "GoalStatus"  # the type of goal states in both action client libraries; no node exchanges it
 _PART: Final = re.compile("(Action|Goal|Result|Feedback|Request|Response)$")
 """Suffixes of the message types of an action or service."""
 

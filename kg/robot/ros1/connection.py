@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from kg.robot.ros1.topics import Offer
 
 Result = TypeVar("Result")
-_LEVELS: Final[Mapping[Level, int]] = {"info": 2, "warning": 4, "error": 8}
-"""Constants of rosgraph_msgs/Log."""
+_LEVELS: Final[Mapping[Level, int]] = {"info": 2, "warning": 4, "error": 8}  # constants of rosgraph_msgs/Log
 
 _PORT: Final = 11311
 _TICKING: Final = 2.0  # seconds to wait for a time on the topic `/clock`

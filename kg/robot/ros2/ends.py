@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from kg.robot.ros2.connection import Ros2Connection
 
 Result = TypeVar("Result")
-_ENCAPSULATION: Final = 4
-"""Bytes before the first field of what CDR encodes."""
+_ENCAPSULATION: Final = 4  # bytes before the first field of what CDR encodes
 
 
 class Client:
@@ -83,8 +82,7 @@ class Service:
         self._handle.close()
 
 
-_DEPTH: Final = 100
-"""Minimum queue length in the middleware, which does not report messages that it drops."""
+_DEPTH: Final = 100  # minimum queue length in the middleware, which does not report messages that it drops
 
 
 class Ros2Subscription(Messages):

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 _HIDDEN: Final = re.compile(r"(.+)/_action/(send_goal|get_result|cancel_goal|feedback|status)")
 _ROLES: Final = {Role.SERVICES: Role.ACTION_SERVERS, Role.CLIENTS: Role.ACTION_CLIENTS}
-_MOST: Final = 1000
-"""Maximum number of reported mismatches."""
+_MOST: Final = 1000  # maximum number of reported mismatches
 
 
 def computation_graph(reported: Neighbourhood, *, complete: bool) -> ComputationGraph:

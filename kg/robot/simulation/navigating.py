@@ -92,10 +92,8 @@ class Grid:
 
 
 _RESOLUTION: Final = 0.1
-_PREFERRED: Final = 0.2
-"""Preferred distance of a path from obstacles, in metres."""
-_DETOUR: Final = 3.0
-"""Cost factor of cells near walls: paths prefer the middle."""
+_PREFERRED: Final = 0.2  # preferred distance of a path from obstacles, in metres
+_DETOUR: Final = 3.0  # cost factor of cells near walls: paths prefer the middle
 
 _STEPS: Final = [(down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if down or right]
 

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
     from kg.errors import KgError
 
-_ABSENT: Final = frozenset({"KG001", "KG226", "KG422"})
-"""Codes of errors about missing things."""
+_ABSENT: Final = frozenset({"KG001", "KG226", "KG422"})  # codes of errors about missing things
 _SEVERAL: Final = "KG003"
 _NAMED: Final = re.compile(r"`(?:kg node )?([^`]+)`(?:  \(([^)\n]*)\))?")
 _NOT_FOUND: Final = 404

@@ -39,8 +39,7 @@ _KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
     "capability": ("capabilities", {"nodes": ("capability",)}),
 }
 """The list of a kind of thing (or prefix of its IRI), and the lists on its page with the facets that select rows."""
-_SHOWN: Final = 20
-"""Number of rows of each list."""
+_SHOWN: Final = 20  # number of rows of each list
 
 
 async def _resource(request: Request) -> Response:

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 
 
 _SEE_OTHER: Final = 303
-_LONG: Final = 100
-"""Tables with more rows have pages of their own, which the system's page loads on demand."""
+_LONG: Final = 100  # tables with more rows have pages of their own, which the system's page loads on demand
 
 
 async def _system(request: Request) -> Response:

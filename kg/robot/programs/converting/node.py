@@ -10,8 +10,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.converting.members import Members
     from kg.robot.programs.tree import Program
 
-_PARALLEL: Final = ("together", "as_soon_as", "whenever")
-"""Templates for parts of a program that run in parallel."""
+_PARALLEL: Final = ("together", "as_soon_as", "whenever")  # templates for parts of a program that run in parallel
 _STANDARD: Final = ("math", "signal", "sys", "threading", "time")
 
 
