@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from spacy.language import Language
 
-IDENTIFIER: Final = re.compile(
+_IDENTIFIER: Final = re.compile(
     r"""
       [~/]?[a-z]\w*(?:/\w+)*/[A-Z]\w*             # sensor_msgs/LaserScan
     | [~/][A-Za-z]\w*(?:/\w+)*                    # /camera/image_raw, ~frame_id, /dev/ttyUSB0
@@ -50,7 +50,7 @@ def _make(nlp: Language) -> Tokenizer:
         prefix_search=compile_prefix_regex([*_RUNS, "-", *(defaults.prefixes or ())]).search,
         suffix_search=compile_suffix_regex([*_RUNS, r"(?<=\w\w)\.", *(defaults.suffixes or ())]).search,
         infix_finditer=compile_infix_regex([*_RUNS, *(defaults.infixes or ())]).finditer,
-        token_match=IDENTIFIER.fullmatch,
+        token_match=_IDENTIFIER.fullmatch,
         url_match=defaults.url_match,
     )
 

@@ -35,8 +35,7 @@ if TYPE_CHECKING:
 
 NODES: Final = "/kg_watchdog_"
 """Prefix of the names of watchdogs."""
-SILENCE: Final = 0.5
-"""Default seconds without a heartbeat after which the robot is stopped."""
+_SILENCE: Final = 0.5  # default seconds without a heartbeat after which the robot is stopped
 _BEATS: Final = 5  # heartbeats within that time
 _IDLE: Final = 5.0  # seconds that the controller may be blocked without movement before its commands end
 _TIMES: Final = 5  # how often zero is sent: the controller's last command may still be in transit
@@ -62,7 +61,7 @@ class Watchdog:
         silence: seconds without a heartbeat after which the robot is stopped.
     """
 
-    def __init__(self, address: str, silence: float = SILENCE) -> None:
+    def __init__(self, address: str, silence: float = _SILENCE) -> None:
         self.silence = silence
         self._command = (sys.executable, "-P", "-c", f"from {__name__} import main; main()", address, str(silence))
         self._needed = scheme_of(address) != "memory"
@@ -219,7 +218,7 @@ async def _stop_later(address: str, owed: list[_Order]) -> None:
                     await asyncio.sleep(_LOOK)
                     continue
                 try:
-                    await _Watching(connection, SILENCE).stop_all(owed)
+                    await _Watching(connection, _SILENCE).stop_all(owed)
                 finally:
                     await connection.aclose()
                 return

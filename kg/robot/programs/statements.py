@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from kg.robot.driving.driver import Driver
     from kg.robot.driving.routes import Outcome
 
-MOST_STEPS: Final = 20_000
-"""Maximum number of statements without one that waits or acts."""
+_MOST_STEPS: Final = 20_000  # maximum number of statements without one that waits or acts
 
 _T = TypeVar("_T")
 
@@ -60,9 +59,9 @@ class Pace:
     async def step(self) -> None:
         """Enter a statement; RobotError KG837 after too many without a wait."""
         self._steps += 1
-        if self._steps > MOST_STEPS:
+        if self._steps > _MOST_STEPS:
             hint = "Put `wait 0.1 s` into the loop."
-            raise RobotError("KG837", f"more than {MOST_STEPS} statements without a wait", hint=hint)
+            raise RobotError("KG837", f"more than {_MOST_STEPS} statements without a wait", hint=hint)
         await self.going.wait()
         await asyncio.sleep(0)
 

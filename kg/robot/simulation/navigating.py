@@ -167,8 +167,7 @@ class Planner:
         )
 
 
-REACHED: Final = 0.1
-"""Tolerance of a goal in metres; then the heading is turned to, within `_TURNED` radians."""
+_REACHED: Final = 0.1  # tolerance of a goal in metres; then the heading is turned to, within `_TURNED` radians
 
 _TURNED: Final = 0.06
 _PASSED: Final = 0.25
@@ -194,7 +193,7 @@ class Follower:
         """Return the velocity for the next tenth of a second."""
         while len(self._points) > 1 and pose.distance(*self._points[0]) < _PASSED:
             self._points.pop(0)
-        if self._points and (len(self._points) > 1 or pose.distance(*self._points[0]) > REACHED):
+        if self._points and (len(self._points) > 1 or pose.distance(*self._points[0]) > _REACHED):
             return self._onwards(pose, ranges)
         self._points.clear()
         off = wrapped(self._heading - pose.heading)
