@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
 
 _CODE: Final = "KG003"
-_MOST: Final = 60
-"""Characters of a wrong value that are shown."""
+_MOST: Final = 60  # characters of a wrong value that are shown
 
 
 def unknown_tool(name: str, tools: Iterable[str]) -> UsageError:
@@ -55,7 +54,6 @@ def _hint(schema: Mapping[str, Any], advice: Iterable[str | None]) -> str:
 
 
 def _kind(schema: Mapping[str, Any]) -> str:
-    """Return the type of an argument in words."""
     choices = [one for one in schema.get("anyOf", ()) if one.get("type") != "null"]
     if choices:
         return " or ".join(map(_kind, choices))

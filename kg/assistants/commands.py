@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-_GRACE: Final = 5.0
-"""Seconds that a command has to end by itself, so that a robot that it drives is stopped."""
+_GRACE: Final = 5.0  # seconds that a command has to end by itself, so that a robot that it drives is stopped
 
 
 async def run_command(*arguments: str, seconds: float) -> tuple[int, str]:

@@ -12,10 +12,8 @@ if TYPE_CHECKING:
 
 FURTHER: Final = "`page` {}"
 """The next page of the answer of a tool."""
-_TEXTS: Final = 2
-"""So many descriptions of a node are shown without detail."""
-_WORDS: Final = 200
-"""Characters of a description that are shown without detail."""
+_TEXTS: Final = 2  # so many descriptions of a node are shown without detail
+_WORDS: Final = 200  # characters of a description that are shown without detail
 
 
 class Where:

@@ -108,8 +108,6 @@ def _add_resources(server: MCPServer, tools: Tools) -> None:
 
 
 def _add_list(server: MCPServer, name: str, description: str, listed: Callable[[int], Awaitable[str]]) -> None:
-    """Offer a list, and its further pages."""
-
     @server.resource(f"kg://{name}", description=f"{description}.", mime_type="text/plain")
     async def first() -> str:
         return await listed(1)

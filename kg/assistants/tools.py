@@ -25,16 +25,14 @@ if TYPE_CHECKING:
 
 PAGE: Final = 2700
 """Bytes of an answer, or of a page of it: with what the protocol adds, 3 KB."""
-_DETAILED: Final = 12_000
-"""Bytes of a page with detail."""
+_DETAILED: Final = 12_000  # bytes of a page with detail
 _FORMATS: Final = {"rows": "tsv", "boolean": "json", "graph": "turtle"}
 _MOST_ROWS: Final = 200
 _MOST_HITS: Final = 50
 _MOST_NODES: Final = 1000
 _DOES_NOT_HOLD: Final = "KG226"
 _TOO_LONG: Final = "KG503"
-_HEADED: Final = 2
-"""Lines of a table with one row: the variables, and the row."""
+_HEADED: Final = 2  # lines of a table with one row: the variables, and the row
 _QUERY_SECONDS: Final = 10.0
 _DIFF_SECONDS: Final = 300.0
 _RUN_SECONDS: Final = 600.0
@@ -413,7 +411,6 @@ def _text(  # noqa: PLR0913 - how an answer is shown
 
 
 def _further(kind: str, name: str) -> str:
-    """Return the address of a page of a resource; `{}` is the number of the page."""
     return f"kg://{kind}/{quote(name)}?page={{}}"
 
 

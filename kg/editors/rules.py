@@ -195,7 +195,6 @@ class Rules:
                 yield types.RenameFile(uri_of(each, self._workspace), uri_of(target, self._workspace))
 
     def _file(self, symbol: Symbol, name: str, suffix: str) -> Path:
-        """Return the path that the file of a rule has under a new name."""
         root = str(self._knowledge.names[symbol.name].with_suffix("")).removesuffix(symbol.name)
         return Path(root, f"{name}{suffix}")
 

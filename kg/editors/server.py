@@ -169,8 +169,6 @@ def language_server(source: Source) -> LanguageServer:
 
 
 def _documents(server: LanguageServer, session: _Session) -> None:
-    """Register what happens to documents."""
-
     @server.feature(types.INITIALIZE)
     def initialize(params: types.InitializeParams) -> None:
         session.begin(params)
@@ -202,8 +200,6 @@ def _documents(server: LanguageServer, session: _Session) -> None:
 
 
 def _features(server: LanguageServer, session: _Session) -> None:
-    """Register what an editor asks for."""
-
     @server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=["?", ":"]))
     def completed(params: types.CompletionParams) -> list[types.CompletionItem]:
         return session.rules.completions(params.text_document.uri, params.position)

@@ -71,11 +71,7 @@ class Source:
         return Knowledge(folders, context, Terms.of(ontologies, uses), names, own, tuple(dict.fromkeys(shipped)))
 
     def findings(self) -> Checked | None:
-        """Return what `kg lint` reports; None without a store.
-
-        Raises:
-            UsageError: KG002, KG420 and KG421, as `kg lint`.
-        """
+        """Return what `kg lint` reports; None without a store. UsageError KG002, KG420 and KG421, as `kg lint`."""
         folder = Path.cwd()
         question = Question(**load_table(DECLARED, {}, folder=folder))
         try:

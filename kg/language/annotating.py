@@ -24,14 +24,11 @@ if TYPE_CHECKING:
 
 LONGEST_TEXT: Final = 20_000
 """Largest tagged part of a description in characters: ten pages; longer texts are data."""
-LONGEST_WORD: Final = 80
-"""Longer words are data (keys, ASCII art) and are left out."""
-LONGEST_SENTENCE: Final = 2_000
+_LONGEST_WORD: Final = 80  # longer words are data (keys, ASCII art) and are left out
+_LONGEST_SENTENCE: Final = 2_000
 """Characters tagged at a time, so texts without full stops use no more memory than others."""
-LEAST_ENGLISH: Final = 0.6
-"""Least share of letters of the English alphabet."""
-MOST_SIGNS: Final = 0.25
-"""A sentence with a larger share of signs is code or a drawing."""
+_LEAST_ENGLISH: Final = 0.6  # least share of letters of the English alphabet
+_MOST_SIGNS: Final = 0.25  # a sentence with a larger share of signs is code or a drawing
 STOP_WORDS: Final = frozenset({"be", "do", "get", "have", "let", "make", "use", "need", "want", "etc"})
 """Verbs that say nothing about the function of a node."""
 
@@ -50,8 +47,6 @@ _BATCH: Final = 128
 
 @dataclass(frozen=True, slots=True)
 class _Tagged:
-    """Annotations of a sentence."""
-
     words: frozenset[str]
     phrases: tuple[Phrase, ...]
 
@@ -107,7 +102,7 @@ def sentences(text: str) -> list[str]:
     found = []
     for part in _BOUNDARY.split(clean):
         kept = _LAST_NUMBER.sub(
-            " .", " ".join(word for word in part.split() if len(word) <= LONGEST_WORD)[:LONGEST_SENTENCE]
+            " .", " ".join(word for word in part.split() if len(word) <= _LONGEST_WORD)[:_LONGEST_SENTENCE]
         )
         if _is_language(kept):
             found.append(kept)
@@ -119,8 +114,8 @@ def _is_language(sentence: str) -> bool:
     english = len(_ENGLISH.findall(sentence))
     return (
         english > 1
-        and english >= LEAST_ENGLISH * letters
-        and len(_SIGNS.findall(sentence)) <= MOST_SIGNS * len(sentence)
+        and english >= _LEAST_ENGLISH * letters
+        and len(_SIGNS.findall(sentence)) <= _MOST_SIGNS * len(sentence)
     )
 
 

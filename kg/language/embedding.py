@@ -23,11 +23,9 @@ if TYPE_CHECKING:
 FEATURES: Final = ("form", "shape", "prefix", "suffix2", "suffix3", "suffix4")
 """Features of a word, each with its own table."""
 
-_KEPT_WORDS: Final = 100_000
-"""Number of words with cached features; only malicious texts have more different ones."""
+_KEPT_WORDS: Final = 100_000  # number of words with cached features; only malicious texts have more different ones
 _LONGEST_FORM: Final = 64
-_RUN: Final = 4
-"""Longest run of the same kind of character in a shape, as in spaCy."""
+_RUN: Final = 4  # longest run of the same kind of character in a shape, as in spaCy
 _DIGIT: Final = re.compile(r"\d")
 
 

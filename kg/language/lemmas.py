@@ -23,8 +23,7 @@ LONGEST_ENDING: Final = 6
 """Longest ending in characters."""
 
 _FILE: Final = "lemmas.json"
-_KEPT_WORDS: Final = 100_000
-"""Number of cached lemmas; only malicious texts have more different words."""
+_KEPT_WORDS: Final = 100_000  # number of cached lemmas; only malicious texts have more different words
 
 Table = dict[str, dict[str, str]]
 """Tag to word to lemma, or tag to ending to replacement: the number of characters to remove, and the text to append."""

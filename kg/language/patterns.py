@@ -29,8 +29,7 @@ with lazily():
 FILE_NAME: Final = "hardware-patterns.toml"
 
 _REFERENCE: Final = re.compile(r"([a-z]+)(?:([?*+])|\{(\d+),(\d+)\})?")
-_LONGEST_PHRASE: Final = 8
-"""Longer phrases are lists without commas, or not prose."""
+_LONGEST_PHRASE: Final = 8  # longer phrases are lists without commas, or not prose
 
 _NOUNS: Final = frozenset({"NOUN", "PROPN"})
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from spacy.language import Language
 
-IDENTIFIER: Final = re.compile(
+_IDENTIFIER: Final = re.compile(
     r"""
       [~/]?[a-z]\w*(?:/\w+)*/[A-Z]\w*             # sensor_msgs/LaserScan
     | [~/][A-Za-z]\w*(?:/\w+)*                    # /camera/image_raw, ~frame_id, /dev/ttyUSB0
@@ -33,8 +33,7 @@ IDENTIFIER: Final = re.compile(
 
 _RUNS: Final = (r"[!?]{2,}", r"[-=_~*]{2,}", r"\${2,}", r"<{2,}", r">{2,}", r"\+{2,}")
 """Repeated signs that are one word, as in the treebank: rows of dashes, `!!`."""
-_JOINED: Final = ("and/or",)
-"""Words that spaCy preserves and the treebank splits."""
+_JOINED: Final = ("and/or",)  # words that spaCy preserves and the treebank splits
 
 
 def make_tokenizer() -> Callable[[Language], Tokenizer]:
@@ -51,7 +50,7 @@ def _make(nlp: Language) -> Tokenizer:
         prefix_search=compile_prefix_regex([*_RUNS, "-", *(defaults.prefixes or ())]).search,
         suffix_search=compile_suffix_regex([*_RUNS, r"(?<=\w\w)\.", *(defaults.suffixes or ())]).search,
         infix_finditer=compile_infix_regex([*_RUNS, *(defaults.infixes or ())]).finditer,
-        token_match=IDENTIFIER.fullmatch,
+        token_match=_IDENTIFIER.fullmatch,
         url_match=defaults.url_match,
     )
 

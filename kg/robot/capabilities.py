@@ -147,7 +147,6 @@ def _number(text: str | None) -> float | None:
 
 
 def _value(text: str) -> float | bool | str:
-    """Return a text decoded as JSON, or the text itself if it is not JSON."""
     with suppress(ValueError):
         value = json.loads(text)
         if isinstance(value, bool | int | float | str):
@@ -170,8 +169,6 @@ def _path(texts: Iterable[str], messages: frozenset[str], parts: frozenset[str])
 
 
 class _Kinds:
-    """The classes of capabilities with their labels and superclasses."""
-
     def __init__(self, graph: Askable) -> None:
         self._labels: dict[str, str] = {}
         self._broader: dict[str, set[str]] = {}

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 _INSTANT: Final = 1e-9
-_STALLED: Final = 10.0
-"""Wall-clock seconds after which a stopped clock counts as stalled."""
+_STALLED: Final = 10.0  # wall-clock seconds after which a stopped clock counts as stalled
 
 
 class Clock(Protocol):

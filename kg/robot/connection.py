@@ -23,6 +23,8 @@ Level: TypeAlias = Literal["info", "warning", "error"]
 """The severity of a line of the log."""
 Value: TypeAlias = dict[str, Any]
 """A message as plain values."""
+Cancel: TypeAlias = "Callable[[str], Awaitable[None]]"
+"""Requests the cancellation of a goal by its identity; RobotError KG803 if the server does not answer."""
 FAILURES: Final = (KgError, ArithmeticError, AttributeError, LookupError, OSError, RuntimeError, TypeError, ValueError)
 """Exceptions of service and action callbacks that are reported to the client as failures."""
 
@@ -138,20 +140,6 @@ class Goal(Protocol):
         """Request cancellation of the goal; `result` returns when it has ended."""
 
 
-class Canceller(Protocol):
-    """Cancels goals of one action, whoever sent them."""
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal; RobotError KG803 if the server does not answer."""
-
-
-class Serving(Protocol):
-    """A service or action that this node serves."""
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-
-
 class Connection(Protocol):
     """Our node in the system of a robot."""
 
@@ -192,11 +180,7 @@ class Connection(Protocol):
         """Advertise a topic; `latch` keeps the last message for later subscribers (ROS 2: transient local)."""
 
     async def call(self, service: str, kind: str | None, request: Value, *, seconds: float) -> Value:
-        """Call a service and return the response.
-
-        Raises:
-            RobotError: KG807 no server, KG808 a failure, KG803 a timeout.
-        """
+        """Call a service and return the response; RobotError KG807 no server, KG808 a failure, KG803 a timeout."""
 
     async def send_goal(
         self, action: str, kind: str, goal: Value, *, seconds: float, identity: str | None = None
@@ -207,14 +191,17 @@ class Connection(Protocol):
         random one.
         """
 
-    async def canceller(self, action: str) -> Canceller:
-        """Return an object that cancels goals of an action by identity."""
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action, whoever sent them."""
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
-        """Serve a service; an exception of `answer` is reported to the client as a failure."""
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
+        """Serve a service while connected; an exception of `answer` is reported to the client as a failure."""
 
-    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
-        """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
+        """Serve an action while connected, one goal at a time: a new goal cancels the previous one.
+
+        `carry_out` returns the result.
+        """
 
     def log(self, level: Level, message: str) -> None:
         """Write a line to the log of the robot (`/rosout`), if the connection supports that."""

@@ -23,6 +23,7 @@ from kg.robot.clock import Clock, WallClock, within
 from kg.robot.connection import (
     FAILURES,
     Accepted,
+    Cancel,
     ComputationGraph,
     GraphProblem,
     Level,
@@ -60,7 +61,7 @@ class MemorySubscription(Inbox[Received]):
     def _leave(self) -> None:
         side = self._owner.bus.topics[self._topic]
         side.subscriptions = [one for one in side.subscriptions if one is not self]
-        self._owner.bus.changed()
+        self._owner.bus.changes.notify()
 
 
 class MemoryPublication:
@@ -104,7 +105,7 @@ class MemoryPublication:
     async def aclose(self) -> None:
         """Stop publishing the topic."""
         self._side.publications = [one for one in self._side.publications if one is not self]
-        self._owner.bus.changed()
+        self._owner.bus.changes.notify()
 
 
 class Service:
@@ -147,11 +148,6 @@ class Service:
         if self._owner.bus.services.get(self._name) is self:
             del self._owner.bus.services[self._name]
 
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()
-        self._owner.bus.changed()
-
 
 class MemoryGoal(GoalProgress):
     """The client's side of a goal."""
@@ -165,20 +161,6 @@ class MemoryGoal(GoalProgress):
         """Request cancellation of the goal."""
         self._client.present()
         self._work.cancelled = True
-        await asyncio.sleep(0)
-
-
-class MemoryCanceller:
-    """Cancels goals of an action by their identities, whoever sent them."""
-
-    def __init__(self, bus: Bus, action: str) -> None:
-        self._bus = bus
-        self._action = action
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal."""
-        if server := self._bus.actions.get(self._action):
-            server.cancel(identity)
         await asyncio.sleep(0)
 
 
@@ -230,7 +212,7 @@ class ActionServer:
         self._goals.append(work)
         if client.name not in self.clients:
             self.clients.add(client.name)
-            self._owner.bus.changed()
+            self._owner.bus.changes.notify()
         if self._worker is None or self._worker.done():
             self._worker = spawn(self._work(), f"carrying out {self._name}")
         return work.client
@@ -266,11 +248,6 @@ class ActionServer:
         self._goals.clear()
         if self._owner.bus.actions.get(self._name) is self:
             del self._owner.bus.actions[self._name]
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()
-        self._owner.bus.changed()
 
 
 class MemoryConnection:
@@ -321,7 +298,7 @@ class MemoryConnection:
         for latched in (one.last for one in side.publications if one.last is not None):
             subscription.put(Received(deepcopy(latched.value), latched.at, latched.node))
         side.subscriptions.append(subscription)
-        self.bus.changed()
+        self.bus.changes.notify()
         return subscription
 
     async def advertise(self, topic: str, kind: str, *, latch: bool = False) -> MemoryPublication:
@@ -330,7 +307,7 @@ class MemoryConnection:
         side = self._side(topic, kind)
         publication = MemoryPublication(self, topic, kind, latch=latch)
         side.publications.append(publication)
-        self.bus.changed()
+        self.bus.changes.notify()
         return publication
 
     def _side(self, topic: str, kind: str) -> Topic:
@@ -374,10 +351,16 @@ class MemoryConnection:
             raise RobotError("KG806", f"`{action}` is of the type {server.kind}, not {kind}")
         return server.accept(self, value, identity)
 
-    async def canceller(self, action: str) -> MemoryCanceller:
-        """Return an object that cancels goals of an action."""
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action."""
         self.present()
-        return MemoryCanceller(self.bus, action)
+
+        async def cancel(identity: str) -> None:
+            if server := self.bus.actions.get(action):
+                server.cancel(identity)
+            await asyncio.sleep(0)
+
+        return cancel
 
     async def _server(self, action: str) -> ActionServer:
         with self.bus.changes.news() as news:
@@ -386,23 +369,19 @@ class MemoryConnection:
                 await news.wait()
             return self.bus.actions[action]
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; the newest of several servers is called."""
         self.present()
         self.types.fields(f"{kind}_Request")
         self.bus.services[service] = Service(self, service, kind, answer)
-        self.bus.changed()
-        return self.bus.services[service]
+        self.bus.changes.notify()
 
-    async def serve_action(
-        self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
-    ) -> ActionServer:
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time."""
         self.present()
         self.types.fields(f"{kind}_Goal")
         self.bus.actions[action] = ActionServer(self, action, kind, carry_out)
-        self.bus.changed()
-        return self.bus.actions[action]
+        self.bus.changes.notify()
 
     def log(self, level: Level, message: str) -> None:
         """Do nothing: there is no log."""
@@ -441,7 +420,7 @@ class MemoryConnection:
                 served.end()
         if self.bus.nodes.get(self.name) is self:
             del self.bus.nodes[self.name]
-        self.bus.changed()
+        self.bus.changes.notify()
 
 
 class Bus:
@@ -480,7 +459,7 @@ class Bus:
         self.cut(absolute, "another node with the same name joined")
         node = MemoryConnection(self, absolute, types or self.types)
         self.nodes[absolute] = node
-        self.changed()
+        self.changes.notify()
         return node
 
     def cut(self, name: str, why: str) -> None:
@@ -500,10 +479,6 @@ class Bus:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-    def changed(self) -> None:
-        """Notify the watchers of the graph."""
-        self.changes.notify()
 
     def graph(self, without: str | None = None) -> ComputationGraph:
         """Return the computation graph, without the named node."""

@@ -299,7 +299,6 @@ def _elements(parameter: NodeParameter, text: str) -> list[str]:
 
 
 def _guessed(parameter: NodeParameter, text: str) -> Any:
-    """Return a value with the type of its YAML notation."""
     try:
         value = load_yaml(text)
     except YAMLError:

@@ -7,7 +7,8 @@ Use `spawn`, or the `Tasks` of an owner, for a task that might never be awaited.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
@@ -49,6 +50,12 @@ class Tasks:
     async def done(self) -> None:
         """Return when all tasks have finished by themselves."""
         await asyncio.gather(*self._running, return_exceptions=True)
+
+
+def call_in(loop: asyncio.AbstractEventLoop, call: Callable[..., object], *arguments: object) -> None:
+    """Call something in an event loop, from another thread; does nothing if the loop is closed."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(call, *arguments)
 
 
 def _over(what: str, task: asyncio.Task[Any]) -> None:

@@ -14,8 +14,7 @@ _T = TypeVar("_T")
 
 GONE: Final = 499
 """Status in the log for a client that disconnected; nobody receives it."""
-_PATIENCE: Final = 0.05
-"""Seconds before the connection is watched: most requests are finished by then."""
+_PATIENCE: Final = 0.05  # seconds before the connection is watched: most requests are finished by then
 
 
 class ClientLeftError(Exception):

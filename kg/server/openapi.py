@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import inspect
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final
 
 from starlette.responses import JSONResponse, Response
@@ -90,12 +90,12 @@ _GRAPH: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """A method at an address; `bodies` maps media types to schemas, `answers` maps statuses to media types."""
+    """A method at an address; `bodies` maps media types to schemas, `answers` statuses to theirs, by default JSON."""
 
     summary: str
     parameters: tuple[dict[str, Any], ...] = ()
     bodies: Mapping[str, Mapping[str, Any]] | None = None
-    answers: Mapping[int, tuple[str, ...]] | None = None
+    answers: Mapping[int, tuple[str, ...]] = field(default_factory=lambda: {200: ("application/json",)})
     token: bool = False
 
 
@@ -126,7 +126,6 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
         "Change the store by SPARQL.",
         (*_graphs("using"), *_ONLY_IF, _TIMEOUT),
         {"application/sparql-update": _TEXT, "application/x-www-form-urlencoded": _form("update")},
-        {200: ("application/json",)},
         token=True,
     ),
     ("GET", "/store"): Operation("Return a graph.", (*_GRAPH, *_READING), answers={200: _DATA, 304: ()}),
@@ -137,12 +136,12 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
     ("PUT", "/store/{path}"): Operation("Replace the graph of this name.", _ONLY_IF, _PUT, _STORED, token=True),
     ("POST", "/store/{path}"): Operation("Add to the graph of this name.", _ONLY_IF, _PUT, _STORED, token=True),
     ("DELETE", "/store/{path}"): Operation("Remove the graph of this name.", _ONLY_IF, answers=_STORED, token=True),
-    ("GET", "/jobs"): Operation("List what runs.", answers={200: ("application/json",)}),
-    ("GET", "/jobs/{identity}"): Operation("Say how far a query is.", answers={200: ("application/json",)}),
+    ("GET", "/jobs"): Operation("List what runs."),
+    ("GET", "/jobs/{identity}"): Operation("Say how far a query is."),
     ("DELETE", "/jobs/{identity}"): Operation("Cancel a query.", answers={204: ()}),
-    ("GET", "/health"): Operation("Say whether the store can be read.", answers={200: ("application/json",)}),
+    ("GET", "/health"): Operation("Say whether the store can be read."),
     ("GET", "/metrics"): Operation("Return figures for Prometheus.", answers={200: ("text/plain",)}),
-    ("GET", "/openapi.json"): Operation("Describe this server.", answers={200: ("application/json",)}),
+    ("GET", "/openapi.json"): Operation("Describe this server."),
     ("GET", "/errors/{code}"): Operation(
         "Explain the code of an error.", answers={200: ("text/plain", "text/html", "application/json")}
     ),
@@ -157,17 +156,14 @@ OPERATIONS: Final[Mapping[tuple[str, str], Operation]] = {
     ("GET", "/robot/why"): Operation(
         "Prove that the robot has a capability.",
         (_parameter("capability", _TEXT, "Its name, its label or its IRI.", required=True),),
-        answers={200: ("application/json",)},
     ),
     ("POST", "/robot/check"): Operation(
         "Check a program, given as JSON or as text, and return it as both.",
         bodies=_JSON,
-        answers={200: ("application/json",)},
     ),
     ("POST", "/robot/convert"): Operation(
         "Return a program as text, as code for rospy or rclpy, or as a behaviour tree, or a tree as text.",
         bodies=_JSON,
-        answers={200: ("application/json",)},
     ),
     ("POST", "/robot/run"): Operation(
         "Run a program, given as JSON or as text.", bodies=_JSON, answers=_DONE, token=True
@@ -211,7 +207,6 @@ def describe(routes: list[BaseRoute]) -> dict[str, Any]:
 
 
 def _operations(routes: list[BaseRoute]) -> Iterator[tuple[str, str, Operation]]:
-    """Yield each address and method with its operation."""
     for route in routes:
         if not isinstance(route, Route):
             continue
@@ -240,14 +235,13 @@ def _views() -> Iterator[tuple[str, str, Operation]]:
             for argument in arguments
             if argument.kind not in {argument.VAR_KEYWORD, argument.VAR_POSITIONAL}
         )
-        answers = {200: ("application/json",)}
-        yield name, "GET", Operation(summary, texts, answers=answers)
+        yield name, "GET", Operation(summary, texts)
         body = {
             "type": "object",
             "properties": {text["name"]: {} for text in texts},
             "required": [text["name"] for text in texts if text["required"]],
         }
-        yield name, "POST", Operation(summary, bodies={"application/json": body}, answers=answers)
+        yield name, "POST", Operation(summary, bodies={"application/json": body})
 
 
 def _described(path: str, operation: Operation) -> dict[str, Any]:
@@ -256,7 +250,7 @@ def _described(path: str, operation: Operation) -> dict[str, Any]:
         for name in _PLACEHOLDER.findall(path)
     ]
     responses: dict[str, Any] = {}
-    for status, kinds in (operation.answers or {}).items():
+    for status, kinds in operation.answers.items():
         responses[str(status)] = {"description": "Done."}
         if kinds:
             responses[str(status)]["content"] = {kind: {} for kind in kinds}

@@ -141,7 +141,6 @@ def _parse_request(request: Request, body: bytes) -> QueryRequest | None:
 
 
 def _parameters(request: Request, body: bytes) -> tuple[Parameters, str | None]:
-    """Return the parameters of a request and the text of its query."""
     query_string = request.scope["query_string"]
     if request.method in {"GET", "HEAD"}:
         parameters = Parameters(query_string)

@@ -66,7 +66,6 @@ async def _update(request: Request) -> Response:
 
 
 async def _parameters(request: Request) -> tuple[Parameters, str | None]:
-    """Return the parameters of a request and the text of its update."""
     query_string = request.scope["query_string"]
     kind = media_type(request)
     if "update" in Parameters(query_string):

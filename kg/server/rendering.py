@@ -81,7 +81,6 @@ def environment() -> Environment:
 
 
 def _number(value: float) -> str:
-    """Return a number with thousands separators."""
     return f"{value:,}"
 
 

@@ -15,7 +15,7 @@ import os
 import signal
 import socket
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Final
 
 import uvicorn
@@ -41,18 +41,13 @@ if TYPE_CHECKING:
 _LAST_WORDS: Final = 2.0  # seconds to report cancelled work to clients
 
 
-def notify(message: str) -> bool:
-    """Send a state to systemd (`sd_notify(3)`); return False if it is not listening."""
+def notify(message: str) -> None:
+    """Send a state to systemd (`sd_notify(3)`), if it is listening."""
     address = os.environ.get("NOTIFY_SOCKET", "")
-    if not address.startswith(("/", "@")):
-        return False
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as endpoint:
-        try:
+    if address.startswith(("/", "@")):
+        with suppress(OSError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as endpoint:
             endpoint.connect("\0" + address[1:] if address.startswith("@") else address)
             endpoint.sendall(message.encode())
-        except OSError:
-            return False
-    return True
 
 
 class Server(uvicorn.Server):
@@ -119,7 +114,6 @@ class Server(uvicorn.Server):
                 await leaving
 
     def _end(self) -> None:
-        """Cancel all running work."""
         if (state := self._state) is not None:
             for identity in tuple(state.readers.jobs):
                 state.readers.cancel(identity)

@@ -21,6 +21,7 @@ from textual.widget import Widget
 from textual.worker import WorkerFailed, get_current_worker
 
 from kg.errors import KgError, UsageError
+from kg.lazily import lazily
 from kg.render.text import printable
 from kg.shell.actions import ACTIONS, Action, bindings, key_words
 from kg.shell.delivery import guard, is_late, is_open
@@ -38,6 +39,12 @@ if TYPE_CHECKING:
 
     from kg.settings import Settings
     from kg.store.layout import Layout
+
+with lazily():
+    from kg.shell.screens.find import FindScreen
+    from kg.shell.screens.help import HelpScreen
+    from kg.shell.screens.rules import RulesScreen
+    from kg.shell.screens.systems import SystemsScreen
 
 _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50
@@ -131,6 +138,7 @@ class Shell(App[None]):
 
     async def on_mount(self) -> None:
         """Apply the saved theme, and start the readers."""
+        self.state.tell = self._tell_unsaved
         theme = self.state.choice("theme", _THEME)
         self.theme = theme if theme in self.available_themes else _THEME
         self.set_keymap({one.identity: ",".join(one.keys) for one in self.actions if one not in ACTIONS})
@@ -185,6 +193,9 @@ class Shell(App[None]):
         """Show an error on top of the current screen."""
         words = f"{error.message}\n{error.hint}" if error.hint else error.message
         self.notify(words, title=error.code, severity="error", timeout=10, markup=False)
+
+    def _tell_unsaved(self, why: str) -> None:
+        self.notify(f"Buffers, history and choices are not saved in {why}", severity="warning", markup=False)
 
     def edit(self, place: Mapping[str, Any] | None) -> None:
         """Open the place of a view in the editor, with this application suspended."""
@@ -247,32 +258,23 @@ class Shell(App[None]):
 
     def action_help(self) -> None:
         """Show every key."""
-        from kg.shell.screens.help import HelpScreen  # noqa: PLC0415 - start-up time
-
-        if not isinstance(self.screen, HelpScreen | CommandPalette):
+        if not isinstance(self.screen, (HelpScreen, CommandPalette)):
             self.push_screen(HelpScreen())
 
     def action_find(self) -> None:
         """Search for nodes by what they do."""
-        from kg.shell.screens.find import FindScreen  # noqa: PLC0415 - start-up time
-
         self._above(FindScreen)
 
     def action_rules(self) -> None:
         """Show the rules."""
-        from kg.shell.screens.rules import RulesScreen  # noqa: PLC0415 - start-up time
-
         self._above(RulesScreen)
 
     def action_systems(self) -> None:
         """Show launch configurations and findings."""
-        from kg.shell.screens.systems import SystemsScreen  # noqa: PLC0415 - start-up time
-
         self._above(SystemsScreen)
 
     def _above(self, kind: Any) -> None:
-        """Open a screen, replacing another one above the main screen."""
-        if isinstance(self.screen, kind | CommandPalette):
+        if isinstance(self.screen, (kind, CommandPalette)):
             return
         while len(self.screen_stack) > 1:
             self.pop_screen()

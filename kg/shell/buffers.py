@@ -115,18 +115,16 @@ class Buffers(TabbedContent):
         """The queries, without empty buffers."""
         return [text for one in self.all if (text := one.text).strip()]
 
-    async def open(self, text: str) -> Buffer:
+    async def open(self, text: str) -> None:
         """Open a buffer and show it; an empty visible one is reused."""
-        current = self.current
-        if current is not None and not current.text.strip() and current.job is None:
-            current.editor.text = text
-            current.editor.focus()
-            return current
-        buffer = self._create(text)
-        await self.add_pane(buffer)
-        self.active = str(buffer.id)
+        buffer = self.current
+        if buffer is not None and not buffer.text.strip() and buffer.job is None:
+            buffer.editor.text = text
+        else:
+            buffer = self._create(text)
+            await self.add_pane(buffer)
+            self.active = str(buffer.id)
         buffer.editor.focus()
-        return buffer
 
     async def close_current(self) -> None:
         """Close the visible buffer; the last one is emptied."""

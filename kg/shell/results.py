@@ -169,7 +169,6 @@ class ResultView(Vertical):
             self.say(self._remark(self.result))
 
     def _text(self, term: Term | None) -> str:
-        """Return a cell as one line without control characters."""
         if not isinstance(term, NamedNode):
             return printable(display(term))
         short = shorten(term.value, self._prefixes)

@@ -74,7 +74,6 @@ def chosen_actions(path: Path) -> tuple[Action, ...]:
 
 
 def _pairs(given: Mapping[str, Any], path: Path) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the identity and the keys of each action in the file."""
     identities = [action.identity for action in ACTIONS]
     for context, table in given.items():
         if context not in CONTEXTS or not isinstance(table, dict):

@@ -62,7 +62,7 @@ class Runs:
         buffer = self._screen.buffers.current
         job = self._link.job(buffer.job) if buffer and buffer.job else None
         if job or self._was_running:
-            self._screen.status.run(job, job.rows if job else 0)
+            self._screen.status.run(job)
         self._was_running = job is not None
 
     async def _run(self, buffer: Buffer, text: str, offset: int, limit: int | None, before: tuple[str, object]) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from kg.store.layout import write_atomically
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
 
 _KEPT: Final = 2_000  # maximum number of entries in the history
 
@@ -34,24 +36,22 @@ class Entry:
 
 
 class State:
-    """Reads and writes the folder; unreadable files are ignored, unwritable ones reported once.
-
-    `problem` is the reason why something was not saved, None without problems.
-    """
+    """Reads and writes the folder; unreadable files are ignored, and the first unwritable one is told to `tell`."""
 
     def __init__(self, folder: Path, store: str) -> None:
         self._folder = folder
-        self._store = store
-        self.problem: str | None = None
+        self._buffers = f"buffers-{hashlib.sha256(store.encode()).hexdigest()[:16]}.json"
+        self._told = False
+        self.tell: Callable[[str], object] = lambda _why: None
 
     def buffers(self) -> list[str]:
         """Return the saved buffers of this store."""
-        saved = self._read(self._buffers_name(), [])
+        saved = self._read(self._buffers, [])
         return [one for one in saved if isinstance(one, str)] if isinstance(saved, list) else []
 
     def keep_buffers(self, texts: Sequence[str]) -> None:
         """Save the texts of the buffers for this store."""
-        self._write(self._buffers_name(), list(texts))
+        self._write(self._buffers, list(texts))
 
     def choice(self, name: str, default: str) -> str:
         """Return a saved choice, such as the theme."""
@@ -87,9 +87,6 @@ class State:
         self._guarded(lambda: _write(self._ensure_folder() / "failure.txt", words))
         return self._folder / "failure.txt"
 
-    def _buffers_name(self) -> str:
-        return f"buffers-{hashlib.sha256(self._store.encode()).hexdigest()[:16]}.json"
-
     def _lines(self) -> list[str]:
         try:
             return (self._folder / "history.jsonl").read_text("utf-8", errors="replace").splitlines()
@@ -113,7 +110,9 @@ class State:
         try:
             write()
         except OSError as error:
-            self.problem = f"{self._folder}: {error.strerror or error}"
+            if not self._told:
+                self._told = True
+                self.tell(f"{self._folder}: {error.strerror or error}")
 
 
 def _write(path: Path, text: str) -> None:

@@ -296,8 +296,9 @@ class Behaviour:
         """A call returns the response; a failure is KG808 with its message; without a server it is KG807."""
 
         async def scene() -> None:
-            async with system.pair() as (one, two):
-                serving = await one.serve("/double", "kg_test/Double", _double)
+            async with system.pair() as (_, two):
+                three = await system.join("/three")
+                await three.serve("/double", "kg_test/Double", _double)
                 await system.seen(two, lambda graph: bool(_ends(graph, "/double")))
                 call = two.call("/double", "kg_test/Double", {"value": 2.0}, seconds=patient(system.seconds))
                 assert await call == {"value": 4.0, "remark": "twice"}
@@ -305,7 +306,7 @@ class Behaviour:
                     await two.call("/double", "kg_test/Double", {"value": -1.0}, seconds=patient(system.seconds))
                 assert failed.value.code == "KG808"
                 assert "negative" in failed.value.message
-                await serving.aclose()
+                await three.aclose()
                 await system.seen(two, lambda graph: not _ends(graph, "/double"))
                 with pytest.raises(RobotError) as nobody:
                     await two.call("/double", "kg_test/Double", {"value": 1.0}, seconds=patient(system.seconds))
@@ -365,10 +366,10 @@ class Behaviour:
                 goal = await two.send_goal(
                     "/count", "kg_test/Count", {"until": 10**6}, seconds=patient(system.seconds), identity=identity
                 )
-                canceller = await other.canceller("/count")
-                await system.soon(canceller.cancel(uuid4().hex))
+                cancel = await other.canceller("/count")
+                await system.soon(cancel(uuid4().hex))
                 await system.soon(anext(aiter(goal.feedback())))
-                await system.soon(canceller.cancel(identity))
+                await system.soon(cancel(identity))
                 with pytest.raises(RobotError) as ended:
                     await system.soon(goal.result())
                 assert ended.value.code == "KG809"

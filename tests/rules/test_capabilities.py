@@ -42,7 +42,7 @@ def reached(*ends: tuple[str, Role, str, str]) -> dict[str, set[str]]:
     """Return the nodes that provide each capability."""
     nodes = tuple(LiveNode(name) for name in sorted({end[0] for end in ends}))
     graph = ComputationGraph(ros=1, nodes=nodes, ends=tuple(LiveEnd(*end) for end in ends))
-    found = infer(graph, load(), name="robot").capabilities
+    found = infer(graph, load(), address="memory://robot").capabilities
     return {one.name: {way.node for way in one.ways} for one in found if one.ways}
 
 

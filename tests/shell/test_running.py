@@ -175,7 +175,7 @@ async def test_leaving_while_a_buffer_opens_is_no_error(store: Path, tmp_path: P
     for turns in (0, 1, 2, 4, 7, 11):
         async with running(store, tmp_path / str(turns)) as (app, pilot):
             current(app).editor.text = "ASK {}"
-            app.main.call_later(app.main.open_text, "SELECT")
+            app.main.call_later(app.main.buffers.open, "SELECT")
             for _ in range(turns):
                 await asyncio.sleep(0)
             await app.action_quit()
@@ -344,3 +344,11 @@ async def test_colour_can_be_left_out(store: Path, tmp_path: Path, monkeypatch: 
         await run_query(app, pilot, NODES)
         assert app.no_color
         assert any(isinstance(one, Monochrome) for one in app._filters)
+
+
+async def test_what_is_not_saved_is_told(store: Path, tmp_path: Path) -> None:
+    """A folder that cannot be written is reported by a notice when something is to be saved."""
+    (tmp_path / "file").write_text("")
+    async with running(store, tmp_path / "file") as (app, pilot):
+        await pilot.press("f8")
+        await until(pilot, lambda: any("are not saved" in one.message for one in app._notifications))

@@ -55,13 +55,15 @@ def test_damaged_files_count_as_nothing(tmp_path: Path, content: str) -> None:
 
 
 def test_what_cannot_be_kept_is_told(tmp_path: Path) -> None:
-    """If the folder is not writable the reason is available, and nothing is raised."""
+    """If the folder is not writable the reason is told once, and nothing is raised."""
     (tmp_path / "file").write_text("")
     state = State(tmp_path / "file" / "shell", "one")
+    told: list[str] = []
+    state.tell = told.append
     state.keep_buffers(["a"])
     state.remember(entry("a"))
-    assert state.problem
-    assert "file" in state.problem
+    assert len(told) == 1
+    assert "file" in told[0]
 
 
 def test_the_history_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,8 +15,8 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
+    from kg.robot.programs.events import Ended
     from kg.robot.programs.places import Places as PlacesByName
-    from kg.robot.programs.runner import Execution
 
 with lazily():
     import asyncio
@@ -80,7 +80,7 @@ def run(  # noqa: PLR0913 - the options of a command
     """
     loaded = read(program, json=json)
     wanted = limited(loaded.program, None if seconds is None else number_of_seconds(seconds, "--seconds"))
-    outcome: list[Execution] = []
+    outcome: list[Ended | None] = []
 
     async def carry_out() -> None:
         result = await execute(
@@ -95,10 +95,10 @@ def run(  # noqa: PLR0913 - the options of a command
         outcome.append(result)
 
     interruptible(carry_out(), moves=True)
-    (result,) = outcome
-    if result.ended is not None and result.ended.problem is not None:
-        report(error_at(result.ended.problem, loaded))
-    if result.ended is None or result.ended.ended == "failed":
+    (ended,) = outcome
+    if ended is not None and ended.problem is not None:
+        report(error_at(ended.problem, loaded))
+    if ended is None or ended.ended == "failed":
         raise typer.Exit(Exit.FOUND)
 
 

@@ -19,10 +19,6 @@ __all__ = ["Bag", "BagAddress", "BagConnection", "connect"]
 
 
 async def connect(address: str, name: str, types: Types | None = None) -> BagConnection:
-    """Open a recording.
-
-    Raises:
-        RobotError: KG801 an invalid address, KG850 an unreadable file.
-    """
+    """Open a recording; RobotError KG801 an invalid address, KG850 an unreadable file."""
     read = BagAddress.read(address)
     return BagConnection(await asyncio.to_thread(Bag, read.path, types), read, name)

@@ -105,7 +105,6 @@ class BagConnection:
         self.types: Types = bag.types
         self._bag = bag
         self.clock = BagClock(bag.start + address.start, address.speed)
-        self._began = self.clock.now()
         self._playing: dict[Inbox[Received], asyncio.Task[None]] = {}
         self._tasks = Tasks()
         self._problems: dict[GraphProblem, None] = dict.fromkeys(bag.problems)

@@ -215,8 +215,6 @@ class _Bag2:
 
 
 def _bag_qos(qos: Qos) -> BagQos:
-    """Return the quality of service of a publisher in the format of bags."""
-
     def word(kind: Any, name: str | None) -> Any:
         return kind.__members__.get((name or "system_default").upper(), kind.SYSTEM_DEFAULT)
 

@@ -122,17 +122,13 @@ class _Participant:
 class Discovery:
     """The live participants, readers and writers, and their nodes."""
 
-    def __init__(self) -> None:
+    def __init__(self, own: bytes) -> None:
+        self._own = own[:PREFIX]
         self._participants: dict[bytes, _Participant] = {}
         self._early: dict[bytes, tuple[Any, int]] = {}
         self._ends: dict[bytes, Endpoint] = {}
         self._handles: dict[int, bytes] = {}
         self._owners: dict[bytes, str] = {}
-        self._own: bytes = b""
-
-    def leave_out(self, own: bytes) -> None:
-        """Set our own participant."""
-        self._own = own[:PREFIX]
 
     def participant(self, key: bytes, address: str, *, ours: bool = False) -> None:
         """Add a participant; `ours` marks one of another process of kg."""

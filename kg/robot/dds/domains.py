@@ -26,11 +26,7 @@ _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 
 
 def discovery_settings(environment: Mapping[str, str]) -> str:
-    """Return the settings for environment variables, empty without any.
-
-    Raises:
-        RobotError: KG817 an unknown range.
-    """
+    """Return the settings for environment variables, empty without any; RobotError KG817 an unknown range."""
     reach = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or ""
     peers = [one.strip() for one in (environment.get("ROS_STATIC_PEERS") or "").split(";") if one.strip()]
     if environment.get("ROS_LOCALHOST_ONLY") == "1":

@@ -58,14 +58,13 @@ class DdsMiddleware:
         self._length = LONG if humble else SHORT
         self._classes = Classes(types)
         self._topics: dict[tuple[str, str, bool], Any] = {}
-        self._discovery = Discovery()
         self._readers: set[bytes] = set()
         self._writers: set[bytes] = set()
         self._closed = False
         data = DdsQos(Policy.Userdata(written({"enclave": "/", _OURS: "1"})))
         self._participant = join(domain, data, by_name=not ask_types)
         self._gid: bytes = self._participant.guid.bytes
-        self._discovery.leave_out(self._gid)
+        self._discovery = Discovery(self._gid)
 
     def begin(self, watch: Watch) -> None:
         """Watch the domain, and announce our node."""
@@ -139,7 +138,6 @@ class DdsMiddleware:
         self._watch.changed()
 
     def _announce(self) -> None:
-        """Announce the readers and writers of our node."""
         node = (self._name, sorted(self._readers), sorted(self._writers))
         self._info.write(encode_info(self.types, self._gid, [node], self._length))
 

@@ -98,7 +98,7 @@ class Driver:
             self._watch.cancel()
         await self.stop()
         await asyncio.gather(*(one.aclose() for one in self._readings))
-        await self._newest.aclose()
+        await self._newest.keep(())
         await self._doing.aclose()
 
     async def take(self, capabilities: Capabilities) -> None:
@@ -239,7 +239,7 @@ class Driver:
         chosen = await self._route(capability, "write", way, arguments or ())
         return self._plan(chosen, given(chosen.capability, arguments or {}), seconds)
 
-    async def do(  # noqa: PLR0913 - what a command can say
+    async def do(
         self,
         capability: str,
         arguments: Mapping[str, Any] | None = None,
@@ -247,7 +247,6 @@ class Driver:
         seconds: float | None = None,
         way: str | None = None,
         on_feedback: Feedback | None = None,
-        dry_run: bool = False,
     ) -> Outcome:
         """Execute a capability, and return when it is done.
 
@@ -262,7 +261,6 @@ class Driver:
             seconds: of the robot's time.
             way: the channel, node or message type, if there are several interfaces.
             on_feedback: receives the progress of an action.
-            dry_run: return what would be sent instead of sending it.
 
         Raises:
             RobotError: KG819, KG821 to KG823, KG826 and KG827 before anything is sent; KG805, KG807 to KG809 from the
@@ -274,7 +272,7 @@ class Driver:
             chosen = self._commands[command] = await self._route(capability, "write", way, arguments or ())
             values = given(chosen.capability, arguments or {})
             plan = self._plan(chosen, values, seconds)
-            if dry_run or self._dry_run:
+            if self._dry_run:
                 return Outcome(plan=plan, ended="planned")
             return await self._carry_out(command, chosen, plan, values, on_feedback)
         finally:
@@ -414,7 +412,6 @@ class Driver:
         return self._routes[key]
 
     def _is_offered(self, chosen: Route) -> bool:
-        """Return whether the robot still has a capability over an interface."""
         key = _key(chosen.capability, chosen.way)
         return any(key == _key(one, way) for one in self.capabilities.capabilities for way in one.ways)
 

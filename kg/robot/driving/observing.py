@@ -107,10 +107,6 @@ class NewestMessages:
     async def _subscribe(self, topic: str, kind: str) -> Newest:
         return Newest(await self._connection.subscribe(topic, kind, queue=1))
 
-    async def aclose(self) -> None:
-        """Close all subscriptions."""
-        await self.keep(())
-
     async def keep(self, topics: Container[str]) -> None:
         """Close the subscriptions to other topics, and cancel pending ones, such as to a dead peer.
 

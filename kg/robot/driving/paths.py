@@ -86,8 +86,6 @@ def parse(text: str) -> Path:
 
 
 class _Parser:
-    """Parser of a path."""
-
     def __init__(self, text: str) -> None:
         self._text = text
         self._at = 0
@@ -219,7 +217,6 @@ def _distance(of: dict[str, float]) -> float:
 
 
 def _containing(look: Look, value: Any, path: Argument) -> dict[str, Any]:
-    """Return the message that a list is a field of."""
     if not isinstance(path, Field):
         return {}
     message = value if path.of is None else look(path.of, value)
@@ -328,11 +325,7 @@ def _element(of: Any, index: int, *, many: bool) -> Any:
 
 
 def put(path: Path, message: Value, value: Any) -> None:
-    """Set the value at a path of a message, creating missing parents.
-
-    Raises:
-        RobotError: KG826 a read-only path.
-    """
+    """Set the value at a path of a message, creating missing parents; RobotError KG826 a read-only path."""
     if isinstance(path, Call):
         write, (target, *others) = _function(path).write, path.arguments
         numbers = tuple(one for one in others if isinstance(one, float))

@@ -143,11 +143,7 @@ class Route:
 
 
 def route(capability: Capability, way: Way, types: Types) -> Route:
-    """Prepare an interface.
-
-    Raises:
-        RobotError: KG826 paths that do not fit the message, KG804 its type is unknown.
-    """
+    """Prepare an interface; RobotError KG826 paths that do not fit the message, KG804 its type is unknown."""
     sends = way.type + _GIVEN[way.kind]
     parts = [way.type + part for part in _TOLD[way.kind]]
     ordered = [one.name for one in capability.parameters if one.name in way.fields]

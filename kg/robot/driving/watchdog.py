@@ -31,19 +31,16 @@ from kg.robot.tasks import Tasks, ended, spawn
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kg.robot.connection import Canceller, Connection, Publication, Value
+    from kg.robot.connection import Cancel, Connection, Publication, Value
 
 NODES: Final = "/kg_watchdog_"
 """Prefix of the names of watchdogs."""
-SILENCE: Final = 0.5
-"""Default seconds without a heartbeat after which the robot is stopped."""
+_SILENCE: Final = 0.5  # default seconds without a heartbeat after which the robot is stopped
 _BEATS: Final = 5  # heartbeats within that time
 _IDLE: Final = 5.0  # seconds that the controller may be blocked without movement before its commands end
 _TIMES: Final = 5  # how often zero is sent: the controller's last command may still be in transit
 _PAUSE: Final = 0.1
-_PEERS: Final = (
-    3.0  # seconds to wait for a subscriber of a topic, or the server of a goal, that was in use a moment ago
-)
+_PEERS: Final = 3.0  # seconds to wait for the subscriber of a topic, or server of a goal, that was just in use
 _ENDS: Final = 5.0  # seconds for the watchdog to leave the graph
 _AGAIN: Final = 60.0  # seconds for which a robot that was lost while it moved is looked for
 _LOOK: Final = 1.0  # seconds between attempts to reach it
@@ -64,7 +61,7 @@ class Watchdog:
         silence: seconds without a heartbeat after which the robot is stopped.
     """
 
-    def __init__(self, address: str, silence: float = SILENCE) -> None:
+    def __init__(self, address: str, silence: float = _SILENCE) -> None:
         self.silence = silence
         self._command = (sys.executable, "-P", "-c", f"from {__name__} import main; main()", address, str(silence))
         self._needed = scheme_of(address) != "memory"
@@ -221,7 +218,7 @@ async def _stop_later(address: str, owed: list[_Order]) -> None:
                     await asyncio.sleep(_LOOK)
                     continue
                 try:
-                    await _Watching(connection, SILENCE).stop_all(owed)
+                    await _Watching(connection, _SILENCE).stop_all(owed)
                 finally:
                     await connection.aclose()
                 return
@@ -243,7 +240,7 @@ class _Watching:
         self._publications: dict[str, asyncio.Task[Publication]] = {}
         self._stopping: set[str] = set()
         self._tasks = Tasks()
-        self._cancellers: dict[str, asyncio.Task[Canceller]] = {}
+        self._cancellers: dict[str, asyncio.Task[Cancel]] = {}
 
     async def run(self) -> None:
         """Watch until the controller releases this process, or closes its end of the pipe by dying."""
@@ -332,7 +329,7 @@ class _Watching:
 
     async def _cancelled(self, identity: str, action: str) -> None:
         async with asyncio.timeout(_PEERS):
-            await (await self._cancellers[action]).cancel(identity)
+            await (await self._cancellers[action])(identity)
             await asyncio.sleep(_PAUSE)  # messages leave before the node does
 
 
@@ -347,6 +344,5 @@ def _check(what: str, task: asyncio.Task[Any]) -> None:
 
 
 def _report(code: str, message: str) -> None:
-    """Write a warning to the controller's standard error, if it still exists."""
     with suppress(OSError):
         os.write(sys.stderr.fileno(), f"warning[{code}]: {message}\n".encode())

@@ -188,24 +188,15 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 
-def infer(graph: ComputationGraph, settings: Settings, *, address: str = "", name: str = "") -> Capabilities:
-    """Return the capabilities of a system by its graph; cached between processes.
+def infer(graph: ComputationGraph, settings: Settings, *, address: str) -> Capabilities:
+    """Return the capabilities of the system at an address by its graph; cached between processes.
 
-    Capabilities that are unavailable because nodes are not active are marked.
-
-    Args:
-        graph: nodes and their communication.
-        settings: rules in force, and the base of IRIs.
-        address: that of the robot; the result's `of` if there is no `name`.
-        name: name of the system.
-
-    Raises as `knowledge`.
+    Capabilities that are unavailable because nodes are not active are marked. Raises as `knowledge`.
     """
-    called = name or name_of(address) or "robot"
-    of = name or address or called
+    name = name_of(address) or "robot"
     capabilities = remembered(
-        cache_key(graph, settings, (called, of)),
-        lambda: infer_system(system_of(graph, Seen(address, called, now())), settings, of=of),
+        cache_key(graph, settings, (name, address)),
+        lambda: infer_system(system_of(graph, Seen(address, name, now())), settings, of=address),
     )
     return available(capabilities, graph)
 

@@ -116,9 +116,7 @@ class Keeper:
     """Stores one running system; each change is one transaction, which includes the rules."""
 
     def __init__(self, store: EmbeddedStore, settings: Settings, *, address: str, name: str) -> None:
-        """Create the keeper; `name` is the name of the system, the last part of the name of its graph."""
         self._store = store
-        self._settings = settings
         self._iris = Iris(settings.base)
         self._address = address
         self._name = name

@@ -28,15 +28,8 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 _BASE: Final = frozenset(
-    (
-        "bool",
-        "byte",
-        "char",
-        "float32",
-        "float64",
-        "string",
-        *(f"{u}int{n}" for u in ("", "u") for n in (8, 16, 32, 64)),
-    )
+    {"bool", "byte", "char", "float32", "float64", "string"}
+    | {f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)}
 )
 _TIMES: Final = {"time": "builtin_interfaces/Time", "duration": "builtin_interfaces/Duration"}
 _TYPE: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
@@ -216,19 +209,15 @@ def derived(name: str, ros: int) -> Iterator[tuple[str, str]]:
 
 
 @cache
-def library(ros: int) -> tuple[Mapping[str, str], Mapping[str, str]]:
-    """Return the texts of all messages by name, and the sorts (`srv`, `action`) of others, for ROS 1 or 2."""
+def library(ros: int) -> Mapping[str, str]:
+    """Return the texts of all messages that come with kg by name, for ROS 1 or 2."""
     texts: dict[str, str] = {}
-    sorts: dict[str, str] = {}
     for path in sorted((folder("ontology") / "definitions" / f"ros{ros}").glob("*.txt")):
         for section in path.read_text(encoding="utf-8").removeprefix("= ").split("\n= "):
             heading, _, text = section.partition("\n")
             sort, _, name = heading.partition(" ")
-            full = f"{path.stem}/{name}"
-            texts |= parts(full, sort, text, ros)
-            if sort != "msg":
-                sorts[full] = sort
-    return MappingProxyType(texts), MappingProxyType(sorts)
+            texts |= parts(f"{path.stem}/{name}", sort, text, ros)
+    return MappingProxyType(texts)
 
 
 _MOST_PARTS: Final = 4096

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 
 _ROS: Final = 2
 _SORTS: Final = ("msg", "srv", "action")
-_LONGEST: Final = 1 << 20
-"""Bytes of a definition up to which it is read."""
+_LONGEST: Final = 1 << 20  # bytes of a definition up to which it is read
 
 
 @cache

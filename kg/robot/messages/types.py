@@ -62,7 +62,7 @@ class Types:
         self.ros = ros
         self._store = get_typestore(_STORES[ros])
         self._standard = frozenset(self._store.fielddefs)
-        self._library, self._sorts = library(ros)
+        self._library = library(ros)
         self._installed = installed(os.environ.get("AMENT_PREFIX_PATH", "") if ros == 2 else "")  # noqa: PLR2004 - ROS 2
         self._looked: set[str] = set()
         self._read: dict[str, Definition] = {}
@@ -86,10 +86,6 @@ class Types:
             if all(self.has(name + suffix) for suffix in suffixes):
                 return sort
         return None
-
-    def interfaces(self, sort: str) -> list[str]:
-        """Return the sorted names of the services (`srv`) or actions (`action`) that come with kg."""
-        return sorted(name for name, one in self._sorts.items() if one == sort)
 
     def fields(self, name: str) -> tuple[Field, ...]:
         """Return the fields of a type in order; RobotError KG804 if it is unknown."""
@@ -223,7 +219,6 @@ class Types:
         self._defined.update(new if from_peer else ())
 
     def _is_registered(self, one: Definition) -> bool:
-        """Return whether a type is known with exactly this definition."""
         if _full(one.name) not in self._store.fielddefs:
             return False
         fields = [(name, kind) for name, kind in self._store.fielddefs[_full(one.name)][1] if name != MEMBER_OF_NOTHING]

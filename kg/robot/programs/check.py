@@ -93,8 +93,6 @@ def kinds_of(program: tree.Program, capabilities: Capabilities) -> Kinds:
 
 @dataclass(slots=True)
 class _Loop:
-    """A loop; `left` is set by a `break` in it."""
-
     left: bool = False
 
 
@@ -178,7 +176,7 @@ class _Checker:
             case tree.Stop():
                 return replace(flow, over=True)
             case tree.Wait():
-                self._time(statement.seconds, f"{path}/seconds", above_zero=True)
+                self._time(statement.seconds, f"{path}/seconds")
             case tree.WaitUntil():
                 return self._wait_until(statement, path, flow)
             case tree.Parallel():
@@ -215,7 +213,7 @@ class _Checker:
             hint = "A condition compares: `nearest of laserScanning < 0.5 m`."
             self._wrong(path, f"a condition must be true or false, but this is {kind}", hint, "KG833")
 
-    def _time(self, expression: tree.Expression | None, path: str, *, above_zero: bool = False) -> None:
+    def _time(self, expression: tree.Expression | None, path: str) -> None:
         if expression is None:
             return
         kind = self.kinds.of(expression, path)
@@ -223,7 +221,7 @@ class _Checker:
             self._wrong(path, f"this should be a time, and is {kind}", "Write `2 s`, `500 ms` or `1 min`.", "KG833")
             return
         always = kinds.constant(expression)
-        if always is not None and (always.value < 0 or (above_zero and always.value == 0)):
+        if always is not None and always.value <= 0:
             self._wrong(path, f"a time must be positive, but this is {values.shown(always)}", code="KG835")
 
     def _number(self, expression: tree.Expression | None, path: str) -> Kind:
@@ -233,8 +231,8 @@ class _Checker:
         return kind
 
     def _do(self, statement: tree.Do, path: str, flow: _Flow) -> _Flow:
-        self._time(statement.seconds, f"{path}/seconds", above_zero=True)
-        self._time(statement.within, f"{path}/within", above_zero=True)
+        self._time(statement.seconds, f"{path}/seconds")
+        self._time(statement.within, f"{path}/within")
         try:
             capability = self._index.write(statement.capability)
         except RobotError as error:
@@ -246,7 +244,6 @@ class _Checker:
         return self._ending(statement, capability, path, flow)
 
     def _ending(self, statement: tree.Do, capability: Capability, path: str, flow: _Flow) -> _Flow:
-        """Report durations that do not apply to the capability."""
         if not capability.ways:
             return flow
         renewed = capability.ways[0].kind == "topic" and capability.ways[0].rate > 0
@@ -301,7 +298,6 @@ class _Checker:
                 self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")
 
     def _place(self, capability: Capability, value: tree.Expression, path: str) -> None:
-        """Report a place outside of the limits of its parameters."""
         always = kinds.constant(value)
         components = values.of_place(always) if always is not None and isinstance(always.value, dict) else {}
         for parameter in capability.parameters:
@@ -418,7 +414,7 @@ class _Checker:
 
     def _wait_until(self, statement: tree.WaitUntil, path: str, flow: _Flow) -> _Flow:
         self._condition(statement.condition, f"{path}/condition")
-        self._time(statement.seconds, f"{path}/seconds", above_zero=True)
+        self._time(statement.seconds, f"{path}/seconds")
         if statement.otherwise is not None:
             if statement.seconds is None:
                 hint = "Write `within 10 s` before `otherwise`."
@@ -456,7 +452,6 @@ class _Checker:
 
 
 def _given(body: tuple[tree.Statement, ...]) -> set[str]:
-    """Return the variables that statements assign."""
     return {statement.variable for _, statement in tree.statements(body) if isinstance(statement, tree.Set | tree.For)}
 
 

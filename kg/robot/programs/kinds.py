@@ -75,7 +75,6 @@ class Kinds:
     """The kinds of expressions, given those of variables; errors are reported at their path."""
 
     def __init__(self, index: CapabilityIndex, variables: Mapping[str, Kind], report: Report) -> None:
-        """Create the type checker; `variables` may grow while it is used."""
         self._index = index
         self._variables = variables
         self._report = report
@@ -177,7 +176,6 @@ class Kinds:
         return BOOLEAN if ordering else kind
 
     def _same(self, expression: Binary, left: Kind, right: Kind, path: str) -> Kind:
-        """Return the kind of two numbers, which must have the same dimension."""
         if left == right or _zero(expression.right):
             return left
         if _zero(expression.left):

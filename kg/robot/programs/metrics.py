@@ -35,8 +35,7 @@ _COMPONENTS: Final = {
 }
 _LIBRARIES: Final = ("rospy", "rclpy")
 _INTERFACES: Final = ("msg", "srv", "action")
-_STATUS: Final = "GoalStatus"
-"""The type of goal states in both action client libraries; no node exchanges it."""
+_STATUS: Final = "GoalStatus"  # the type of goal states in both action client libraries; no node exchanges it
 _PART: Final = re.compile("(Action|Goal|Result|Feedback|Request|Response)$")
 """Suffixes of the message types of an action or service."""
 
@@ -103,7 +102,6 @@ def _imported(tree: ast.Module) -> Iterator[tuple[str, str]]:
 
 
 def _lines(text: str, tree: ast.Module) -> int:
-    """Count the lines that contain code."""
     blank = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
     lines: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(text).readline):

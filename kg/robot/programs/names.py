@@ -11,8 +11,6 @@ from kg.robot.programs.tree import Program, rewritten
 from kg.similar import did_you_mean, folded
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kg.robot.capability import Capabilities, Capability, Parameter
 
 AT: Final = "at"
@@ -23,7 +21,6 @@ class CapabilityIndex:
     """The capabilities that a program may use, found by name or label."""
 
     def __init__(self, capabilities: Capabilities) -> None:
-        """Create an index, built on first use."""
         self._capabilities = capabilities
         self._cache: dict[tuple[str, str], Capability] = {}
 
@@ -81,15 +78,6 @@ def _other_way(capability: Capability) -> RobotError:
 
 def named(program: Program, capabilities: Capabilities) -> Program:
     """Return a program with names instead of labels; unknown ones are unchanged."""
-    return _renamed(program, capabilities, lambda one: one.name)
-
-
-def labelled(program: Program, capabilities: Capabilities) -> Program:
-    """Return a program with labels of capabilities, and names of parameters; unknown ones are unchanged."""
-    return _renamed(program, capabilities, lambda one: one.label)
-
-
-def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Capability], str]) -> Program:
     index = CapabilityIndex(capabilities)
 
     def change(part: dict[str, Any]) -> dict[str, Any]:
@@ -103,7 +91,7 @@ def _renamed(program: Program, capabilities: Capabilities, called: Callable[[Cap
                 capability = index.write(part["capability"])
                 arguments = part.get("arguments", {})
                 part["arguments"] = {index.argument(capability, name): value for name, value in arguments.items()}
-            part["capability"] = called(capability)
+            part["capability"] = capability.name
         return part
 
     return rewritten(program, change)

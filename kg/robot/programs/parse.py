@@ -42,9 +42,8 @@ def _level(cursor: Cursor, path: str, depth: int, level: int) -> tree.Expression
         return _signed(cursor, path, depth)
     cursor.note(path)
     if level == _NOT:
-        if not cursor.word("not"):
+        if not cursor.phrase("not"):
             return _level(cursor, path, depth, level + 1)
-        cursor.take()
         return tree.Unary(operator="not", of=_level(cursor, f"{path}/of", depth + 1, level))
     return _binary(cursor, path, depth, level)
 
@@ -97,8 +96,7 @@ def _atom(cursor: Cursor, path: str, depth: int) -> tree.Expression:
         operator: Any = cursor.take().value.lower()
         return tree.Unary(operator=operator, of=_in_parentheses(cursor, f"{path}/of", depth))
     name, words = _name(cursor)
-    if cursor.word("of"):
-        cursor.take()
+    if cursor.phrase("of"):
         return tree.Read(parameter=name, capability=_capability_read(cursor))
     if words > 1:
         hint = "What the robot senses is written `nearest of laserScanning`; quote a variable of several words."
@@ -248,7 +246,6 @@ def _sequence(cursor: Cursor, path: str, depth: int) -> tuple[tuple[tree.Stateme
 
 
 def _commented(statement: tree.Statement, *comments: str) -> tree.Statement:
-    """Return a statement with more comments."""
     comment = "\n".join(filter(None, (statement.comment, *comments)))
     return msgspec.structs.replace(statement, comment=comment) if comment != statement.comment else statement
 
@@ -327,7 +324,6 @@ def _if(cursor: Cursor, path: str, depth: int) -> tree.If:
 
 
 def _loop(cursor: Cursor, path: str, depth: int, kind: type[_Loop], word: str, **given: Any) -> _Loop:
-    """Parse the rest of a loop, with a keyword that may follow."""
     cursor.phrase(word)
     identifier = _id(cursor)
     body, comment = _block(cursor, f"{path}/body", kind.__name__.lower(), depth)
@@ -464,11 +460,9 @@ def _do(cursor: Cursor, path: str) -> tree.Do:
     capability = cursor.take().value if quoted else _capability(cursor, named=named)
     arguments = _arguments(cursor, path)
     seconds = within = None
-    if cursor.word("for"):
-        cursor.take()
+    if cursor.phrase("for"):
         seconds = expression(cursor, f"{path}/seconds")
-    if cursor.word("within"):
-        cursor.take()
+    if cursor.phrase("within"):
         within = expression(cursor, f"{path}/within")
     return tree.Do(id=_id(cursor), capability=capability, arguments=arguments, seconds=seconds, within=within)
 

@@ -7,7 +7,7 @@ remaining time, or sent again, on resumption. However a program ends, the robot 
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -153,13 +153,6 @@ class Runner:
             raise RobotError("KG837", f"the program did not end within {shown}")
 
 
-class Execution(NamedTuple):
-    """The problems of a program, and its result; None if it was not started because of errors."""
-
-    problems: list[Problem]
-    ended: Ended | None
-
-
 def limited(program: Program, seconds: float | None) -> Program:
     """Return a program with a time limit in seconds, unless its own is shorter."""
     if seconds is None or (program.seconds is not None and program.seconds <= seconds):
@@ -183,8 +176,8 @@ async def execute(  # noqa: PLR0913 - what a run can say
     on_problems: Callable[[list[Problem]], None],
     dry_run: bool = False,
     exclusive: bool = False,
-) -> Execution:
-    """Connect, infer the robot's capabilities, check the program, and run it unless it has errors.
+) -> Ended | None:
+    """Connect, infer the robot's capabilities, check the program, and run it; None if it has errors.
 
     Places published by the robot, or in the file of the settings, replace their names. `on_problems` receives problems
     and doubts before anything moves. With `exclusive`, no other node may publish to topics that the program uses to
@@ -206,7 +199,7 @@ async def execute(  # noqa: PLR0913 - what a run can say
         problems = [*check(program, capabilities, places), *doubts(program, capabilities, graph)]
         on_problems(problems)
         if any(problem.severity == "error" for problem in problems):
-            return Execution(problems, None)
+            return None
         watchdog = Watchdog(address, settings.watchdog)
         driving = Driver(
             connection,
@@ -221,13 +214,12 @@ async def execute(  # noqa: PLR0913 - what a run can say
             following = spawn(_follow(driver, settings), "following what the robot can do")
             runner = Runner(driver, program, on_event)
             try:
-                return Execution(problems, await runner.run())
+                return await runner.run()
             finally:
                 await ended(following)
 
 
 async def _follow(driver: Driver, settings: Settings) -> None:
-    """Keep the program's capabilities up to date while nodes start and exit."""
     async for graph in driver.connection.changes():
         driver.saw(graph)
         capabilities = await asyncio.to_thread(infer, of_robot(graph), settings, address=driver.connection.address)

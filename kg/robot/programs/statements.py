@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from kg.robot.driving.driver import Driver
     from kg.robot.driving.routes import Outcome
 
-MOST_STEPS: Final = 20_000
-"""Maximum number of statements without one that waits or acts."""
+_MOST_STEPS: Final = 20_000  # maximum number of statements without one that waits or acts
 
 _T = TypeVar("_T")
 
@@ -31,12 +30,12 @@ class Pace:
     """The clock of a program, which stops while it is paused."""
 
     def __init__(self, clock: Clock) -> None:
-        """Start the clock."""
         self._clock = clock
         self._steps = 0
-        self._going = asyncio.Event()
+        self.going = asyncio.Event()
+        """Set while the program is not paused."""
         self._paused = asyncio.Event()
-        self._going.set()
+        self.going.set()
 
     @property
     def paused(self) -> bool:
@@ -45,36 +44,32 @@ class Pace:
 
     def pause(self) -> None:
         """Pause."""
-        self._going.clear()
+        self.going.clear()
         self._paused.set()
 
     def resume(self) -> None:
         """Resume."""
         self._paused.clear()
-        self._going.set()
+        self.going.set()
 
     def waited(self) -> None:
         """Record that the program waited, which resets the limit of steps."""
         self._steps = 0
 
-    async def going(self) -> None:
-        """Return once the program is not paused."""
-        await self._going.wait()
-
     async def step(self) -> None:
         """Enter a statement; RobotError KG837 after too many without a wait."""
         self._steps += 1
-        if self._steps > MOST_STEPS:
+        if self._steps > _MOST_STEPS:
             hint = "Put `wait 0.1 s` into the loop."
-            raise RobotError("KG837", f"more than {MOST_STEPS} statements without a wait", hint=hint)
-        await self._going.wait()
+            raise RobotError("KG837", f"more than {_MOST_STEPS} statements without a wait", hint=hint)
+        await self.going.wait()
         await asyncio.sleep(0)
 
     async def sleep(self, seconds: float) -> None:
         """Sleep for some seconds, not counting pauses."""
         left = seconds
         while left > 0:
-            await self._going.wait()
+            await self.going.wait()
             begun = self._clock.now()
             if await self.until_paused(self._clock.sleep(left)) is not None:
                 break
@@ -107,7 +102,6 @@ class Evaluation:
     """Evaluator of expressions: variables, which all parts of a program share, and the robot's readings."""
 
     def __init__(self, driver: Driver, index: CapabilityIndex, events: Events) -> None:
-        """Create an evaluator without variables."""
         self._driver = driver
         self.index = index
         self._events = events
@@ -193,7 +187,6 @@ class Failed(Exception):  # noqa: N818 - it says how the program ended
     """Failure of a statement; names the innermost one."""
 
     def __init__(self, problem: Problem) -> None:
-        """Create the failure of a statement with its error."""
         super().__init__(problem.message)
         self.problem = problem
 
@@ -210,7 +203,6 @@ class Statements:
     """Executes statements with the variables, the clock and the events of one program."""
 
     def __init__(self, driver: Driver, evaluation: Evaluation, pace: Pace, events: Events) -> None:
-        """Create the interpreter; nothing runs yet."""
         self.count = 0
         self._driver = driver
         self._evaluation = evaluation
@@ -328,7 +320,7 @@ class Statements:
         """Run a long action; a pause stops it, and it is restarted for the remaining time."""
         clock = self._driver.connection.clock
         while True:
-            await self._pace.going()
+            await self._pace.going.wait()
             begun = clock.now()
             done = await self._pace.until_paused(work(left))
             if done is not None:
@@ -401,7 +393,7 @@ class Statements:
         """Return when a condition becomes true or false; it is evaluated whenever one of its inputs changes."""
         async with self._evaluation.watching(condition) as news:
             while True:
-                await self._pace.going()
+                await self._pace.going.wait()
                 news.clear()  # before the evaluation, so that a change during it is not missed
                 if await self._evaluation.truth(condition, path, statement) == holds:
                     return

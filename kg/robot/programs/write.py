@@ -37,8 +37,6 @@ def written(expression: tree.Expression) -> str:
 
 
 class _Printer:
-    """Prints statements as lines."""
-
     def __init__(self, *, ids: bool) -> None:
         self._ids = ids
 

@@ -10,7 +10,7 @@ from rclpy.qos import ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
 from kg.errors import RobotError
-from kg.robot.tasks import Tasks, outcome
+from kg.robot.tasks import Tasks, call_in, outcome
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable
@@ -47,12 +47,6 @@ class End:
             self._destroy()
 
 
-def _passed(loop: asyncio.AbstractEventLoop, call: Callable[..., object], *arguments: object) -> None:
-    """Call something in the event loop, from another thread; does nothing if the loop is closed."""
-    if not loop.is_closed():
-        loop.call_soon_threadsafe(call, *arguments)
-
-
 class RclpyReader(End):
     """A subscriber of raw messages."""
 
@@ -63,7 +57,7 @@ class RclpyReader(End):
             if not self._closed:
                 deliver(content, None)
 
-        subscription = node.create_subscription(kind, topic, lambda raw: _passed(loop, take, bytes(raw)), qos, raw=True)
+        subscription = node.create_subscription(kind, topic, lambda raw: call_in(loop, take, bytes(raw)), qos, raw=True)
         super().__init__(lambda: int(node.count_publishers(topic)), lambda: node.destroy_subscription(subscription))
 
 
@@ -110,7 +104,7 @@ class RclpyCaller(End):
                 answered.set_result(content)
 
         future = self._client.call_async(deserialize_message(content, self._kind.Request))
-        future.add_done_callback(lambda done: _passed(self._loop, answer, serialize_message(done.result())))
+        future.add_done_callback(lambda done: call_in(self._loop, answer, serialize_message(done.result())))
         try:
             return self._trimmed(await answered)
         finally:
@@ -134,7 +128,7 @@ class RclpyServer(End):
         self._tasks = Tasks()
         self._service = node.create_service(kind, service, self._ask)
         self._send = self._service.send_response
-        self._service.send_response = lambda request, header: _passed(loop, self._begin, request, header)
+        self._service.send_response = lambda request, header: call_in(loop, self._begin, request, header)
         super().__init__(lambda: int(node.count_clients(service)), lambda: node.destroy_service(self._service))
 
     def _ask(self, request: Any, response: Any) -> bytes:

@@ -173,7 +173,6 @@ def _import_class(kind: str, folder: str) -> Any:
 
 
 def _part(kind: str) -> Any:
-    """Return the class of a part of a service or an action, which are attributes of the class of the whole."""
     package, _, name = kind.partition("/")
     own, _, part = name.partition("_")
     whole = f"{package}/{own}"

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.errors import RobotError
 from kg.robot.clock import stamp
-from kg.robot.connection import FAILURES, Accepted, Publication, Value, goal_lost, reason
+from kg.robot.connection import FAILURES, Accepted, Cancel, Publication, Value, goal_lost, reason
 from kg.robot.inbox import GoalProgress
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable, Callable, Coroutine
+    from collections.abc import Awaitable, Callable
 
     from kg.robot.ros1.connection import Ros1Connection
     from kg.robot.ros1.topics import Ros1Subscription
@@ -97,17 +97,16 @@ class Ros1Goal(GoalProgress):
         self.accepted.set()
 
 
-class Ros1Canceller:
-    """Cancels goals of an action by their identities, whoever sent them."""
+async def canceller(connection: Ros1Connection, action: str) -> Cancel:
+    """Return the function that cancels goals of an action, once the server is connected."""
+    publication = await connection.advertise(f"{action}/cancel", "actionlib_msgs/GoalID")
 
-    def __init__(self, publication: Publication) -> None:
-        self._publication = publication
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal, sent once the server is connected."""
-        while self._publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
+    async def cancel(identity: str) -> None:
+        while publication.peers == 0:  # noqa: ASYNC110 - no event reports a new peer
             await asyncio.sleep(_POLL)
-        await self._publication.publish({"id": identity})
+        await publication.publish({"id": identity})
+
+    return cancel
 
 
 class ActionClient:
@@ -264,12 +263,11 @@ class ActionServer:
         self._recalled: deque[str] = deque(maxlen=_WAITING)
         """Goals cancelled before they arrived: goals and cancellations have connections of their own."""
         self._writing: dict[str, Publication] = {}
-        self._reading: list[Ros1Subscription] = []
-        self._tasks: list[asyncio.Task[Any]] = []
         self._due = asyncio.Event()
 
     async def open(self) -> None:
         """Publish and subscribe to the topics of the action, its outputs first."""
+        spawn = self._connection.node.spawn
         for part in sorted(topics(self._kind), key=lambda part: not part.of_server):
             topic = f"{self._name}/{part.name}"
             if part.of_server:
@@ -277,28 +275,15 @@ class ActionServer:
                 self._writing[part.name] = await self._connection.advertise(topic, part.type, latch=latch)
             else:
                 subscription = await self._connection.subscribe(topic, part.type, queue=_WAITING)
-                self._reading.append(subscription)
                 take = self._on_goal if part.name == "goal" else self._on_cancel
-                self._spawn(self._follow(subscription, take), f"following {topic}")
-        self._spawn(self._repeat_status(), f"telling the status of {self._name}")
-        self._spawn(self._work(), f"carrying out {self._name}")
+                spawn(self._follow(subscription, take), f"following {topic}")
+        spawn(self._repeat_status(), f"telling the status of {self._name}")
+        spawn(self._work(), f"carrying out {self._name}")
 
     async def publish(self, name: str, work: _Work, value: Value) -> None:
         """Publish feedback or the result of a goal."""
         header = {"stamp": stamp(self._connection.clock.now())}
         await self._writing[name].publish({"header": header, "status": work.status_message(), name: value})
-
-    async def aclose(self) -> None:
-        """Close the server."""
-        for task in self._tasks:
-            task.cancel()
-        for subscription in self._reading:
-            await subscription.aclose()
-        for publication in self._writing.values():
-            await publication.aclose()
-
-    def _spawn(self, work: Coroutine[Any, Any, None], what: str) -> None:
-        self._tasks.append(self._connection.node.spawn(work, what))
 
     async def _follow(self, subscription: Ros1Subscription, take: Any) -> None:
         async for received in subscription:

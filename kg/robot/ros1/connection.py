@@ -12,7 +12,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import Clock, SimulatedClock, WallClock, stamp, within
 from kg.robot.messages import Types
-from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Canceller, Ros1Goal
+from kg.robot.ros1.actions import ActionClient, ActionServer, Ros1Goal, canceller
 from kg.robot.ros1.graph import Analyzer, system_state, topic_types
 from kg.robot.ros1.names import absolute, netloc
 from kg.robot.ros1.node import Node
@@ -24,12 +24,11 @@ from kg.robot.tasks import ended
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Mapping
 
-    from kg.robot.connection import Accepted, ComputationGraph, Level, Serving, Value
+    from kg.robot.connection import Accepted, Cancel, ComputationGraph, Level, Value
     from kg.robot.ros1.topics import Offer
 
 Result = TypeVar("Result")
-_LEVELS: Final[Mapping[Level, int]] = {"info": 2, "warning": 4, "error": 8}
-"""Constants of rosgraph_msgs/Log."""
+_LEVELS: Final[Mapping[Level, int]] = {"info": 2, "warning": 4, "error": 8}  # constants of rosgraph_msgs/Log
 
 _PORT: Final = 11311
 _TICKING: Final = 2.0  # seconds to wait for a time on the topic `/clock`
@@ -191,9 +190,9 @@ class Ros1Connection:
         silent = RobotError("KG803", f"`{action}` did not accept the goal within {seconds:g} s")
         return await self._in_time(client.send(goal, identity or uuid4().hex), left, silent)
 
-    async def canceller(self, action: str) -> Ros1Canceller:
-        """Return an object that cancels goals of an action."""
-        return Ros1Canceller(await self.advertise(f"{action}/cancel", "actionlib_msgs/GoalID"))
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action."""
+        return await canceller(self, action)
 
     async def _client(self, action: str, kind: str) -> ActionClient:
         """Return our client of an action, shared by all its goals."""
@@ -204,17 +203,15 @@ class Ros1Connection:
                 self._clients[action, kind] = client
             return self._clients[action, kind]
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Serving:
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; an exception of `answer` is reported to the client as a failure."""
         self.node.present()
-        return await self.node.serve(absolute(service), kind, answer)
+        await self.node.serve(absolute(service), kind, answer)
 
-    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> Serving:
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time."""
         self.node.present()
-        server = ActionServer(self, absolute(action), kind, carry_out)
-        await server.open()
-        return server
+        await ActionServer(self, absolute(action), kind, carry_out).open()
 
     async def parameter_names(self) -> list[str]:
         """Return the names of all parameters of the parameter server; RobotError as `http.ask`."""

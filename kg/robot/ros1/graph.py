@@ -178,8 +178,6 @@ _OF_EVERY_NODE: Final = {"get_loggers": "roscpp/GetLoggers", "set_logger_level":
 
 @dataclass(slots=True)
 class _Report:
-    """The last report of a node."""
-
     uri: str | None
     problem: GraphProblem | None
     at: float
@@ -280,7 +278,6 @@ class Analyzer:
         return ComputationGraph(1, tuple(live), picture.ends, tuple(sorted(problems)))
 
     async def _ask_nodes(self, names: set[str], fresh: float, at_once: int = _AT_ONCE) -> None:
-        """Probe the nodes that have not been probed recently."""
         now = asyncio.get_running_loop().time()
         stale = sorted(name for name in names if name not in self._nodes or now - self._nodes[name].at > fresh)
         uris = await multicall(self._node.master, "lookupNode", self._node.name, stale)

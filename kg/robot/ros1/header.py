@@ -41,11 +41,7 @@ def unpack(content: bytes) -> dict[str, str]:
 
 
 async def read_header(reader: asyncio.StreamReader, seconds: float = 5.0) -> dict[str, str]:
-    """Return the header sent by a peer.
-
-    Raises:
-        RobotError: KG810 an invalid header, KG803 timeout or the connection ends.
-    """
+    """Return the header sent by a peer; RobotError KG810 an invalid header, KG803 timeout or the connection ends."""
     try:
         async with asyncio.timeout(seconds):
             content = await read_message(reader, _MOST_HEADER)

@@ -179,7 +179,6 @@ class Master:
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        """Stop listening."""
         self._telling.cancel()
         await self._server.aclose()
 

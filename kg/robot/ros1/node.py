@@ -170,21 +170,21 @@ class Node:
         if not others and self.subscriptions.pop(subscription.topic, None) is not None:
             await self._notify_master("unregisterSubscriber", subscription.topic, self.uri)
 
-    async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+    async def serve(self, name: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; RobotError KG804 if its type is unknown."""
         self.types.md5(kind)
         service = self.services[name] = Service(self, name, kind, answer)
         try:
             await self._in_turn("registerService", name, self._service_uri, self.uri)
         except (RobotError, asyncio.CancelledError):
-            await service.aclose()
+            await self._stop_serving(service)
             raise
-        return service
 
-    async def stop_serving(self, service: Service) -> None:
-        """Stop serving a service."""
-        self.services.pop(service.name, None)
-        await self._notify_master("unregisterService", service.name, self._service_uri)
+    async def _stop_serving(self, service: Service) -> None:
+        if self.services.get(service.name) is service:
+            del self.services[service.name]
+            await self._notify_master("unregisterService", service.name, self._service_uri)
+        service.close()
 
     async def aclose(self) -> None:
         """Leave the graph."""
@@ -194,7 +194,7 @@ class Node:
         for subscription in [one for ones in self.subscriptions.values() for one in ones]:
             await subscription.aclose()
         for service in list(self.services.values()):
-            await service.aclose()
+            await self._stop_serving(service)
         if not self.lost.done():
             # What was withdrawn just before is no longer listed, but the master may not have received it yet.
             for turn in list(self._turns.values()):
@@ -259,7 +259,6 @@ class Node:
         return True
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        """Serve a peer on the TCPROS port."""
         host = str((writer.get_extra_info("peername") or "?")[0])
         task = asyncio.current_task()
         if task is None or len(self._tasks) > _MOST_CONNECTIONS:

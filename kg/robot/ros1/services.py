@@ -115,12 +115,6 @@ class Service:
         except FAILURES as error:
             return b"\x00" + framed(reason(error).encode())
 
-    async def aclose(self) -> None:
-        """Stop serving."""
-        if self._node.services.get(self.name) is self:
-            await self._node.stop_serving(self)
-        self.close()
-
     def close(self) -> None:
         """Close all connections."""
         for writer in self._open:

@@ -233,7 +233,6 @@ class Ros1Subscription(Messages):
             pause = min(2 * pause, _LONGEST_PAUSE)
 
     async def _receive(self, uri: str) -> None:
-        """Read from a publisher until it disconnects."""
         async with open_topic(self._node, uri, self.topic, self.kind) as (reader, publisher):
             self.connected[uri] = publisher
             while (content := await read_message(reader)) is not None:

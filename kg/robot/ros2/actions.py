@@ -9,13 +9,12 @@ from __future__ import annotations
 import asyncio
 from collections import OrderedDict
 from contextlib import suppress
-from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import RobotError
-from kg.facts import Qos, Role
-from kg.robot.clock import Clock, stamp, within
-from kg.robot.connection import Accepted, GraphProblem, Value, goal_lost
+from kg.facts import Role
+from kg.robot.clock import stamp, within
+from kg.robot.connection import Accepted, Cancel, GraphProblem, Value, goal_lost
 from kg.robot.inbox import GoalProgress
 from kg.robot.ros2.ends import Client, Ros2Publication, Service
 from kg.robot.ros2.middleware import LATCHED, OFFERED
@@ -55,27 +54,18 @@ async def send_goal(  # noqa: PLR0913 - what a goal consists of
     return sent
 
 
-async def canceller(owner: Ros2Connection, action: str) -> Ros2Canceller:
-    """Return an object that cancels goals of an action."""
+async def canceller(owner: Ros2Connection, action: str) -> Cancel:
+    """Return the function that cancels goals of an action."""
     client = await owner.client(f"{action}/_action/cancel_goal", "action_msgs/CancelGoal")
-    return Ros2Canceller(client, owner.clock, action)
 
-
-class Ros2Canceller:
-    """Cancels goals of an action by their identities, whoever sent them."""
-
-    def __init__(self, client: Client, clock: Clock, action: str) -> None:
-        self._client = client
-        self._clock = clock
-        self._action = action
-
-    async def cancel(self, identity: str) -> None:
-        """Request cancellation of a goal; RobotError KG803 if the server does not answer."""
+    async def cancel(identity: str) -> None:
         request = {"goal_info": {"goal_id": {"uuid": bytes.fromhex(identity)}}}
         try:
-            await within(self._clock, _CONFIRMING, self._client.call(request))
+            await within(owner.clock, _CONFIRMING, client.call(request))
         except TimeoutError:
-            raise RobotError("KG803", f"`{self._action}` did not confirm that the goal is cancelled") from None
+            raise RobotError("KG803", f"`{action}` did not confirm that the goal is cancelled") from None
+
+    return cancel
 
 
 class Ros2Goal(GoalProgress):
@@ -161,7 +151,8 @@ class Ros2Goal(GoalProgress):
 
     async def cancel(self) -> None:
         """Request cancellation of the goal; `result` returns when it has ended."""
-        await (await canceller(self._owner, self._action)).cancel(self._id.hex())
+        cancel = await canceller(self._owner, self._action)
+        await cancel(self._id.hex())
 
 
 _UNKNOWN_GOAL, _TERMINATED = 2, 3
@@ -213,17 +204,13 @@ class ActionServer:
         self._carry_out = carry_out
         self._goals: OrderedDict[bytes, _Work] = OrderedDict()
         self._working: asyncio.Task[None] | None = None
-        self._feedback = self._topic("feedback", f"{kind}_FeedbackMessage", OFFERED)
-        self._status = self._topic("status", "action_msgs/GoalStatusArray", LATCHED)
+        self._feedback = Ros2Publication(owner, f"{name}/_action/feedback", f"{kind}_FeedbackMessage", OFFERED)
+        self._status = Ros2Publication(owner, f"{name}/_action/status", "action_msgs/GoalStatusArray", LATCHED)
         self._services = [
             Service(owner, f"{name}/_action/get_result", f"{kind}_GetResult", self._get_result),
             Service(owner, f"{name}/_action/cancel_goal", "action_msgs/CancelGoal", self._cancel_goal),
             Service(owner, f"{name}/_action/send_goal", f"{kind}_SendGoal", self._send_goal),
         ]
-
-    def _topic(self, part: str, kind: str, qos: Qos) -> Ros2Publication:
-        name = f"{self._name}/_action/{part}"
-        return Ros2Publication(name, partial(self._owner.types.encode, kind), self._owner.wire.writer(name, kind, qos))
 
     def stamp(self) -> Value:
         """Return the time of the robot as builtin_interfaces/Time."""
@@ -303,8 +290,3 @@ class ActionServer:
             service.end()
         self._feedback.end()
         self._status.end()
-        self._owner.forget(self)
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()

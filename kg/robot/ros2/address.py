@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 from kg.errors import RobotError
 from kg.robot.connecting import number, options
 
-SETTLE: Final = 5.0
+_SETTLE: Final = 5.0
 """Seconds until a discovered graph counts as complete. The lease of a participant is 10 s, and running participants
 announce themselves to a new one at once.
 """
@@ -43,7 +43,7 @@ class Address:
     place: str
     domain: int = 0
     simulated: bool = False
-    settle: float = SETTLE
+    settle: float = _SETTLE
     quiet: float | None = None
     humble: bool = False
     ask_types: bool = False
@@ -77,7 +77,7 @@ class Address:
             place,
             int(domain),
             simulated=given.get("clock") == "simulated",
-            settle=number(text, given.get("settle") or str(SETTLE), _NUMBERS),
+            settle=number(text, given.get("settle") or str(_SETTLE), _NUMBERS),
             quiet=None if given.get("settle") else QUIET,
             humble="distribution" in given,
             ask_types="types" in given,

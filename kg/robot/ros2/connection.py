@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from typing import TYPE_CHECKING, Final, Protocol, Self
 from uuid import uuid4
 
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.clock import Clock, SimulatedClock, WallClock, within
-from kg.robot.connection import Accepted, ComputationGraph, Goal, GraphProblem, LiveEnd, Value
+from kg.robot.connection import Accepted, Cancel, ComputationGraph, Goal, GraphProblem, LiveEnd, Value
 from kg.robot.lifecycle import States
-from kg.robot.ros2.actions import ActionServer, Ros2Canceller, canceller, send_goal
+from kg.robot.ros2.actions import ActionServer, canceller, send_goal
 from kg.robot.ros2.ends import Client, Ros2Publication, Ros2Subscription, Service
 from kg.robot.ros2.graph import Watch, is_hidden
 from kg.robot.ros2.middleware import LATCHED, OFFERED, Middleware
@@ -129,11 +128,7 @@ class Ros2Connection:
         return [one for one in ends if one.role is role and one.name == name]
 
     async def subscribe(self, topic: str, kind: str | None = None, *, queue: int = 10) -> Ros2Subscription:
-        """Subscribe to a topic; without `kind` its type is looked up.
-
-        Raises:
-            RobotError: KG804 the type is unknown to us and all peers, KG806 the topic has another type.
-        """
+        """Subscribe to a topic; RobotError KG804 or KG806 as every connection."""
         self._present()
         if kind is None:
             kind = await self._type_of(topic)
@@ -179,8 +174,7 @@ class Ros2Connection:
         await self.ensure_type(kind, kind, topic)
         requested = [one.qos for one in self.ends(Role.SUBSCRIBES, topic) if one.qos]
         is_latched = latch or any(one.durability == "transient_local" for one in requested)
-        writer = self.wire.writer(topic, kind, LATCHED if is_latched else OFFERED)
-        publication = Ros2Publication(topic, partial(self.types.encode, kind), writer)
+        publication = Ros2Publication(self, topic, kind, LATCHED if is_latched else OFFERED)
         self._open.add(publication)
         return publication
 
@@ -225,28 +219,22 @@ class Ros2Connection:
         self._present()
         return await send_goal(self, action, kind, goal, seconds=seconds, identity=identity or uuid4().hex)
 
-    async def canceller(self, action: str) -> Ros2Canceller:
-        """Return an object that cancels goals of an action."""
+    async def canceller(self, action: str) -> Cancel:
+        """Return the function that cancels goals of an action."""
         self._present()
         return await canceller(self, action)
 
-    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> Service:
+    async def serve(self, service: str, kind: str, answer: Callable[[Value], Awaitable[Value]]) -> None:
         """Serve a service; RobotError KG804 for an unknown type."""
         self._present()
         await self.ensure_type(kind, f"{kind}_Request", service)
-        serving = Service(self, service, kind, answer)
-        self._open.add(serving)
-        return serving
+        self._open.add(Service(self, service, kind, answer))
 
-    async def serve_action(
-        self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]
-    ) -> ActionServer:
+    async def serve_action(self, action: str, kind: str, carry_out: Callable[[Accepted], Awaitable[Value]]) -> None:
         """Serve an action, one goal at a time: a new goal cancels the previous one. `carry_out` returns the result."""
         self._present()
         await self.ensure_type(kind, f"{kind}_Goal", action)
-        server = ActionServer(self, action, kind, carry_out)
-        self._open.add(server)
-        return server
+        self._open.add(ActionServer(self, action, kind, carry_out))
 
     def forget(self, one: _Open) -> None:
         """Remove something that is already closed."""

@@ -11,7 +11,7 @@ from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem, Value
 from kg.robot.inbox import Inbox, Messages, Raw
-from kg.robot.ros2.middleware import OFFERED, Caller, Handle, Writer
+from kg.robot.ros2.middleware import OFFERED, Caller, Handle
 from kg.robot.tasks import outcome
 
 if TYPE_CHECKING:
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from kg.robot.ros2.connection import Ros2Connection
 
 Result = TypeVar("Result")
-_ENCAPSULATION: Final = 4
-"""Bytes before the first field of what CDR encodes."""
+_ENCAPSULATION: Final = 4  # bytes before the first field of what CDR encodes
 
 
 class Client:
@@ -81,15 +80,9 @@ class Service:
     def end(self) -> None:
         """Stop serving."""
         self._handle.close()
-        self._owner.forget(self)
-
-    async def aclose(self) -> None:
-        """Stop serving."""
-        self.end()
 
 
-_DEPTH: Final = 100
-"""Minimum queue length in the middleware, which does not report messages that it drops."""
+_DEPTH: Final = 100  # minimum queue length in the middleware, which does not report messages that it drops
 
 
 class Ros2Subscription(Messages):
@@ -147,10 +140,11 @@ class Ros2Subscription(Messages):
 class Ros2Publication:
     """A topic that our node publishes."""
 
-    def __init__(self, topic: str, encode: Callable[[Value], bytes], writer: Writer) -> None:
+    def __init__(self, owner: Ros2Connection, topic: str, kind: str, qos: Qos) -> None:
+        self._owner = owner
         self._topic = topic
-        self._encode = encode
-        self._writer = writer
+        self._kind = kind
+        self._writer = owner.wire.writer(topic, kind, qos)
         self._closed = False
 
     @property
@@ -165,7 +159,7 @@ class Ros2Publication:
 
     async def publish(self, value: Value) -> None:
         """Publish a message; RobotError KG805 if the value does not fit the type, KG803 if the topic is closed."""
-        content = self._encode(value)
+        content = self._owner.types.encode(self._kind, value)
         if self._closed:
             raise RobotError("KG803", f"`{self._topic}` is not offered any more")
         self._writer.write(content)
@@ -175,6 +169,7 @@ class Ros2Publication:
         """Stop publishing the topic."""
         self._closed = True
         self._writer.close()
+        self._owner.forget(self)
 
     async def aclose(self) -> None:
         """Stop publishing the topic."""

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 _HIDDEN: Final = re.compile(r"(.+)/_action/(send_goal|get_result|cancel_goal|feedback|status)")
 _ROLES: Final = {Role.SERVICES: Role.ACTION_SERVERS, Role.CLIENTS: Role.ACTION_CLIENTS}
-_MOST: Final = 1000
-"""Maximum number of reported mismatches."""
+_MOST: Final = 1000  # maximum number of reported mismatches
 
 
 def computation_graph(reported: Neighbourhood, *, complete: bool) -> ComputationGraph:
@@ -190,16 +189,13 @@ class Watch:
                 self._leaving.cancel()
                 self._leaving = None
         elif self._seen and self._leaving is None and not self.lost.done():
-            self._leaving = self._loop.call_later(_GONE, self._lose, "all nodes of the robot have left the domain")
+            self._leaving = self._loop.call_later(
+                _GONE, self.lost.set_result, "all nodes of the robot have left the domain"
+            )
 
-    def _lose(self, why: str) -> None:
-        if not self.lost.done():
-            self.lost.set_result(why)
-
-    async def wait_complete(self) -> ComputationGraph:
-        """Return the graph when it is complete."""
+    async def wait_complete(self) -> None:
+        """Return when the graph is complete, or the connection is closed."""
         await self.until(lambda graph: graph.complete)
-        return self.now()
 
     async def until(self, true: Callable[[ComputationGraph], bool]) -> bool:
         """Return True when a condition holds for the graph, False if the connection is closed first."""

@@ -25,8 +25,7 @@ _KEPT: Final = Qos("reliable", "transient_local", "keep_last", 1000, lifespan=10
 """QoS of `/rosout` (rcl_qos_profile_rosout_default)."""
 _NAME: Final = "use_sim_time"
 _BOOLEAN: Final = 1
-_LEVELS: Final[Mapping[Level, int]] = {"info": 20, "warning": 30, "error": 40}
-"""Constants of rcl_interfaces/Log."""
+_LEVELS: Final[Mapping[Level, int]] = {"info": 20, "warning": 30, "error": 40}  # constants of rcl_interfaces/Log
 _WORDS: Final = re.compile(r"(?<!^)(?=[A-Z])")
 
 

@@ -126,7 +126,6 @@ class Arm:
         self._measure()
 
     def _proceed(self, now: float) -> None:
-        """Set the joints to the current point of the trajectory."""
         while self._way and self._way[0].time <= now:
             self._begun = self._way.pop(0)
         self._wanted = list(self._begun.positions)

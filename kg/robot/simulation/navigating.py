@@ -92,10 +92,8 @@ class Grid:
 
 
 _RESOLUTION: Final = 0.1
-_PREFERRED: Final = 0.2
-"""Preferred distance of a path from obstacles, in metres."""
-_DETOUR: Final = 3.0
-"""Cost factor of cells near walls: paths prefer the middle."""
+_PREFERRED: Final = 0.2  # preferred distance of a path from obstacles, in metres
+_DETOUR: Final = 3.0  # cost factor of cells near walls: paths prefer the middle
 
 _STEPS: Final = [(down, right) for down in (-1, 0, 1) for right in (-1, 0, 1) if down or right]
 
@@ -152,7 +150,6 @@ class Planner:
         return None
 
     def _straightened(self, cells: list[Cell]) -> list[tuple[float, float]]:
-        """Return the corners of a path, without the points between."""
         corners = [cells[0]]
         for last, cell in pairwise(cells):
             if not self._clear(corners[-1], cell):
@@ -160,7 +157,6 @@ class Planner:
         return [self._grid.point(one) for one in (*corners, cells[-1])]
 
     def _clear(self, start: Cell, end: Cell) -> bool:
-        """Return whether a straight line crosses only cells away from walls."""
         steps = 2 * max(abs(end[0] - start[0]), abs(end[1] - start[1]), 1)  # half cells, so that none is skipped
         return not any(
             self._close[
@@ -171,8 +167,7 @@ class Planner:
         )
 
 
-REACHED: Final = 0.1
-"""Tolerance of a goal in metres; then the heading is turned to, within `_TURNED` radians."""
+_REACHED: Final = 0.1  # tolerance of a goal in metres; then the heading is turned to, within `_TURNED` radians
 
 _TURNED: Final = 0.06
 _PASSED: Final = 0.25
@@ -198,7 +193,7 @@ class Follower:
         """Return the velocity for the next tenth of a second."""
         while len(self._points) > 1 and pose.distance(*self._points[0]) < _PASSED:
             self._points.pop(0)
-        if self._points and (len(self._points) > 1 or pose.distance(*self._points[0]) > REACHED):
+        if self._points and (len(self._points) > 1 or pose.distance(*self._points[0]) > _REACHED):
             return self._onwards(pose, ranges)
         self._points.clear()
         off = wrapped(self._heading - pose.heading)

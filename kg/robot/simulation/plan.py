@@ -106,10 +106,6 @@ class Plan(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     things: tuple[Thing, ...]
     tags: tuple[TagPlace, ...]
 
-    def room(self, name: str) -> Room:
-        """Return the room of a name; `KeyError` for an unknown one."""
-        return {one.name: one for one in self.rooms}[name]
-
     def places(self) -> str:
         """Return the places of the rooms as the text of a file of places (docs/programs.md)."""
 

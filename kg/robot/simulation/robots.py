@@ -44,8 +44,7 @@ def heading_of(quaternion: dict[str, float]) -> float:
     return math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
 
-STALE: Final = 0.5
-"""Seconds after which a command expires."""
+_STALE: Final = 0.5  # seconds after which a command expires
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +59,7 @@ class Command:
 
     def now(self, time: float) -> Command:
         """Return the command in force at a time: zero if it has expired."""
-        return self if time - self.at <= STALE else Command()
+        return self if time - self.at <= _STALE else Command()
 
     def limited(self, speed: float, turn: float) -> Command:
         """Return the command limited to the robot's speeds; values that are not numbers become zero."""

@@ -91,7 +91,6 @@ class Simulation:
         self.world.close()
 
     async def _robot(self) -> None:
-        """Let the nodes of the robot join."""
         match self.world.robot:
             case Drone() as drone:
                 await drone_nodes(self.stage, drone)
@@ -252,7 +251,6 @@ async def opened(choice: Choice) -> AsyncIterator[tuple[Simulation, str]]:
 
 @asynccontextmanager
 async def _system(choice: Choice) -> AsyncIterator[str]:
-    """Yield the address of a system for the robot."""
     if choice.address:
         yield choice.address
     elif choice.ros2:

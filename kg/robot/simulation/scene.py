@@ -71,8 +71,7 @@ def _silence() -> Iterator[None]:
         os.close(nothing)
 
 
-BORDER: Final = 1 / 6
-"""White margin around the black square, as a share of its edge: one cell of the dictionary."""
+_BORDER: Final = 1 / 6  # white margin around the black square, as a share of its edge: one cell of the dictionary
 
 _CELLS: Final = 6
 _PIXELS: Final = 32
@@ -227,7 +226,7 @@ class Scene:
         return int(self.bullet.createMultiBody(mass, shape, look, at))
 
     def _tag(self, tag: TagPlace, folder: Path) -> None:
-        half = TAG_SIZE / 2 * (1 + 2 * BORDER)
+        half = TAG_SIZE / 2 * (1 + 2 * _BORDER)
         corners = [(0, -half, -half), (0, half, -half), (0, half, half), (0, -half, half)]
         look = self.bullet.createVisualShape(
             self.bullet.GEOM_MESH,

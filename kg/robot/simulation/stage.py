@@ -64,13 +64,10 @@ class Stage:
                 one.next += one.every
                 await one.job()
 
-    def stamp(self) -> dict[str, int]:
-        """Return the current time as a message."""
-        return stamp(self.world.time if self.simulated else time.time())
-
     def header(self, frame: str) -> Value:
         """Return a `std_msgs/Header` of now."""
-        return {"stamp": self.stamp(), "frame_id": frame}
+        now = self.world.time if self.simulated else time.time()
+        return {"stamp": stamp(now), "frame_id": frame}
 
     async def wait_lost(self) -> str:
         """Return the reason when the first node has lost the robot's system."""

@@ -103,7 +103,6 @@ class TopView:
         return f'<circle class="robot" {at}/><line class="ahead" {line}/>'
 
     def _arm(self, arm: Arm) -> str:
-        """Draw the base, the hand, and a line between them."""
         base = f'cx="{self._x(arm.base.x)}" cy="{self._y(arm.base.y)}" r="{_BASE * self._scale:.0f}"'
         hand = f'cx="{self._x(arm.pose.x)}" cy="{self._y(arm.pose.y)}" r="{_HAND * self._scale:.0f}"'
         ends = f'x1="{self._x(arm.base.x)}" y1="{self._y(arm.base.y)}" x2="{self._x(arm.pose.x)}"'

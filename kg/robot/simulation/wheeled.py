@@ -19,7 +19,7 @@ TURN: Final = 2.0
 RAYS: Final = 120
 """Number of the laser's rays, from the rear counterclockwise."""
 LASER_RANGE: Final = 8.0
-LASER_NEAR: Final = 0.21
+_LASER_NEAR: Final = 0.21
 
 _MASS: Final = 6.0
 _HEIGHT: Final = 0.34
@@ -69,7 +69,6 @@ class Wheeled:
         self.battery.drain(seconds, abs(self.forward))
 
     def _blocked(self) -> bool:
-        """Return whether a contact blocks the motion."""
         self.bumped = False
         ahead = math.copysign(1.0, self.forward)
         x, y = ahead * math.cos(self.pose.heading), ahead * math.sin(self.pose.heading)
@@ -100,12 +99,12 @@ class Wheeled:
         angles = [self.pose.heading - math.pi + index * math.tau / RAYS for index in range(RAYS)]
         ways = [(math.cos(one), math.sin(one)) for one in angles]
         free = self._scene.rays(
-            [self._ray(*way, LASER_NEAR) for way in ways], [self._ray(*way, LASER_RANGE) for way in ways]
+            [self._ray(*way, _LASER_NEAR) for way in ways], [self._ray(*way, LASER_RANGE) for way in ways]
         )
         noise = _LASER_NOISE * self._chance.standard_normal(RAYS)
-        length = LASER_RANGE - LASER_NEAR
+        length = LASER_RANGE - _LASER_NEAR
         return [
-            LASER_NEAR + share * length + float(off) if share < 1 else math.inf
+            _LASER_NEAR + share * length + float(off) if share < 1 else math.inf
             for share, off in zip(free, noise, strict=True)
         ]
 

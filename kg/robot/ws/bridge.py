@@ -48,7 +48,6 @@ class Bridge:
         return self._types
 
     def _bridges(self, ros: int) -> None:
-        """Set the version of ROS."""
         self._types = self._given if self._given and self._given.ros == ros else Types(ros)
 
     def _full(self, kind: str) -> str:

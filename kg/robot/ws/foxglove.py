@@ -35,9 +35,7 @@ _GRAPH: Final = {
     "subscribedTopics": ("subscriberIds", Role.SUBSCRIBES),
     "advertisedServices": ("providerIds", Role.SERVICES),
 }
-_QUIET: Final = (
-    0.3  # seconds without news after which the list of channels counts as complete: the protocol has no end marker
-)
+_QUIET: Final = 0.3  # seconds without news after which the list of channels is complete: it has no end marker
 
 
 class Foxglove(Bridge):

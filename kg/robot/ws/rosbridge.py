@@ -118,7 +118,6 @@ class Rosbridge(Bridge):
                 self._report(GraphProblem(error.code, "/rosapi", error.message))
 
     async def _look(self, *, whole: bool) -> bool:
-        """Poll the graph; return whether it has changed."""
         topics, nodes, services = await asyncio.gather(self._api("topics"), self._api("nodes"), self._api("services"))
         if self._types is None:
             self._bridges(2 if any("/msg/" in one for one in topics["types"]) else 1)

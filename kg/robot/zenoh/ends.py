@@ -19,7 +19,7 @@ import zenoh
 from zenoh import CongestionControl, ConsolidationMode, Query, QueryTarget, Reply, Session
 
 from kg.errors import RobotError
-from kg.robot.tasks import Tasks, outcome
+from kg.robot.tasks import Tasks, call_in, outcome
 
 _GID: Final = 16
 _FORM: Final = struct.Struct("<qqB16s")
@@ -51,18 +51,6 @@ class Attachment(NamedTuple):
 
 _EVER: Final = 30 * 24 * 3600.0
 """Timeout of a request in seconds: callers have their own, and results of actions take long."""
-
-
-def passing(loop: asyncio.AbstractEventLoop, call: Callable[[Any], None]) -> Callable[[Any], None]:
-    """Return a callback for a thread of the library that calls `call` in the event loop."""
-
-    def forward(what: object) -> None:
-        try:
-            loop.call_soon_threadsafe(call, what)
-        except RuntimeError:
-            return  # the event loop was closed without closing the connection
-
-    return forward
 
 
 class End:
@@ -147,7 +135,7 @@ class ZenohCaller(End):
         answered: asyncio.Future[bytes] = loop.create_future()
         self._waiting.add(answered)
         cancellation = zenoh.CancellationToken()
-        forward = passing(loop, partial(_answer, answered))
+        forward = partial(call_in, loop, _answer, answered)
         self._session.get(
             self._key(),
             zenoh.handlers.Callback(forward, lambda: forward(None)),
@@ -203,7 +191,7 @@ class ZenohServer(End):
         self._answer = answer
         self._sender = _Sender(key)
         self._running = Tasks()
-        forward = passing(asyncio.get_running_loop(), self._take)
+        forward = partial(call_in, asyncio.get_running_loop(), self._take)
         answering = session.declare_queryable(key, forward, complete=True)
         super().__init__(*declare(), answering)
 

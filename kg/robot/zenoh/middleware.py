@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,7 +16,8 @@ from kg.facts import Qos, Role
 from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
 from kg.robot.ros2.middleware import ANSWERS, Deliver, Neighbourhood
 from kg.robot.ros2.types import type_hash
-from kg.robot.zenoh.ends import End, ZenohCaller, ZenohServer, ZenohWriter, passing
+from kg.robot.tasks import call_in
+from kg.robot.zenoh.ends import End, ZenohCaller, ZenohServer, ZenohWriter
 from kg.robot.zenoh.tokens import NO_HASH, Token, data_key, pattern
 
 if TYPE_CHECKING:
@@ -68,7 +70,7 @@ class ZenohMiddleware:
         """Watch the tokens of others, and declare that of our node."""
         self._watch = watch
         liveliness = self._session.liveliness()
-        forward = passing(asyncio.get_running_loop(), self._hear)
+        forward = partial(call_in, asyncio.get_running_loop(), self._hear)
         self._listening = liveliness.declare_subscriber(pattern(self._domain), forward, history=True)
         self._node = liveliness.declare_token(Token(self._domain, self._own, self._name).key)
 
@@ -130,7 +132,7 @@ class ZenohMiddleware:
             if str(sample.key_expr).rpartition("/")[2] in hashes:
                 deliver(sample.payload.to_bytes(), None)
 
-        forward = passing(asyncio.get_running_loop(), take)
+        forward = partial(call_in, asyncio.get_running_loop(), take)
         if qos.durability == "transient_local":
             history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=max(qos.depth or 1, 1))
             subscriber: Any = zenoh.ext.declare_advanced_subscriber(self._session, key, forward, history=history)

@@ -296,11 +296,7 @@ async def related(request: Request, name: str, most: int, facets: Mapping[str, s
 
 
 def _format(request: Request, given: Mapping[str, str]) -> str:
-    """Return the format that a request names or accepts, by default HTML.
-
-    Raises:
-        RequestError: KG523 unknown format.
-    """
+    """Return the format that a request names or accepts, by default HTML; RequestError KG523 unknown format."""
     names = [name for _, name in _FORMATS]
     if "format" in given:
         if given["format"] not in names:

@@ -11,7 +11,7 @@ from starlette.routing import Route
 from kg.errors import KgError
 from kg.render.node_graph import node_graph_svg
 from kg.server.addresses import url
-from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.pages.missing import missing
 from kg.server.rendering import page, view
 from kg.views.node_graph import node_relations
 
@@ -51,8 +51,6 @@ async def _node(request: Request) -> Response:
     except KgError as error:
         if error.code == "KG001" and arguments["iri"]:
             return RedirectResponse(url("/resource", iri=arguments["iri"]), _SEE_OTHER)
-        if error.code not in {*ABSENT, SEVERAL}:
-            raise
         name = arguments["name"] or arguments["iri"]
         return missing(request, error, f"Node {name}", name, lambda other: url("/node", name=other))
     explicit = [one for one in node["interfaces"] if not one["implicit"]]
@@ -123,7 +121,6 @@ def _near(near: Mapping[str, Any], most: int) -> Iterator[tuple[dict[str, Any], 
 
 
 async def _graph(request: Request) -> Response:
-    """Respond with a picture of the entities and relations of a node."""
     node = await view(request, "node", iri=request.query_params.get("iri", ""))
     return Response(node_graph_svg(node["name"], node_relations(node)), media_type="image/svg+xml")
 

@@ -9,7 +9,7 @@ from starlette.routing import Route
 from kg.errors import KgError
 from kg.server.addresses import url
 from kg.server.pages.lists import LISTS, related
-from kg.server.pages.missing import ABSENT, missing
+from kg.server.pages.missing import missing
 from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
@@ -39,8 +39,7 @@ _KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
     "capability": ("capabilities", {"nodes": ("capability",)}),
 }
 """The list of a kind of thing (or prefix of its IRI), and the lists on its page with the facets that select rows."""
-_SHOWN: Final = 20
-"""Number of rows of each list."""
+_SHOWN: Final = 20  # number of rows of each list
 
 
 async def _resource(request: Request) -> Response:
@@ -51,10 +50,10 @@ async def _resource(request: Request) -> Response:
     try:
         resource = await view(request, "resource", **arguments)
     except KgError as error:
-        if error.code not in ABSENT:
-            raise
         name = iri.rstrip("/>").rpartition("/")[2].rpartition("#")[2]
-        return missing(request, error, "No facts about this resource", name, lambda other: url("/search", q=other))
+        return missing(
+            request, error, "No facts about this resource", name, lambda other: url("/search", q=other), several=False
+        )
     own = _PAGES.get(resource["kind"]) if "#" not in resource["iri"] else None
     first = {} if "predicate" in arguments else await _first(request, resource)
     finding = first.get("finding")

@@ -45,7 +45,6 @@ async def _robot(request: Request) -> Response:
 
 @cache
 def _examples() -> list[dict[str, Any]]:
-    """Return the example programs of kg by name."""
     examples = []
     for path in sorted((folder("examples") / "programs").glob("**/*.kgp")):
         text = path.read_text("utf-8")

@@ -12,7 +12,7 @@ from starlette.routing import Route
 
 from kg.errors import KgError
 from kg.server.addresses import url
-from kg.server.pages.missing import ABSENT, missing
+from kg.server.pages.missing import missing
 from kg.server.rendering import page, view
 
 if TYPE_CHECKING:
@@ -27,9 +27,9 @@ async def _rules(request: Request) -> Response:
     try:
         rules = await view(request, "rule_index", **chosen)
     except KgError as error:
-        if error.code not in ABSENT:
-            raise
-        return missing(request, error, f"Rules of {family}", family, lambda other: url("/rules", family=other))
+        return missing(
+            request, error, f"Rules of {family}", family, lambda other: url("/rules", family=other), several=False
+        )
     title = f"Rules of {family}" if family else "Rules"
     twin = url("/api/rule_index", **chosen)
     return page(request, "rules.html", title=title, twin=twin, rules=rules, family=family, text=text)
@@ -42,9 +42,7 @@ async def _rule(request: Request) -> Response:
     try:
         rule = await view(request, "rule", name=name)
     except KgError as error:
-        if error.code not in ABSENT:
-            raise
-        return missing(request, error, f"Rule {name}", name, lambda other: url("/rule", name=other))
+        return missing(request, error, f"Rule {name}", name, lambda other: url("/rule", name=other), several=False)
     return page(request, "rule.html", title=f"Rule {rule['rule']}", twin=url("/api/rule", name=rule["rule"]), rule=rule)
 
 

@@ -10,7 +10,7 @@ from starlette.routing import Route
 from kg.errors import KgError
 from kg.render.text import count
 from kg.server.addresses import url
-from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.pages.missing import missing
 from kg.server.pages.node import TAGS
 from kg.server.rendering import page, view
 
@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 
 
 _SEE_OTHER: Final = 303
-_LONG: Final = 100
-"""Tables with more rows have pages of their own, which the system's page loads on demand."""
+_LONG: Final = 100  # tables with more rows have pages of their own, which the system's page loads on demand
 
 
 async def _system(request: Request) -> Response:
@@ -33,8 +32,6 @@ async def _system(request: Request) -> Response:
     try:
         system = await view(request, "system", **arguments)
     except KgError as error:
-        if error.code not in {*ABSENT, SEVERAL}:
-            raise
         return missing(request, error, "No such system", name, lambda other: url("/system", name=other))
     shared = {"twin": url("/api/system", **arguments), "system": system, "tags": TAGS}
     parts = _parts(system)
@@ -100,8 +97,6 @@ async def _channel(request: Request) -> Response:
     try:
         channel = await view(request, "channel", **arguments)
     except KgError as error:
-        if error.code not in {*ABSENT, SEVERAL}:
-            raise
         return missing(request, error, f"No such {kind}", name, lambda other: url("/channel", kind=kind, name=other))
     twin = url("/api/channel", **arguments)
     return page(

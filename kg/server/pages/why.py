@@ -13,7 +13,7 @@ from starlette.routing import Route
 from kg.errors import KgError, RuleError, UsageError
 from kg.server.addresses import url
 from kg.server.errors import STATUS
-from kg.server.pages.missing import ABSENT, SEVERAL, missing
+from kg.server.pages.missing import missing
 from kg.server.parameters import FORM, Parameters, media_type
 from kg.server.rendering import page, view
 from kg.server.safety.bodies import ADDRESS_BYTES
@@ -43,8 +43,6 @@ async def _of_fact(request: Request, fact: dict[str, str], every: str) -> Respon
             lacking = await view(request, "why_not", **fact)
             title, twin = f"Why not: {lacking['fact']['text']}", url("/api/why_not", **fact)
             return page(request, "why.html", title=title, twin=twin, every="", why=None, lacking=lacking)
-        if error.code not in {*ABSENT, SEVERAL}:
-            raise
         return missing(request, error, "Why", fact["subject"], lambda other: url("/search", q=other))
     return page(
         request,

@@ -122,7 +122,6 @@ def identified(program: Program) -> tuple[Program, dict[str, str]]:
 
 
 def _statements(part: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the statements of a tree with their paths."""
     if isinstance(part, dict):
         if "block" in part:
             yield path, part
@@ -131,17 +130,3 @@ def _statements(part: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
     elif isinstance(part, list | tuple):
         for index, value in enumerate(part):
             yield from _statements(value, f"{path}/{index}")
-
-
-def _unreadable(error: RobotError) -> dict[str, Any]:
-    place = error.place
-    return {
-        "id": None,
-        "code": error.code,
-        "docs": url(f"/errors/{error.code}"),
-        "severity": "error",
-        "message": error.message,
-        "hint": hint_of(error.code, error.hint),
-        "line": place.line if place else None,
-        "column": place.column if place else None,
-    }

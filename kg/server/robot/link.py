@@ -20,7 +20,7 @@ from kg.robot.live import infer
 from kg.robot.live.asking import Subject, running
 from kg.robot.live.inference import knowledge, now
 from kg.robot.programs.places import Places, offered, offers, read_places
-from kg.robot.tasks import ended
+from kg.robot.tasks import ended, first
 from kg.server.robot.listeners import failure
 from kg.views import evidence
 from kg.views.why_tree import Telling
@@ -189,14 +189,8 @@ class Link:
             connection = await connect(self.address, name="/kg_page")
             stack.push_async_callback(connection.aclose)
             stack.push_async_callback(self._unseen)
-            following = asyncio.ensure_future(self._follow(connection))
-            stack.push_async_callback(ended, following)
-            lost = asyncio.ensure_future(connection.wait_lost())
-            stack.push_async_callback(ended, lost)
-            await asyncio.wait((following, lost), return_when=asyncio.FIRST_COMPLETED)
-            if following.done():
-                following.result()
-            raise RobotError("KG803", lost.result() if lost.done() else "the connection to the robot was lost")
+            lost = await first(connection.wait_lost(), self._follow(connection))
+            raise RobotError("KG803", lost[0] if lost else "the connection to the robot was lost")
 
     async def _follow(self, connection: Connection) -> None:
         """Update capabilities and driver when the computation graph changes."""

@@ -93,7 +93,6 @@ def _json(content: object) -> Response:
 
 
 async def _robot(request: Request) -> Response:
-    """Respond with the state of the robot: connection, capabilities, running work."""
     session = state(request).robot
     if session is None:
         return _json({"address": None, "state": "none", "may_move": False, "capabilities": []})
@@ -186,7 +185,6 @@ async def _run(request: Request) -> Response:
 
 
 def _place(text: str, problem: dict[str, Any]) -> Place:
-    """Return the place of a problem in the text of a program."""
     lines = text.split("\n")
     line = problem["line"] or 1
     written = lines[line - 1] if line <= len(lines) else ""
@@ -208,8 +206,6 @@ def _posted(
 
 
 def _simply(act: Callable[[Session], Awaitable[Any]]) -> Callable[[Request], Awaitable[Response]]:
-    """Return the endpoint of an operation without arguments."""
-
     async def endpoint(request: Request) -> Response:
         await act(_session(request))
         return Response(status_code=204)

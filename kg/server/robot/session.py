@@ -66,7 +66,6 @@ class Session:
         self._tasks: list[asyncio.Task[None]] = []
 
     async def __aenter__(self) -> Self:
-        """Begin to connect, without waiting for the connection."""
         self._tasks = [
             spawn(self._link.keep(), "staying connected to the robot"),
             spawn(self._hands.watch(), "watching manual driving"),
@@ -76,7 +75,6 @@ class Session:
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        """Stop the robot and disconnect."""
         await self.leave()
         await ended(*self._tasks)
 
@@ -225,6 +223,5 @@ class Session:
         self.listeners.publish({"event": "step", "log": message})
 
     async def _still(self) -> None:
-        """Stop all movements."""
         await self._running.stop()
         await self._hands.stop()

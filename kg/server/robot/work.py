@@ -244,7 +244,6 @@ class Running:
             await ended(self._task)
 
     def _ended(self, task: asyncio.Task[Ended]) -> None:
-        """Send the result of a program, unless another one has started."""
         error = failure(task, "running a program")
         if task is not self._task:
             return

@@ -20,8 +20,7 @@ ADDRESS_BYTES: Final = 8192
 """Maximum length in bytes of path and query of an address."""
 HEADERS: Final = 100
 """Maximum number of headers of a request."""
-HEADER_BYTES: Final = 32 << 10
-"""Maximum size in bytes of all header names and values."""
+_HEADER_BYTES: Final = 32 << 10  # maximum size in bytes of all header names and values
 QUERY_BYTES: Final = 16 << 20
 """Maximum size in bytes of the body of a reading request: a query, or arguments of a view. It is held in memory,
 several times over, for any client that may read.
@@ -37,8 +36,8 @@ def announced(request: HTTPConnection) -> RequestError | None:
     if len(scope.get("raw_path") or b"") + len(scope["query_string"]) > ADDRESS_BYTES:
         return RequestError("KG526", f"the address is longer than {ADDRESS_BYTES} bytes")
     given = scope["headers"]
-    if len(given) > HEADERS or sum(len(name) + len(value) for name, value in given) > HEADER_BYTES:
-        return RequestError("KG535", f"the request has more than {HEADERS} headers or {HEADER_BYTES} bytes of headers")
+    if len(given) > HEADERS or sum(len(name) + len(value) for name, value in given) > _HEADER_BYTES:
+        return RequestError("KG535", f"the request has more than {HEADERS} headers or {_HEADER_BYTES} bytes of headers")
     if dict(given).get(b"content-encoding", b"identity").lower() != b"identity":
         return RequestError("KG524", "compressed bodies are not supported", headers={"Accept-Encoding": "identity"})
     return None

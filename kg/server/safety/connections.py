@@ -30,20 +30,17 @@ if TYPE_CHECKING:
 
 HEAD_SECONDS: Final = 10.0
 """Maximum seconds for the request line and the headers."""
-HEAD_BYTES: Final = 64 << 10
-"""Maximum size in bytes of the headers, before the application checks them."""
+_HEAD_BYTES: Final = 64 << 10  # maximum size in bytes of the headers, before the application checks them
 REST_SECONDS: Final = 10.0
 """Maximum seconds for a client to finish sending the body of a request after its response."""
 STALLED_SECONDS: Final = 60.0
 """Maximum seconds for a client to read none of its response."""
-LINGER_SECONDS: Final = 2.0
+_LINGER_SECONDS: Final = 2.0
 """Seconds during which input is discarded after a refusal: closing at once could drop the response."""
-URL_BYTES: Final = 60 << 10
+_URL_BYTES: Final = 60 << 10
 """Maximum length in bytes of an address that uvicorn parses; the application checks the limit for clients."""
-JOINED_BYTES: Final = 4096
-"""A larger part of a response is sent at once."""
-LINGER_BYTES: Final = 1 << 20
-"""Maximum bytes discarded after a refusal."""
+_JOINED_BYTES: Final = 4096  # a larger part of a response is sent at once
+_LINGER_BYTES: Final = 1 << 20  # maximum bytes discarded after a refusal
 
 
 @dataclass(slots=True)
@@ -98,7 +95,7 @@ class _Joined:
         if self._pending:
             self._pending.append(data)
             self.flush()
-        elif len(data) < JOINED_BYTES:
+        elif len(data) < _JOINED_BYTES:
             self._pending.append(data)
             self._loop.call_soon(self.flush)
         else:
@@ -171,12 +168,12 @@ class Guarded(HttpToolsProtocol):
         """Parse received bytes; KG535 if the headers never end."""
         self._head += len(data)
         if self._refused:
-            if self._head > LINGER_BYTES:
+            if self._head > _LINGER_BYTES:
                 self.transport.abort()
             return
         super().data_received(data)
-        if self._in_head and self._head > HEAD_BYTES and not self._is_address_long():
-            self._refuse("KG535", f"the headers have more than {HEAD_BYTES} bytes")
+        if self._in_head and self._head > _HEAD_BYTES and not self._is_address_long():
+            self._refuse("KG535", f"the headers have more than {_HEAD_BYTES} bytes")
 
     def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - uvicorn's signature
         """Respond to malformed HTTP: KG520."""
@@ -191,7 +188,7 @@ class Guarded(HttpToolsProtocol):
 
     def _is_address_long(self) -> bool:
         """Refuse a request whose address is longer than uvicorn can parse (KG526); return whether it is refused."""
-        if not self._refused and len(self.url) > URL_BYTES:
+        if not self._refused and len(self.url) > _URL_BYTES:
             self._refuse("KG526", f"the address is longer than {ADDRESS_BYTES} bytes")
         return self._refused
 
@@ -293,7 +290,7 @@ class Guarded(HttpToolsProtocol):
         self.transport.write(b"\r\n".join((first, *lines, b"", body)))
         if self.transport.can_write_eof():
             self.transport.write_eof()
-        self._start("linger", LINGER_SECONDS, self.transport.abort)
+        self._start("linger", _LINGER_SECONDS, self.transport.abort)
 
     def _may_answer(self) -> bool:
         """Take over the response to a request whose body is malformed; False if another one has begun."""

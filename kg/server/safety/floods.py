@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 Check: TypeAlias = "Callable[[HTTPConnection], KgError | Response | None]"
 
 _CREDENTIALS: Final = frozenset({b"authorization", b"cookie"})
-_REMEMBERED: Final = 512
-"""So many heads of requests that passed are remembered."""
+_REMEMBERED: Final = 512  # so many heads of requests that passed are remembered
 ALWAYS: Final = frozenset({"/health", "/metrics"})
 """Paths without a limit: a supervisor must not mistake a busy server for a dead one."""
 

@@ -55,7 +55,6 @@ class Hosts:
 
 @lru_cache(maxsize=64)
 def _name(host: str) -> str | None:
-    """Return the name or address in a header `Host`; None if it is malformed."""
     match = _HOST.fullmatch(host)
     return None if match is None else (match["six"] or match["name"]).lower().removesuffix(".")
 

@@ -62,7 +62,6 @@ async def _logout(request: Request) -> Response:
 
 
 def _session(response: Response, request: Request, proof: str) -> Response:
-    """Set the cookie, or delete it."""
     response.set_cookie(
         cookie_name(request),
         proof,

@@ -91,7 +91,6 @@ class _Sending:
         self._lines = b""
 
     async def __call__(self, message: Message) -> None:
-        """Send a part of the response."""
         if message["type"] == "http.response.start":
             self._recorded.status = message["status"]
             lines = lines_of(message["headers"]) if self._whole is not None else None

@@ -32,8 +32,7 @@ CHANGING: Final = ("/update", "/store")
 """Addresses at which the store is changed, and those below them."""
 MOVING: Final = frozenset({"/robot/do", "/robot/run", "/robot/pause", "/robot/resume"})
 """Addresses at which a robot is moved; every viewer may use `/robot/stop`."""
-_OPEN: Final = frozenset({"/login", "/health", "/favicon.ico"})
-"""Addresses that need no token: login and health."""
+_OPEN: Final = frozenset({"/login", "/health", "/favicon.ico"})  # addresses that need no token: login and health
 _OPEN_BELOW: Final = ("/errors/", "/static/", "/vendor/")
 """Prefixes of addresses that need no token and reveal nothing of the store."""
 

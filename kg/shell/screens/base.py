@@ -1,17 +1,33 @@
-"""Base of the screens above the main screen."""
+"""Bases of the screens above the main screen, and of their trees."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.await_complete import AwaitComplete
 from textual.screen import Screen, ScreenResultType
 
+from kg.shell.actions import bindings
+
 if TYPE_CHECKING:
+    from textual.binding import BindingType
+
     from kg.shell.app import Shell
 
 
-class UpperScreen(Screen[ScreenResultType | None]):
+class Acting:
+    """What has the keys of a context: `class RulesScreen(UpperScreen[None], context="rules")`."""
+
+    CONTEXTS: ClassVar[tuple[str, ...]] = ()
+    BINDINGS: ClassVar[list[BindingType]]
+
+    def __init_subclass__(cls, *, context: str = "", **more: Any) -> None:
+        if context:
+            cls.CONTEXTS, cls.BINDINGS = (context,), bindings(context)
+        super().__init_subclass__(**more)
+
+
+class UpperScreen(Acting, Screen[ScreenResultType | None]):
     """A screen that closes once; its result is None when the user leaves it.
 
     It must be the last base class: textual takes styles from the first one only.

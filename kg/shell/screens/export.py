@@ -5,32 +5,28 @@ from __future__ import annotations
 import asyncio
 import secrets
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
+from textual import on
 from textual.containers import Vertical
 from textual.screen import ModalScreen
 from textual.widgets import Input, Select, Static
 
 from kg.render.text import printable
-from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
 from kg.shell.screens.base import UpperScreen
 from kg.shell.writing import file_formats_of, format_of_name, is_taken, to_file
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
     from kg.errors import KgError
     from kg.query.result import Result
     from kg.shell.link import Link
 
 
-class ExportScreen(ModalScreen[None], UpperScreen[None]):
+class ExportScreen(ModalScreen[None], UpperScreen[None], context="list"):
     """Asks for file and format; a limited result is requested again without limit."""
-
-    CONTEXTS = ("list",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("list")
 
     def __init__(self, link: Link, result: Result, text: str) -> None:
         super().__init__()
@@ -56,10 +52,7 @@ class ExportScreen(ModalScreen[None], UpperScreen[None]):
         if form := format_of_name(event.value, self._result):
             self.query_one(Select).value = form
 
-    def on_input_submitted(self) -> None:
-        """Write the file."""
-        self.action_choose()
-
+    @on(Input.Submitted)
     def action_choose(self) -> None:
         """Write the file, unless it exists and the user has not confirmed its replacement."""
         if typed := self.query_one(Input).value.strip():

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
+from textual import on
 from textual.widgets import Footer, Input, Static
 
 from kg.render.text import count, printable
-from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
 from kg.shell.pages import Line
 from kg.shell.screens.base import UpperScreen
@@ -16,7 +16,6 @@ from kg.shell.screens.page import LineTree, PageScreen, thing
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.events import Key
 
     from kg.errors import KgError
@@ -24,17 +23,12 @@ if TYPE_CHECKING:
 _SHOWN = 30
 
 
-class HitTree(LineTree):
+class HitTree(LineTree, context="find"):
     """The hits, each with its reasons below it."""
 
-    BINDINGS: ClassVar[list[BindingType]] = bindings("find")
 
-
-class FindScreen(UpperScreen[None]):
+class FindScreen(UpperScreen[None], context="find"):
     """Requests the view `find`, and opens its results."""
-
-    CONTEXTS = ("find",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("find")
 
     def compose(self) -> ComposeResult:
         """Yield the input, the interpretation, and the hits."""
@@ -78,10 +72,7 @@ class FindScreen(UpperScreen[None]):
     def _hint(self, words: str) -> None:
         self.query_one(".hint", Static).update(printable(words))
 
-    def on_tree_node_selected(self) -> None:
-        """Open the selected hit."""
-        self.action_open_hit()
-
+    @on(HitTree.NodeSelected)
     def action_open_hit(self) -> None:
         """Open the page of the selected line's node."""
         node = self.query_one(HitTree).cursor_node

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 from textual import on
@@ -13,14 +13,12 @@ from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from kg.render.text import count, printable
-from kg.shell.actions import bindings
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.events import Key
 
     from kg.shell.state import Entry
@@ -31,11 +29,8 @@ MOVES = {"up": "cursor_up", "down": "cursor_down", "pageup": "page_up", "pagedow
 """Keys that move in a list whose input has the focus, with the names of its actions."""
 
 
-class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
+class ChoiceScreen(ModalScreen[str | None], UpperScreen[str], context="list"):
     """Asks for one of `choices`; returns None if the user chooses nothing."""
-
-    CONTEXTS = ("list",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("list")
 
     def __init__(self, title: str, choices: Sequence[str]) -> None:
         super().__init__()
@@ -62,11 +57,9 @@ class ChoiceScreen(ModalScreen[str | None], UpperScreen[str]):
         self.query_one(OptionList).action_select()
 
 
-class ListScreen(ModalScreen[str | None], UpperScreen[str]):
+class ListScreen(ModalScreen[str | None], UpperScreen[str], context="list"):
     """Entries with a title and a note, filtered by parts of words; the preview shows the highlighted one."""
 
-    CONTEXTS = ("list",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("list")
     TITLE_WORDS = ""
     EMPTY = "There is nothing yet."
 
@@ -101,6 +94,7 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
         self.query_one(OptionList).can_focus = False
         self.fill()
 
+    @on(Input.Changed)
     def fill(self) -> None:
         """Show the entries that contain all typed words, those with an early first word first."""
         words = self.query_one(Input).value.lower().split()
@@ -119,22 +113,10 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
         if not self._shown:
             self.query_one(".preview", Static).update("Nothing fits." if self.entries else self.EMPTY)
 
-    @on(Input.Changed)
-    def _typed(self) -> None:
-        self.fill()
-
-    @on(Input.Submitted)
-    def _submitted(self) -> None:
-        self.action_choose()
-
     @on(OptionList.OptionHighlighted)
     def _highlighted(self, event: OptionList.OptionHighlighted) -> None:
         if event.option_index < len(self._shown):
             self.query_one(".preview", Static).update(self.preview(self._shown[event.option_index]))
-
-    @on(OptionList.OptionSelected)
-    def _selected(self) -> None:
-        self.action_choose()
 
     def on_key(self, event: Key) -> None:
         """Move in the list while the input has the focus."""
@@ -142,6 +124,8 @@ class ListScreen(ModalScreen[str | None], UpperScreen[str]):
             event.stop()
             getattr(self.query_one(OptionList), f"action_{MOVES[event.key]}")()
 
+    @on(Input.Submitted)
+    @on(OptionList.OptionSelected)
     def action_choose(self) -> None:
         """Accept the highlighted entry."""
         number = self.query_one(OptionList).highlighted

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 from pyoxigraph import Literal, NamedNode
 from textual import on
 from textual.containers import Horizontal
+from textual.events import DescendantBlur
 from textual.screen import Screen
 from textual.widgets import Footer, Static, TabbedContent, TextArea
 
@@ -69,12 +70,12 @@ class Status(Static):
         self._snapshot, self._note = snapshot, note
         self._draw()
 
-    def run(self, job: Job | None, rows: int = 0) -> None:
+    def run(self, job: Job | None) -> None:
         """Show the running work; None without any."""
         if job is None:
             self._work = ""
         else:
-            progress = f", {count(rows, 'row')} so far" if rows else ""
+            progress = f", {count(job.rows, 'row')} so far" if job.rows else ""
             self._work = f"running {job.elapsed:.1f} s{progress} (Esc stops)"
         self._draw()
 
@@ -85,7 +86,6 @@ class Status(Static):
 
 
 def _short(path: Path) -> str:
-    """Return the path of a store, with a tilde for the home folder."""
     home = path.home()
     folder = path.parent if path.name == ".kg" else path
     return f"~/{folder.relative_to(home)}" if folder.is_relative_to(home) else str(folder)
@@ -272,10 +272,10 @@ class MainScreen(Screen[None]):
         self.app.push_screen(JumpScreen(shown), lambda widget: widget.focus() if widget else None)
 
     def _view(self) -> ResultView | None:
-        """Return the visible result, if there is one."""
         buffer = self.buffers.current
         return buffer.results if buffer and buffer.results.result is not None else None
 
+    @on(AnswerTable.Passed)
     def action_next_page(self) -> None:
         """Show the next page of rows."""
         if view := self._view():
@@ -356,6 +356,7 @@ class MainScreen(Screen[None]):
         """Reload the tree."""
         self.query_one(KnowledgeTree).reload()
 
+    @on(KnowledgeTree.NodeSelected)
     def action_open_entry(self) -> None:
         """Open the page of the entry; folders expand and collapse."""
         tree = self.query_one(KnowledgeTree)
@@ -379,15 +380,11 @@ class MainScreen(Screen[None]):
         entry = self.query_one(KnowledgeTree).entry
         if entry.get("iri"):
             text = f"# {entry['label']}\nSELECT ?property ?value {{ <{entry['iri']}> ?property ?value }}\n"
-            await self.open_text(text)
-
-    async def open_text(self, text: str) -> None:
-        """Open a query in a new buffer."""
-        await self.buffers.open(text)
+            await self.buffers.open(text)
 
     async def _take(self, text: str | None) -> None:
         if text:
-            await self.open_text(text)
+            await self.buffers.open(text)
 
     @on(TextArea.Changed)
     def _changed(self, event: TextArea.Changed) -> None:
@@ -424,11 +421,8 @@ class MainScreen(Screen[None]):
         self.completions.insert(event.option_index)
 
     @on(TabbedContent.TabActivated)
-    def _another_tab(self) -> None:
-        self.completions.close()
-
-    def on_descendant_blur(self) -> None:
-        """Hide completions of an editor that loses the focus."""
+    @on(DescendantBlur)
+    def _hide_completions(self) -> None:
         self.completions.close()
 
     def offer(self, editor: QueryEditor) -> None:
@@ -447,11 +441,3 @@ class MainScreen(Screen[None]):
                     buffer.mark(problems)
 
             deliver(buffer, partial(diagnosed, self.link, text), mark, self._log_error, latest="check")
-
-    @on(AnswerTable.Passed)
-    def _page_passed(self) -> None:
-        self.action_next_page()
-
-    @on(KnowledgeTree.NodeSelected)
-    def _entry_chosen(self) -> None:
-        self.action_open_entry()

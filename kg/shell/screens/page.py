@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pyoxigraph import BlankNode, NamedNode
 from rich.text import Text
@@ -11,7 +11,6 @@ from textual.widgets import Footer, Static, Tree
 
 from kg.query.formats import display
 from kg.render.text import printable
-from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
 from kg.shell.pages import (
     Line,
@@ -23,13 +22,12 @@ from kg.shell.pages import (
     place_words,
     title_of,
 )
-from kg.shell.screens.base import UpperScreen
+from kg.shell.screens.base import Acting, UpperScreen
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
     from textual.widgets.tree import TreeNode
 
     from kg.errors import KgError
@@ -79,7 +77,7 @@ def row_page(
     return Page(title, "why_row", {"query": query, "row": bound}, lines, query)
 
 
-class LineTree(Tree[Line]):
+class LineTree(Acting, Tree[Line]):
     """A tree of lines; Space expands and collapses a line."""
 
     def __init__(self, label: str = "") -> None:
@@ -119,17 +117,12 @@ def _label(line: Line) -> Text:
     return Text.assemble(*parts, no_wrap=True)
 
 
-class PageTree(LineTree):
+class PageTree(LineTree, context="page"):
     """The lines of a page, with its keys."""
 
-    BINDINGS: ClassVar[list[BindingType]] = bindings("page")
 
-
-class PageScreen(UpperScreen[None]):
+class PageScreen(UpperScreen[None], context="page"):
     """One page, and those reached from it."""
-
-    CONTEXTS = ("page",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("page")
 
     def __init__(self, link: Link, page: Page) -> None:
         super().__init__()
@@ -233,7 +226,7 @@ class PageScreen(UpperScreen[None]):
         """Open a query for these facts in a buffer."""
         if self._page.query:
             self.dismiss()
-            await self.app.main.open_text(self._page.query)
+            await self.app.main.buffers.open(self._page.query)
 
     def action_back(self) -> None:
         """Go back to the previous page, or to the screen below."""

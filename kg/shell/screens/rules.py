@@ -4,26 +4,21 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from textual.containers import Horizontal, VerticalScroll
 from textual.widgets import Footer, Markdown, Static, Tree
 
 from kg.render.text import count, printable
-from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
 from kg.shell.screens.base import UpperScreen
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
 
-class RulesScreen(UpperScreen[None]):
+class RulesScreen(UpperScreen[None], context="rules"):
     """The rules of the view `rules`."""
-
-    CONTEXTS = ("rules",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("rules")
 
     def compose(self) -> ComposeResult:
         """Yield the families and the page of a rule."""
@@ -73,7 +68,6 @@ class RulesScreen(UpperScreen[None]):
 
 
 def _manual(rule: dict[str, Any]) -> str:
-    """Return the documentation of a rule as Markdown."""
     parts = [f"# {rule['rule']}", f"**{rule['title']}**"]
     if rule["error"]:
         parts.append(f"{rule['error']['code']}: {rule['error']['message']}")

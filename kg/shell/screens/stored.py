@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
+from textual import on
 from textual.containers import Vertical, VerticalScroll
 from textual.screen import ModalScreen
 from textual.widgets import Input, Label, Static
 
-from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
 from kg.shell.screens.base import UpperScreen
 from kg.shell.screens.listing import ListScreen
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
     from kg.errors import KgError
     from kg.shell.link import Link
@@ -62,11 +61,8 @@ class StoredScreen(ListScreen):
             self.dismiss(text)
 
 
-class FormScreen(ModalScreen[str | None], UpperScreen[str]):
+class FormScreen(ModalScreen[str | None], UpperScreen[str], context="list"):
     """Asks for the parameters of a stored query; returns the text with their values."""
-
-    CONTEXTS = ("list",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("list")
 
     def __init__(self, link: Link, query: dict[str, Any]) -> None:
         super().__init__()
@@ -89,10 +85,7 @@ class FormScreen(ModalScreen[str | None], UpperScreen[str]):
         """Focus the first field."""
         self.query(Input).first().focus()
 
-    def on_input_submitted(self) -> None:
-        """Bind the values."""
-        self.action_choose()
-
+    @on(Input.Submitted)
     def action_choose(self) -> None:
         """Return the bound query, or show which value is invalid."""
         values = {str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()}

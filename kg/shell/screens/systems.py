@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from textual.containers import Horizontal, Vertical
 from textual.widgets import Footer, Static, Tree
 
 from kg.render.text import count, printable
-from kg.shell.actions import bindings
 from kg.shell.delivery import deliver
 from kg.shell.pages import Line, lines_of_system, place_words
 from kg.shell.screens.base import UpperScreen
@@ -19,23 +18,17 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from textual.app import ComposeResult
-    from textual.binding import BindingType
 
 
 _PART = 500  # maximum number of configurations per request
 
 
-class FindingTree(LineTree):
+class FindingTree(LineTree, context="systems"):
     """The nodes and findings of a configuration."""
 
-    BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
 
-
-class SystemsScreen(UpperScreen[None]):
+class SystemsScreen(UpperScreen[None], context="systems"):
     """The views `systems`, `tree` and `lint`."""
-
-    CONTEXTS = ("systems",)
-    BINDINGS: ClassVar[list[BindingType]] = bindings("systems")
 
     def compose(self) -> ComposeResult:
         """Yield configurations and findings."""
@@ -55,7 +48,6 @@ class SystemsScreen(UpperScreen[None]):
         self._read(0)
 
     def _read(self, begin: int) -> None:
-        """Request the configurations from an index on."""
         request = partial(self.app.link.call, "systems", offset=str(begin), limit=str(_PART))
         deliver(self, request, partial(self._answer, begin), self.app.report)
 

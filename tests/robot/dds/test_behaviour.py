@@ -36,8 +36,9 @@ class TestDds(Behaviour):
         """A call returns the response; a failure is a timeout, because ROS 2 has no message for it; KG807 unserved."""
 
         async def scene() -> None:
-            async with system.pair() as (one, two):
-                serving = await one.serve("/double", "kg_test/Double", _double)
+            async with system.pair() as (_, two):
+                three = await system.join("/three")
+                await three.serve("/double", "kg_test/Double", _double)
                 await system.seen(two, lambda graph: any(end.name == "/double" for end in graph.ends))
                 call = two.call("/double", "kg_test/Double", {"value": 2.0}, seconds=patient(system.seconds))
                 assert await call == {"value": 4.0, "remark": "twice"}
@@ -45,9 +46,9 @@ class TestDds(Behaviour):
                 with pytest.raises(RobotError) as failed:
                     await two.call("/double", "kg_test/Double", {"value": -1.0}, seconds=0.5)
                 assert failed.value.code == "KG803"
-                graph = await system.seen(one, lambda graph: bool(graph.problems))
+                graph = await system.seen(three, lambda graph: bool(graph.problems))
                 assert [problem.code for problem in graph.problems] == ["KG808"]
-                await serving.aclose()
+                await three.aclose()
                 await system.seen(two, lambda graph: not [end for end in graph.ends if end.role is Role.SERVICES])
                 with pytest.raises(RobotError) as nobody:
                     await two.call("/double", "kg_test/Double", {"value": 1.0}, seconds=1.0)

@@ -19,13 +19,13 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     import pytest
 
-    from kg.robot.programs.runner import Execution
+    from kg.robot.programs.events import Ended
 
 
 def test_a_capability_that_is_gone_ends_the_program_at_its_block() -> None:
     """Unrelated nodes come and go; when the moved one is gone, the program fails at its movement."""
 
-    async def scene() -> tuple[list[str], Execution]:
+    async def scene() -> tuple[list[str], Ended | None]:
         with Bus(uuid4().hex) as bus:
             base, events = bus.join("/base"), list[str]()
             moves = await base.subscribe("/cmd_vel", "geometry_msgs/Twist", queue=10)
@@ -47,9 +47,9 @@ def test_a_capability_that_is_gone_ends_the_program_at_its_block() -> None:
 
     events, done = asyncio.run(scene())
     assert events == ["enter", "error", "leave", "failed"]
-    assert done.ended is not None
-    assert done.ended.problem is not None
-    assert (done.ended.problem.path, done.ended.problem.code in {"KG822", "KG824"}) == ("/body/0", True)
+    assert done is not None
+    assert done.problem is not None
+    assert (done.problem.path, done.problem.code in {"KG822", "KG824"}) == ("/body/0", True)
 
 
 def test_time_goes_on_while_it_is_inferred_what_a_robot_can_do(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -72,6 +72,6 @@ def test_time_goes_on_while_it_is_inferred_what_a_robot_can_do(monkeypatch: pyte
                 program, f"memory://{bus.name}", Settings(), on_event=lambda _: None, on_problems=lambda _: None
             )
             await base.aclose()
-        assert done.ended is not None
+        assert done is not None
 
     asyncio.run(scene())

@@ -6,7 +6,7 @@ import pytest
 from robot.programs.trolley import CAPABILITIES
 
 from kg.errors import RobotError
-from kg.robot.programs.names import CapabilityIndex, labelled, named
+from kg.robot.programs.names import CapabilityIndex, named
 from kg.robot.programs.parse import parse
 from kg.robot.programs.write import write
 
@@ -26,10 +26,9 @@ end
 """
 
 
-def test_labels_become_names_and_names_labels() -> None:
-    """Programs can be shown with either; unknown ones remain unchanged."""
+def test_labels_become_names() -> None:
+    """Unknown ones remain unchanged."""
     assert write(named(parse(BY_LABEL), CAPABILITIES)) == BY_NAME
-    assert write(labelled(parse(BY_NAME), CAPABILITIES)) == BY_LABEL.replace("'forward speed'", "forward")
 
 
 @pytest.mark.parametrize("name", ["laserScanning", "laser scanning", "LaserScanning", "Scan with a laser"])

@@ -15,7 +15,7 @@ from kg.errors import RobotError
 from kg.robot.clock import SimulatedClock
 from kg.robot.connecting import connect
 from kg.robot.ros1 import Master, Ros1Connection
-from kg.robot.ros1.actions import Status, topics
+from kg.robot.ros1.actions import ActionServer, Status, topics
 from kg.robot.ros1.header import pack
 from kg.robot.ros1.xmlrpc import ask
 
@@ -128,12 +128,13 @@ def test_a_goal_that_is_cancelled_before_it_comes() -> None:
     async def scene() -> int:
         async with Master() as master:
             one = await connect(master.address, name="/one", types=types_for_tests(1))
-            two = await connect(master.address, name="/two", types=types_for_tests(1))
+            two: Any = await connect(master.address, name="/two", types=types_for_tests(1))
 
             async def carry_out(_: Accepted) -> Value:
                 raise AssertionError
 
-            server: Any = await two.serve_action("/count", "kg_test/Count", carry_out)
+            server: Any = ActionServer(two, "/count", "kg_test/Count", carry_out)
+            await server.open()
             goal = await one.advertise("/count/goal", "kg_test/CountActionGoal")
             cancel = await one.advertise("/count/cancel", "actionlib_msgs/GoalID")
             results = aiter(await one.subscribe("/count/result", "kg_test/CountActionResult"))

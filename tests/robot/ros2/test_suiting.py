@@ -89,3 +89,18 @@ def test_a_subscriber_that_asks_for_earlier_messages_is_offered_them() -> None:
         return wire.offers
 
     assert asyncio.run(scene()) == [LATCHED, OFFERED]
+
+
+def test_a_topic_that_is_no_longer_published_is_forgotten() -> None:
+    """A closed publication is not kept until the connection closes, which closes only what is still open."""
+
+    async def scene() -> int:
+        wire = _Wire()
+        watch = Watch(wire.neighbourhood, 0.0)
+        connection = Ros2Connection(cast("Middleware", wire), watch, Address("dds://0", "0"), "/face")
+        publication = await connection.advertise("/plain", "std_msgs/String")
+        await publication.aclose()
+        await connection.aclose()
+        return wire.closed
+
+    assert asyncio.run(scene()) == len(("the publication", "the middleware"))

@@ -441,7 +441,7 @@ def test_nodes_that_are_dead_are_told_at_the_block() -> None:
         async with met() as (session, rover):
             page = session.listen()
             rover.bus.problems.append(GraphProblem("KG811", "/base", "nothing listens at http://127.0.0.1:1/"))
-            rover.bus.changed()
+            rover.bus.changes.notify()
             await until(lambda: bool(told(page, "robot")), 30)
             asked = judged(None, "drivingAtVelocity forward: 0.1 for 1 s @w", session.robot)
             return asked["problems"], session.status()["doubts"]

@@ -45,7 +45,6 @@ class Names:
     """Allocator of unique Python identifiers."""
 
     def __init__(self, *taken: str) -> None:
-        """Create an allocator; `taken` are reserved names."""
         self._taken = {*_TAKEN, *taken}
         self._given: dict[tuple[str, str], str] = {}
 

@@ -163,7 +163,6 @@ class Members:
     _types: Types = field(init=False)
 
     def __post_init__(self) -> None:
-        """Set the message types of the target version of ROS."""
         self._types = Types(self.dialect.ros)
 
     def read(self, capability: Capability, parameter: Parameter) -> str:
@@ -199,11 +198,9 @@ class Members:
         )
 
     def _add(self, piece: str, **words: str) -> None:
-        """Add a method."""
         self.methods += [*COMMON.lines(piece, **words), ""]
 
     def _newest(self, way: Way) -> str:
-        """Return the method that returns the newest message of a topic."""
         key = f"newest {way.name}"
         if key not in self._names_by_key:
             message = self.names.of("message", way.name)
@@ -219,7 +216,6 @@ class Members:
         return str(self._names_by_key[key])
 
     def _response(self, way: Way) -> str:
-        """Return the method that returns the response of a service."""
         key = f"ask {way.name}"
         if key not in self._names_by_key:
             client = self._client(way)
@@ -277,7 +273,6 @@ class Members:
         self.methods += [head, *indented([docstring, *body]), ""]
 
     def _fields(self, capability: Capability, way: Way, given: tuple[str, ...], root: str) -> list[str]:
-        """Return the statements that fill a message."""
         lines = []
         if way.kind == "topic" and any(one.type == "std_msgs/Header" for one in self._fields_of(way.type)[:1]):
             lines += self.dialect.lines("stamp", target=f"{root}.header.stamp")

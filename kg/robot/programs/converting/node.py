@@ -10,8 +10,7 @@ if TYPE_CHECKING:
     from kg.robot.programs.converting.members import Members
     from kg.robot.programs.tree import Program
 
-_PARALLEL: Final = ("together", "as_soon_as", "whenever")
-"""Templates for parts of a program that run in parallel."""
+_PARALLEL: Final = ("together", "as_soon_as", "whenever")  # templates for parts of a program that run in parallel
 _STANDARD: Final = ("math", "signal", "sys", "threading", "time")
 
 
@@ -35,7 +34,6 @@ def _sentence(program: Program) -> str:
 
 
 def _imports(members: Members, used: set[str], code: str) -> str:
-    """Return the imports in the order of isort."""
     standard = [f"import {one}" for one in _STANDARD if f"{one}." in code]
     abstract = ["Callable", *(["Iterator"] if "counted" in used else [])]
     standard.append(f"from collections.abc import {', '.join(abstract)}")

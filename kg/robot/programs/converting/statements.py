@@ -38,7 +38,6 @@ class Expressions:
     """Generator of expressions, given the code for variables and for readings."""
 
     def __init__(self, kinds: Kinds, variable: Callable[[str], str], read: Callable[[tree.Read], str]) -> None:
-        """Create a generator with the functions that return the code of names."""
         self._kinds = kinds
         self._variable = variable
         self._read = read
@@ -101,7 +100,6 @@ class Expressions:
         return 'f"' + "".join(inside for _, inside in parts).replace("\n", "\\n") + '"'
 
     def _joined(self, expression: tree.Expression) -> list[tree.Expression]:
-        """Return the parts of a concatenated text."""
         text = self._kinds.of(expression, "").name == "text"
         if text and isinstance(expression, tree.Binary) and expression.operator == "+":
             return [*self._joined(expression.left), *self._joined(expression.right)]
@@ -269,7 +267,6 @@ class Code:
         return {name: f"{shown}.{name}" for name in self._components if name in parameters}
 
     def _argument(self, parameter: Parameter, value: tree.Expression) -> str:
-        """Return an argument in the unit of its parameter."""
         unit = unit_of(parameter.unit)
         shown = self._expressions.of(value)
         plain = self._kinds.of(value, "").dimension != unit.dimension
@@ -331,7 +328,6 @@ def _given(every: list[tree.Statement], index: CapabilityIndex, components: set[
 
 
 def _whole(expression: tree.Expression) -> int | None:
-    """Return the value of an integer literal; None for anything else."""
     if (
         not isinstance(expression, tree.Written)
         or isinstance(expression.value, bool | str)

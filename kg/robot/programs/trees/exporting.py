@@ -31,11 +31,10 @@ if TYPE_CHECKING:
 
 HINT: Final = "_kg"
 """The attribute with the text of a statement."""
-POLL: Final = 50
-"""Milliseconds between evaluations of a condition that is waited for."""
+_POLL: Final = 50  # milliseconds between evaluations of a condition that is waited for
 DURATION: Final = "for_seconds"
 """The port of the duration of a movement."""
-STOPPED: Final = f"{OWN}stopped"
+_STOPPED: Final = f"{OWN}stopped"
 PLACE: Final = re.compile(r"(-?[0-9.eE+-]+);(-?[0-9.eE+-]+)(?:;(-?[0-9.eE+-]*))?(?:;(-?[0-9.eE+-]*))?")
 """A place in a port: x;y, x;y;heading or x;y;z;heading."""
 _SLACK: Final = 1e-6  # maximum rounding error in milliseconds of a duration
@@ -94,8 +93,6 @@ def _milliseconds(seconds: tree.Expression) -> str:
 
 
 class _Tree:
-    """Exports one program."""
-
     def __init__(self, program: tree.Program, capabilities: Capabilities, place: Callable[[str], Place] | None) -> None:
         self._program = program
         self._place = place
@@ -115,7 +112,7 @@ class _Tree:
             self._at(path, lambda one=one: self._name_variables(one))  # type: ignore[misc] # of this turn
         body = self._body(self._program.body, "/body")
         if any(isinstance(one, tree.Stop) for _, one in every):
-            body = _leavable(STOPPED, body)
+            body = _leavable(_STOPPED, body)
         if self._program.seconds is not None:
             limit = tree.Written(value=self._program.seconds)
             body = _node("Timeout", body, msec=self._at("/seconds", lambda: _milliseconds(limit)))
@@ -175,7 +172,7 @@ class _Tree:
             case tree.Break():
                 return _left(self._loops[-1])
             case tree.Stop():
-                return _left(STOPPED)
+                return _left(_STOPPED)
             case tree.Wait():
                 return _node("Sleep", msec=_milliseconds(bare.seconds))
             case tree.WaitUntil():
@@ -321,7 +318,7 @@ class _Tree:
         return self._reading(needed, element, *before)
 
     def _wait_until(self, statement: tree.WaitUntil, path: str) -> _Element:
-        poll = _node("Delay", self._condition(statement.condition), delay_msec=str(POLL))
+        poll = _node("Delay", self._condition(statement.condition), delay_msec=str(_POLL))
         element = _node("RetryUntilSuccessful", poll, num_attempts="-1")
         if statement.seconds is not None:
             element = _node("Timeout", element, msec=_milliseconds(statement.seconds))
@@ -365,7 +362,6 @@ class _Tree:
 
 
 def _read_by(expression: tree.Expression) -> Iterator[tuple[str, str]]:
-    """Yield the capabilities and parameters that an expression reads; of a counted list, only its length."""
     match expression:
         case tree.Read(capability=capability, parameter=parameter):
             yield capability, parameter

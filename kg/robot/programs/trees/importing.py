@@ -62,19 +62,11 @@ def _in(expression: tree.Expression, dimension: Dimension) -> tree.Expression:
 _IGNORED: Final = frozenset({"name", "ID", "_autoremap", "_description", "_fullpath", "_uid", "_collapsed", HINT})
 _EXPLICIT: Final = frozenset({"Action", "Condition", "Control", "Decorator"})
 _NODES: Final = frozenset(
-    {
-        "AlwaysFailure",
-        "AsyncFallback",
-        "AsyncSequence",
-        "Delay",
-        "Fallback",
-        "ForceFailure",
-        "ForceSuccess",
-        "IfThenElse",
-    }
-    | {"Inverter", "KeepRunningUntilFailure", "LoopBool", "LoopDouble", "LoopInt", "LoopString", "Parallel"}
-    | {"ParallelAll", "Precondition", "ReactiveFallback", "ReactiveSequence", "Repeat", "RetryUntilSuccessful"}
-    | {"RunOnce", "Script", "ScriptCondition", "SequenceWithMemory", "SetBlackboard", "SkipUnlessUpdated", "Sleep"}
+    {"AlwaysFailure", "AsyncFallback", "AsyncSequence", "Delay", "Fallback", "ForceFailure", "ForceSuccess"}
+    | {"IfThenElse", "Inverter", "KeepRunningUntilFailure", "LoopBool", "LoopDouble", "LoopInt", "LoopString"}
+    | {"Parallel", "ParallelAll", "Precondition", "ReactiveFallback", "ReactiveSequence", "Repeat"}
+    | {"RetryUntilSuccessful", "RunOnce", "Script", "ScriptCondition", "SequenceWithMemory", "SetBlackboard"}
+    | {"SkipUnlessUpdated", "Sleep"}
     | {"SubTree", "Switch2", "Switch3", "Switch4", "Switch5", "Switch6", "Timeout", "TryCatch", "UnsetBlackboard"}
     | {"WaitValueUpdate", "WasEntryUpdated", "WhileDoElse"}
 )
@@ -107,8 +99,6 @@ def _children(node: _Element) -> list[_Element]:
 
 
 class _Reader:
-    """Reader of one file."""
-
     def __init__(self, root: _Element, capabilities: Capabilities, path: str) -> None:
         self._root = root
         self._path = path
@@ -185,7 +175,6 @@ class _Reader:
         return int(text) / 1000
 
     def _body(self, node: _Element, env: _Env) -> tuple[tree.Statement, ...]:
-        """Return the statements of a branch."""
         if self._name(node) == "AlwaysSuccess":
             return ()
         self._depth += 1

@@ -44,7 +44,6 @@ class Bare:
     """Rewrites statements and expressions to bare ones; RobotError KG832, KG834 for unknown capabilities."""
 
     def __init__(self, index: CapabilityIndex, kinds: Kinds) -> None:
-        """Create a rewriter; `kinds` are those of the program, with its variables."""
         self._index = index
         self._kinds = kinds
 
@@ -106,7 +105,6 @@ class Bare:
 
 
 def _folded(expression: tree.Expression) -> tree.Expression:
-    """Return the value of a constant expression, else the expression."""
     always = constant(expression)
     return tree.Written(value=always.value) if always and always.number and isfinite(always.value) else expression
 
