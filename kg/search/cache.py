@@ -20,8 +20,7 @@ import numpy as np
 from kg import resources
 from kg.search import lexicon
 from kg.search.documents import Document, PackageDocument
-from kg.search.index import Columns, Index
-from kg.search.neighbours import NEIGHBOURS
+from kg.search.index import NEIGHBOURS, Columns, Index
 from kg.search.reading import Concept
 from kg.store import cachefile
 

@@ -55,7 +55,7 @@ class View:
 
 
 CALLS: Final[dict[str, View]] = {
-    "about": View("about", "about"),
+    "about": View("resource", "about"),
     "blocks": View("rule_vocabulary", "blocks"),
     "blocks_check": View("rule_blocks", "blocks_check"),
     "blocks_open": View("rule_blocks", "blocks_open"),
@@ -73,13 +73,13 @@ CALLS: Final[dict[str, View]] = {
     "node": View("node", "node"),
     "overview": View("overview", "overview"),
     "parameter": View("parameter", "parameter"),
-    "place": View("rows", "place"),
+    "place": View("cells", "place"),
     "prefixes": View("complete", "prefixes"),
-    "prepare": View("prepare", "prepare"),
+    "prepare": View("overview", "prepare"),
     "resource": View("resource", "resource"),
     "rule": View("rules", "rule"),
     "rule_feeds": View("rules", "rule_feeds"),
-    "rule_index": View("rule_index", "rule_index"),
+    "rule_index": View("rules", "rule_index"),
     "rules": View("rules", "rules"),
     "stored": View("stored", "stored"),
     "system": View("system", "system"),
@@ -87,7 +87,7 @@ CALLS: Final[dict[str, View]] = {
     "tree": View("tree", "tree"),
     "why": View("why", "why"),
     "why_not": View("why", "why_not"),
-    "why_row": View("rows", "why_row"),
+    "why_row": View("why", "why_row"),
 }
 """Name to function."""
 

@@ -1,4 +1,4 @@
-"""Cells of a table of results: inferred facts, source lines, kinds of IRIs."""
+"""Cells of a table of results: inferred facts, source lines, kinds of IRIs: the views `cells` and `place`."""
 
 from __future__ import annotations
 
@@ -94,3 +94,10 @@ def _list(given: Any) -> list[Any]:
     if not isinstance(items, list):
         raise UsageError("KG003", "expected a list")
     return items
+
+
+def place(snapshot: EmbeddedSnapshot, settings: Settings, *, path: str, line: str = "") -> dict[str, Any] | None:  # noqa: ARG001 - every view is given settings
+    """Return the evidence of a path of a source and a line of it, where only one source has that file; else None."""
+    where = known_places(snapshot)
+    source = where.find(path)
+    return None if source is None else where.evidence(source, Location(path, whole(line, 0)))
