@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
-_RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 SCHEMA_PREDICATES: Final = frozenset(
     NamedNode(iri)
     for iri in (

@@ -6,7 +6,6 @@ The view `rule_index` parses only the rules that it returns; `rules` parses all 
 from __future__ import annotations
 
 from collections import defaultdict
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,7 +17,7 @@ from kg.pipeline.inferring import last_run
 from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema, rules_in_force
 from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Entry, Library
-from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
+from kg.rules.authoring.manual import documentation, documented, entry_object, manual, manual_object
 from kg.rules.authoring.naming import find_rule
 from kg.rules.explain.view import View
 from kg.rules.files import Documentation, RuleFile
@@ -161,13 +160,7 @@ def _place(entry: Entry, path: Path) -> dict[str, Any]:
 
 def rule_object(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[str, Any]:
     """Return a rule in a list, with its `sections`, its cost, and the error that it cannot be read."""
-    error = None
-    try:
-        described = library.read(entry.name).documentation
-    except RuleError as problem:
-        error, described = problem, Documentation()
-        with suppress(RuleError):
-            described = documentation(entry)
+    described, error = documented(library, entry)
     return {**entry_object(entry, described, error), "sections": dict(described.sections), **_cost(entry.name, costs)}
 
 
