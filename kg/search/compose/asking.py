@@ -40,10 +40,6 @@ class ResolvedRequest:
     notes: tuple[str, ...] = ()
     """Explanations of names whose resolution is not obvious."""
 
-    def names(self, place: int) -> bool:
-        """Return whether the part at a place of the network is requested by name."""
-        return place in self.named
-
     def marks(self, place: int, target: str) -> int:
         """Return the bits of a step through a part to a type."""
         return self.parts.get(place, 0) | self.types.get(target, 0)
