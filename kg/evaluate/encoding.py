@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.search.index import Floats
 
-__all__ = ["FolderModel"]
-
 _MARKS: Final = ("modules.json", "config.json")
 """Marker files of a model folder: of sentence-transformers, or of a bare transformer."""
 _SWITCHES: Final = {

@@ -148,7 +148,7 @@ def correctness(  # noqa: PLR0913 - the options of a command
         kg eval correctness --reference truth.jsonl
         kg eval correctness -r truth.jsonl --closed --json
     """
-    from kg.evaluate.correctness import correctness as measure  # noqa: PLC0415 - start-up time
+    from kg.evaluate.completeness import correctness as measure  # noqa: PLC0415 - start-up time
 
     choice = Choice(closed, any_commit, package)
     with reading(settings) as snapshot:

@@ -13,7 +13,7 @@ from kg.cli.diagnostics import colored, render, say
 from kg.cli.options import Form, Json, Level, is_given, require_valid, with_settings
 from kg.cli.output import json_lines, write
 from kg.codes import SEVERITIES
-from kg.errors import Exit, RuleError, StoreError
+from kg.errors import Exit, StoreError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -112,8 +112,7 @@ def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
             write(annotation(remark(one)))
     else:
         for one in findings:
-            error = RuleError(one.code, one.message, place=one.place, hint=one.hint)
-            write(render(error, color=colored(sys.stdout), severity=one.severity))
+            write(render(one.error, color=colored(sys.stdout), severity=one.severity))
             write()
         sums = Counter(one.severity for one in findings)
         totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.errors import RuleError
 from kg.render.sarif import Remark, Spot, document
 from kg.syntax.position import place_at, place_of
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-    from kg.errors import Fix, Place, RuleError
+    from kg.errors import Fix, Place
     from kg.rules.checks.firing import StoreOf
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Rule
@@ -39,6 +40,11 @@ class Finding:
     hint: str | None = None
     lacks: tuple[str, ...] = ()
     fixes: tuple[Fix, ...] = ()
+
+    @property
+    def error(self) -> RuleError:
+        """The finding as an error, which is shown alike."""
+        return RuleError(self.code, self.message, place=self.place, hint=self.hint)
 
 
 @dataclass(frozen=True, slots=True)
