@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 def format_for(name: str) -> str:
     """Return the format for the setting `format`; `auto` is a table for people and TSV for programs.
 
-    Raises:
-        QueryError: KG504 unknown format.
+    Raises QueryError: KG504 unknown format.
     """
     if name == "auto":
         return "table" if terminal() else "tsv"

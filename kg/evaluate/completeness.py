@@ -38,8 +38,7 @@ _ALL: Final = "all"
 def completeness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tuple[Table, Ground]:
     """Return the table for a store and references, and the links of all references together.
 
-    Raises:
-        UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
+    Raises UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
     """
     gathered, linked = grounds(snapshot, paths, choice)
     rows = [
@@ -108,8 +107,7 @@ _TYPED: Final = "`has type`: recall of names with their types; precision of the 
 def correctness(snapshot: Snapshot, paths: Sequence[Path], choice: Choice) -> tuple[Table, Ground]:
     """Return the table for a store and references, and the links of all references together.
 
-    Raises:
-        UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
+    Raises UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
     """
     gathered, linked = grounds(snapshot, paths, choice)
     rows = tuple(row for name, ground in linked for row in _relation_rows(name, ground))

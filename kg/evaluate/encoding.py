@@ -35,8 +35,7 @@ _LONGEST_CAUSE: Final = 200
 class FolderModel:
     """A model in a folder.
 
-    Raises:
-        UsageError: KG704 the folder is missing, or has no model.
+    Raises UsageError: KG704 the folder is missing, or has no model.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -52,8 +51,7 @@ class FolderModel:
     def encode(self, texts: Sequence[str]) -> Floats:
         """Return a vector of length 1 for each text.
 
-        Raises:
-            UsageError: KG704 the library is not installed, or cannot load or run the model.
+        Raises UsageError: KG704 the library is not installed, or cannot load or run the model.
         """
         try:
             if self._model is None:

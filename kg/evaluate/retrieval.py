@@ -161,8 +161,7 @@ def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) 
     Differences are paired: both rankings answer the same resampled needs. The relative one is the difference of the
     means divided by the mean of the other ranking.
 
-    Raises:
-        UsageError: KG724 a library of the extra `evaluate` is missing, KG704 an unusable model.
+    Raises UsageError: KG724 a library of the extra `evaluate` is missing, KG704 an unusable model.
     """
     index = search.index
     rankers = {

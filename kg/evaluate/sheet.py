@@ -116,8 +116,7 @@ def score_sheet(path: Path) -> Table:
     Unsure and unjudged facts do not count. The last row weighs relations by their number of facts (stratified estimate,
     Cochran 1977, section 5.6).
 
-    Raises:
-        UsageError: KG722 an invalid sheet or answer, with its line.
+    Raises UsageError: KG722 an invalid sheet or answer, with its line.
     """
     strata: defaultdict[str, _Stratum] = defaultdict(_Stratum)
     for line, row in _rows(path):

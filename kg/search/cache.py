@@ -129,8 +129,7 @@ _DATA: Final = (*lexicon.FILES, "composing.toml")  # files in the folder `ontolo
 def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
     """Write the content of a generation to a folder, and delete that of others.
 
-    Raises:
-        OSError: it could not be written; the previous files are unchanged.
+    Raises OSError: it could not be written; the previous files are unchanged.
     """
     cachefile.save(folder, generation, _version(), parts)
 

@@ -46,8 +46,7 @@ def cells(  # noqa: PLR0913 - each list is of another kind
     its own. `things` has for each of those IRIs its `label`, null where nothing that has one is known of it, and its
     `types` in alphabetical order. Lists may also be given as JSON.
 
-    Raises:
-        UsageError: KG003 for a malformed list or term.
+    Raises UsageError: KG003 for a malformed list or term.
     """
     graph = _HELD % Iris(settings.base).graph("inferred")
     where = known_places(snapshot)

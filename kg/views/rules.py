@@ -268,8 +268,7 @@ def rule_index(snapshot: EmbeddedSnapshot, settings: Settings, family: str = "",
     there are none without `family` and `text`. Words are searched in names, titles and documentation. `all` is the
     number of all rules; `run` is as in the view `rules`. `problems` are errors of rules that cannot be read, as texts.
 
-    Raises:
-        UnknownNameError: KG001 with suggestions, for a family that does not exist.
+    Raises UnknownNameError: KG001 with suggestions, for a family that does not exist.
     """
     mark = digest(settings)
     library, costs = listed(settings, mark), costs_of(settings)

@@ -191,8 +191,7 @@ def fetch_one(one: Wanted, pin: Entry | None, place: Path, workspace: Path, opti
     A `pin` determines the commit. Nothing is done if the checkout is already there. Temporary failures are retried. A
     failed repository has an entry with another state, and keeps its pin.
 
-    Raises:
-        StoppedError: `stop` was set; `place` is unchanged.
+    Raises StoppedError: `stop` was set; `place` is unchanged.
     """
     entry = pin or Entry(one.name, one.url)
     if one.problem:

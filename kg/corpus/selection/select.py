@@ -90,8 +90,7 @@ class Selection:
 def select(dataset: Dataset, criteria: Criteria) -> Selection:
     """Apply the criteria in their order.
 
-    Raises:
-        SourceError: KG131 a missing column, an invalid number, a value that no criterion names.
+    Raises SourceError: KG131 a missing column, an invalid number, a value that no criterion names.
     """
     _check(dataset, criteria)
     left, steps = dataset.projects, []

@@ -220,8 +220,7 @@ def gather(store: RemoteStore, graphs: Graphs, sources: Sources, rule_set: RuleS
 
     A single named graph is read in place. Otherwise triples are copied whose predicates rules read or write.
 
-    Raises:
-        StoreError: KG225 the server failed.
+    Raises StoreError: KG225 the server failed.
     """
     apart = _default_pattern(store, graphs) if sources.default else None
     if len(sources.named) == 1 and not apart and not rule_set.data:

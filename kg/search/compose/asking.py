@@ -83,8 +83,7 @@ def resolve_request(
 def matching_types(name: str, offered: Iterable[str]) -> tuple[str, ...]:
     """Return the types matching `package/Type`, `package/msg/Type` or `Type`, sorted.
 
-    Raises:
-        UnknownNameError: KG705 with similar names.
+    Raises UnknownNameError: KG705 with similar names.
     """
     types = set(offered)
     matches = _types(name, types)
