@@ -9,8 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import random
-from collections import defaultdict
-from dataclasses import dataclass
+from collections import Counter, defaultdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -71,7 +70,15 @@ COLUMNS: Final = (
     "right",
     "remark",
 )
-_ANSWERS: Final = {"yes": True, "y": True, "no": False, "n": False, "unsure": None, "?": None}
+_ANSWERS: Final = {
+    "yes": "right",
+    "y": "right",
+    "no": "wrong",
+    "n": "wrong",
+    "unsure": "unsure",
+    "?": "unsure",
+    "": "not judged",
+}
 _HINT: Final = "Write yes, no or unsure into the column `right`, or leave it empty."
 
 
@@ -97,19 +104,6 @@ def as_sheet(facts: Facts, sample: Sequence[tuple[str, tuple[str, str]]], lines:
     return out.getvalue()
 
 
-@dataclass(slots=True)
-class _Stratum:
-    facts: int = 0
-    right: int = 0
-    wrong: int = 0
-    unsure: int = 0
-    empty: int = 0
-
-    @property
-    def judged(self) -> int:
-        return self.right + self.wrong
-
-
 def score_sheet(path: Path) -> Table:
     """Return the precision of each relation in a judged sheet, with Wilson intervals.
 
@@ -118,40 +112,32 @@ def score_sheet(path: Path) -> Table:
 
     Raises UsageError: KG722 an invalid sheet or answer, with its line.
     """
-    strata: defaultdict[str, _Stratum] = defaultdict(_Stratum)
+    answers: defaultdict[str, Counter[str]] = defaultdict(Counter)
+    sizes: dict[str, int] = {}
     for line, row in _rows(path):
         answer = (row["right"] or "").strip().lower()
-        if answer and answer not in _ANSWERS:
+        if answer not in _ANSWERS:
             raise UsageError("KG722", f"`{answer}` is not an answer", place=Place(str(path), line), hint=_HINT)
         facts = row["facts"] or ""
         if not facts.isdecimal() or len(facts) > 12:  # noqa: PLR2004 - more facts than any store has
             raise UsageError("KG722", f"`{facts}` is not a number of facts", place=Place(str(path), line))
-        _count(strata[row["relation"] or ""], int(facts), answer)
+        relation = row["relation"] or ""
+        sizes[relation] = int(facts)
+        answers[relation][_ANSWERS[answer]] += 1
+    judged = {relation: given["right"] + given["wrong"] for relation, given in answers.items()}
     rows: list[tuple[Cell, ...]] = [
-        (relation, share(one.right, one.judged), one.unsure, one.empty, one.facts) for relation, one in strata.items()
+        (relation, share(given["right"], judged[relation]), given["unsure"], given["not judged"], sizes[relation])
+        for relation, given in answers.items()
     ]
-    every = weighed((one.facts, one.judged, one.right) for one in strata.values())
+    every = weighed((sizes[relation], judged[relation], given["right"]) for relation, given in answers.items())
     rows.append(("all, weighed by facts", every, None, None, None))
-    judged = sum(one.judged for one in strata.values())
     return Table(
         "sample",
         "Sampled facts that a person judged right",
         ("relation", "precision", "unsure", "not judged", "facts"),
         tuple(rows),
-        (f"{count(judged, 'fact')} judged.",),
+        (f"{count(sum(judged.values()), 'fact')} judged.",),
     )
-
-
-def _count(stratum: _Stratum, facts: int, answer: str) -> None:
-    stratum.facts = facts
-    if not answer:
-        stratum.empty += 1
-    elif _ANSWERS[answer] is None:
-        stratum.unsure += 1
-    elif _ANSWERS[answer]:
-        stratum.right += 1
-    else:
-        stratum.wrong += 1
 
 
 def _rows(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:
