@@ -14,10 +14,10 @@ from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Final
 
+from command_pages import markdown as commands_page
+from command_pages import roff as man_page
 from transcripts import refreshed
 
-from kg.cli.man_page import roff as man_page
-from kg.cli.reference import markdown as commands_page
 from kg.lint.question import DECLARED as LINT
 from kg.query import stored
 from kg.rules.reading import OPTIONAL, discover

@@ -37,7 +37,7 @@ from corpus.searching import Found, Search
 from kg.corpus.fetching.wanted import read_wanted
 from kg.corpus.selection.criteria import default_criteria, read_criteria
 from kg.corpus.selection.data import read_dataset
-from kg.corpus.selection.figures import paper_figures
+from kg.corpus.selection.select import paper_figures
 
 LEAST: Final = {
     "commits": (101, 102, 103, 105, 110),

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from kg.corpus.selection.criteria import Criteria
     from kg.corpus.selection.data import Dataset
-    from kg.corpus.selection.figures import PaperFigures
+    from kg.corpus.selection.select import PaperFigures
 
 __all__ = ["Found", "Search"]
 

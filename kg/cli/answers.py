@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.cli.diagnostics import note
-from kg.cli.output import Column, Linked, line_width, print_table, terminal, write, write_bytes
-from kg.cli.places import fitted
+from kg.cli.output import Column, Linked, fitted, line_width, print_table, terminal, write, write_bytes
 from kg.errors import QueryError
 from kg.query.formats import ALIASES, GRAPH_FORMATS, SOLUTION_FORMATS, display, plain
 from kg.query.formats import write as written
@@ -24,8 +23,7 @@ if TYPE_CHECKING:
 def format_for(name: str) -> str:
     """Return the format for the setting `format`; `auto` is a table for people and TSV for programs.
 
-    Raises:
-        QueryError: KG504 unknown format.
+    Raises QueryError: KG504 unknown format.
     """
     if name == "auto":
         return "table" if terminal() else "tsv"

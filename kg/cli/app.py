@@ -5,7 +5,7 @@ from typing import Annotated, Final
 import typer
 
 from kg.cli.diagnostics import MODE, Mode
-from kg.cli.group import KgGroup, Later
+from kg.cli.group import KgGroup, Later, Panels
 from kg.cli.options import Store, from_setting
 from kg.cli.output import json_lines, write
 from kg.cli.session import Session
@@ -34,171 +34,150 @@ Data goes to standard output, messages go to standard error. Exit codes:
 Start with `kg demo`, or with `kg build FOLDER` and then `kg search "what you need"`.
 """
 
-COMMANDS: Final = (
-    Later("Start", "demo", "demo:demo", "Try kg on an example workspace: build, ask, prove and lint."),
-    Later("Start", "build", "build:build", "Read ROS packages into the store."),
-    Later("Start", "status", "build:status", "List the sources in the store and what has changed since the build."),
-    Later("Ask", "nodes", "nodes:nodes", "List all nodes with the number of their interfaces."),
-    Later("Ask", "node", "node:node", "Show the interface of one node, with lines of code.", "NodeCommand"),
-    Later("Ask", "search", "search:search", "Find nodes by what they do, with the reasons."),
-    Later("Ask", "compose", "compose:compose", "Find chains of nodes that convert one message type into another."),
-    Later(
-        "Ask", "instances", "instances:instances", "List the nodes that launch files start, with their run-time names."
-    ),
-    Later("Ask", "graph", "graph:graph", "Show the nodes and connections that a launch file starts."),
-    Later("Ask", "diff", "diff:diff", "Show changes in interfaces and wiring between two commits."),
-    Later("Ask", "impact", "impact:impact", "Show what breaks if a name is renamed, removed or changed."),
-    Later("Ask", "query", "query:query", "Run a SPARQL query or a stored query."),
-    Later("Ask", "why", "why:why", "Prove a fact: show the rules that derive it, down to the source line."),
-    Later("Ask", "why-not", "why:why_not", "Show why a fact is missing: what each rule that could derive it lacks."),
-    Later("Ask", "lint", "lint:lint", "Report problems in the wiring of launch files."),
-    Later("Ask", "stats", "stats:stats", "Count entities, triples, neighbours and paths of the graph."),
-    Later("Ask", "serve", "serve:serve", "Serve the store as web pages and a SPARQL endpoint."),
-    Later("Ask", "shell", "shell:shell", "Explore the store in a full-screen terminal interface."),
-    Later("Ask", "mcp", "mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
-    Later("Ask", "packages", "lists:packages", "List the packages with their nodes, interfaces and problems."),
-    Later("Ask", "files", "lists:files", "List the files of packages, sorted into code and text."),
-    Later("Ask", "topic", "channels:topic", "Show a topic's publishers and subscribers, by launch file and in code."),
-    Later("Ask", "service", "channels:service", "Show a service's servers and clients; works like `kg topic`."),
-    Later("Ask", "action", "channels:action", "Show an action's servers and clients; works like `kg topic`."),
-    Later("Ask", "param", "param:param", "Show the nodes that declare a parameter, and its value per launch file."),
-    Later("Ask", "topics", "lists:topics", "List the topics with their types and numbers of nodes."),
-    Later("Ask", "services", "lists:services", "List the services with their types and numbers of nodes."),
-    Later("Ask", "actions", "lists:actions", "List the actions with their types and numbers of nodes."),
-    Later("Maintain", "export", "exchange:export", "Write the graph as RDF, or as a table of quads."),
-    Later("Maintain", "import", "exchange:import_files", "Add RDF files to the store."),
-    Later("Maintain", "update", "update:update", "Change the store with SPARQL Update."),
-    Later("Maintain", "forget", "exchange:forget", "Remove sources from the store."),
-    Later("Maintain", "backup", "update:backup", "Copy the store, even while it is being written."),
-    Later("Maintain", "publish", "publishing:publish", "Write the graph for others, to a folder or a web server."),
-    Later("Maintain", "pull", "publishing:pull", "Fetch a published graph and make a store of it."),
-    Later("Maintain", "restore", "update:restore", "Replace the contents of the store with a backup."),
-    Later(
-        "Maintain",
-        "completions",
-        "completions:completions",
-        "Print a shell completion script for commands, options and names.",
-    ),
-    Later("Maintain", "doctor", "doctor:doctor", "Check the installation and the store."),
-    Later("Maintain", "explain", "explain:explain", "Explain an error code and how to fix the error."),
-)
-RULE_COMMANDS: Final = (
-    Later("Write", "new", "rules:new", "Create a rule that runs as it is, with examples that pass."),
-    Later("Write", "list", "rules:list_rules", "List the active rules: those of kg, of installed packs, and your own."),
-    Later("Write", "show", "rules:show_rule", "Show one rule: documentation, text, inputs, results and dependencies."),
-    Later("Write", "lsp", "rules_lsp:lsp", "Serve editors: rules as you type them, and the findings of `kg lint`."),
-    Later("Try", "check", "rules_check:check", "Check rules: names, safety, strata, dead rules, documentation."),
-    Later("Try", "test", "rules_testing:try_rules", "Run the examples of rules and show what differs."),
-    Later("Try", "diff", "rules_diff:diff", "Show what the rules on disk would add to and remove from the store."),
-    Later(
-        "Try", "watch", "rules_testing:watch", "Check and test rules on every save, and show their effect on the store."
-    ),
-    Later("Run", "run", "rules_run:run", "Run the active rules and write what they infer into the store."),
-    Later(
-        "Inspect", "compile", "rules_compile:compile_rule", "Print a rule as it is evaluated, or in another notation."
-    ),
-    Later("Inspect", "plan", "rules_reports:plan", "Show which rules can run on each source alone, and why not."),
-    Later("Inspect", "graph", "rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
-    Later(
-        "Inspect",
-        "profile",
-        "rules_reports:profile",
-        "Run the rules in memory and show their cost, most expensive first.",
-    ),
-    Later(
-        "Inspect",
-        "coverage",
-        "rules_reports:coverage",
-        "Show the rules, and parts of rules, that never matched in this store.",
-    ),
-)
-ROBOT_COMMANDS: Final = (
-    Later(
-        "Look",
-        "capabilities",
-        "robot:capabilities",
-        "List a robot's capabilities and the topics, services or actions they use.",
-    ),
-    Later("Look", "topics", "robot_topics:topics", "List a robot's topics with types, publishers and subscribers."),
-    Later("Look", "nodes", "robot_topics:nodes", "List a robot's nodes with the states of managed ones."),
-    Later("Look", "params", "robot_params:params", "Show the parameters of running nodes, or set one."),
-    Later("Look", "watch", "robot:watch", "Mirror a running robot in the store, and report what changes."),
-    Later("Look", "record", "robot_topics:record", "Record topics of a robot to a file, until Ctrl-C."),
-    Later(
-        "Drive", "read", "robot_driving:read", "Print values sensed or stored by a robot, one per line, until Ctrl-C."
-    ),
-    Later("Drive", "do", "robot_driving:do", "Run a capability of a robot and wait until it is done."),
-    Later("Program", "run", "robot_programs:run", "Run a program on a robot and print what happens."),
-    Later(
-        "Program",
-        "check",
-        "robot_programs:check",
-        "Check a program: names, kinds, units, limits, dead code, dead nodes.",
-    ),
-    Later(
-        "Program",
-        "convert",
-        "robot_programs:convert",
-        "Convert a program to text, JSON, ROS code or a behaviour tree, or a tree to a program.",
-    ),
-    Later(
-        "Try",
-        "simulate",
-        "robot_simulate:simulate",
-        "Simulate a robot with ROS nodes: on wheels in an office, a drone, or an arm.",
-    ),
-)
-CORPUS_COMMANDS: Final = (
-    Later("Commands", "select", "corpus:select", "Select projects from a table by criteria, and compare with RNKG's."),
-    Later(
-        "Commands",
-        "fetch",
-        "corpus:fetch",
-        "Fetch repositories, each at one commit, and pin the commits in a lock file.",
-    ),
-)
-EVALUATIONS: Final = (
-    Later(
-        "Commands",
-        "completeness",
-        "evaluate:completeness",
-        "Measure how much of references or code the graph contains.",
-    ),
-    Later(
-        "Commands",
-        "correctness",
-        "evaluate:correctness",
-        "Compare the relations of nodes with references: precision, recall and F1.",
-    ),
-    Later("Commands", "sample", "evaluate:sample", "Draw facts to be judged by a person, or score a judged sheet."),
-    Later("Commands", "search", "evaluate:search", "Compare the search with other methods: NDCG@1 and NDCG@5."),
-    Later(
-        "Commands",
-        "exercises",
-        "evaluate_exercises:exercises",
-        "Compare capability programs with equivalent code in four exercises.",
-    ),
-    Later(
-        "Commands",
-        "study",
-        "evaluate_exercises:study",
-        "Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.",
-    ),
-)
-ONTOLOGY_COMMANDS: Final = (
-    Later("Commands", "check", "ontology:check", "Check ontologies with the reasoner HermiT (OWL 2 DL)."),
-    Later("Commands", "classify", "ontology:classify", "Print what follows from ontologies by OWL 2 DL, as Turtle."),
-    Later("Commands", "validate", "ontology:validate", "Validate the data of the store against SHACL shapes."),
-)
-EXTRACT_COMMANDS: Final = (
-    Later(
-        "Commands",
-        "check",
-        "extract:check",
-        "Check descriptions of framework calls: columns, types, arguments, matches.",
-    ),
-)
-CONFIG_COMMANDS: Final = (Later("Commands", "show", "config:show", "Show all settings with their values and origins."),)
+COMMANDS: Final[Panels] = {
+    "Start": {
+        "demo": ("demo:demo", "Try kg on an example workspace: build, ask, prove and lint."),
+        "build": ("build:build", "Read ROS packages into the store."),
+        "status": ("build:status", "List the sources in the store and what has changed since the build."),
+    },
+    "Ask": {
+        "nodes": ("nodes:nodes", "List all nodes with the number of their interfaces."),
+        "node": ("node:node", "Show the interface of one node, with lines of code.", "NodeCommand"),
+        "search": ("search:search", "Find nodes by what they do, with the reasons."),
+        "compose": ("compose:compose", "Find chains of nodes that convert one message type into another."),
+        "instances": ("instances:instances", "List the nodes that launch files start, with their run-time names."),
+        "graph": ("graph:graph", "Show the nodes and connections that a launch file starts."),
+        "diff": ("diff:diff", "Show changes in interfaces and wiring between two commits."),
+        "impact": ("impact:impact", "Show what breaks if a name is renamed, removed or changed."),
+        "query": ("query:query", "Run a SPARQL query or a stored query."),
+        "why": ("why:why", "Prove a fact: show the rules that derive it, down to the source line."),
+        "why-not": ("why:why_not", "Show why a fact is missing: what each rule that could derive it lacks."),
+        "lint": ("lint:lint", "Report problems in the wiring of launch files."),
+        "stats": ("stats:stats", "Count entities, triples, neighbours and paths of the graph."),
+        "serve": ("serve:serve", "Serve the store as web pages and a SPARQL endpoint."),
+        "shell": ("shell:shell", "Explore the store in a full-screen terminal interface."),
+        "mcp": ("mcp:mcp", "Serve coding assistants over the Model Context Protocol."),
+        "packages": ("lists:packages", "List the packages with their nodes, interfaces and problems."),
+        "files": ("lists:files", "List the files of packages, sorted into code and text."),
+        "topic": ("channels:topic", "Show a topic's publishers and subscribers, by launch file and in code."),
+        "service": ("channels:service", "Show a service's servers and clients; works like `kg topic`."),
+        "action": ("channels:action", "Show an action's servers and clients; works like `kg topic`."),
+        "param": ("param:param", "Show the nodes that declare a parameter, and its value per launch file."),
+        "topics": ("lists:topics", "List the topics with their types and numbers of nodes."),
+        "services": ("lists:services", "List the services with their types and numbers of nodes."),
+        "actions": ("lists:actions", "List the actions with their types and numbers of nodes."),
+    },
+    "Maintain": {
+        "export": ("exchange:export", "Write the graph as RDF, or as a table of quads."),
+        "import": ("exchange:import_files", "Add RDF files to the store."),
+        "update": ("update:update", "Change the store with SPARQL Update."),
+        "forget": ("exchange:forget", "Remove sources from the store."),
+        "backup": ("update:backup", "Copy the store, even while it is being written."),
+        "publish": ("publishing:publish", "Write the graph for others, to a folder or a web server."),
+        "pull": ("publishing:pull", "Fetch a published graph and make a store of it."),
+        "restore": ("update:restore", "Replace the contents of the store with a backup."),
+        "completions": ("completions:completions", "Print a shell completion script for commands, options and names."),
+        "doctor": ("doctor:doctor", "Check the installation and the store."),
+        "explain": ("explain:explain", "Explain an error code and how to fix the error."),
+    },
+}
+RULE_COMMANDS: Final[Panels] = {
+    "Write": {
+        "new": ("rules:new", "Create a rule that runs as it is, with examples that pass."),
+        "list": ("rules:list_rules", "List the active rules: those of kg, of installed packs, and your own."),
+        "show": ("rules:show_rule", "Show one rule: documentation, text, inputs, results and dependencies."),
+        "lsp": ("rules_lsp:lsp", "Serve editors: rules as you type them, and the findings of `kg lint`."),
+    },
+    "Try": {
+        "check": ("rules_check:check", "Check rules: names, safety, strata, dead rules, documentation."),
+        "test": ("rules_testing:try_rules", "Run the examples of rules and show what differs."),
+        "diff": ("rules_diff:diff", "Show what the rules on disk would add to and remove from the store."),
+        "watch": ("rules_testing:watch", "Check and test rules on every save, and show their effect on the store."),
+    },
+    "Run": {
+        "run": ("rules_run:run", "Run the active rules and write what they infer into the store."),
+    },
+    "Inspect": {
+        "compile": ("rules_compile:compile_rule", "Print a rule as it is evaluated, or in another notation."),
+        "plan": ("rules_reports:plan", "Show which rules can run on each source alone, and why not."),
+        "graph": ("rules_reports:graph", "Draw which rules feed which, as SVG, Mermaid or JSON."),
+        "profile": ("rules_reports:profile", "Run the rules in memory and show their cost, most expensive first."),
+        "coverage": ("rules_reports:coverage", "Show the rules, and parts of rules, that never matched in this store."),
+    },
+}
+ROBOT_COMMANDS: Final[Panels] = {
+    "Look": {
+        "capabilities": (
+            "robot:capabilities",
+            "List a robot's capabilities and the topics, services or actions they use.",
+        ),
+        "topics": ("robot_topics:topics", "List a robot's topics with types, publishers and subscribers."),
+        "nodes": ("robot_topics:nodes", "List a robot's nodes with the states of managed ones."),
+        "params": ("robot_params:params", "Show the parameters of running nodes, or set one."),
+        "watch": ("robot:watch", "Mirror a running robot in the store, and report what changes."),
+        "record": ("robot_topics:record", "Record topics of a robot to a file, until Ctrl-C."),
+    },
+    "Drive": {
+        "read": ("robot_driving:read", "Print values sensed or stored by a robot, one per line, until Ctrl-C."),
+        "do": ("robot_driving:do", "Run a capability of a robot and wait until it is done."),
+    },
+    "Program": {
+        "run": ("robot_programs:run", "Run a program on a robot and print what happens."),
+        "check": ("robot_programs:check", "Check a program: names, kinds, units, limits, dead code, dead nodes."),
+        "convert": (
+            "robot_programs:convert",
+            "Convert a program to text, JSON, ROS code or a behaviour tree, or a tree to a program.",
+        ),
+    },
+    "Try": {
+        "simulate": (
+            "robot_simulate:simulate",
+            "Simulate a robot with ROS nodes: on wheels in an office, a drone, or an arm.",
+        ),
+    },
+}
+CORPUS_COMMANDS: Final[Panels] = {
+    "Commands": {
+        "select": ("corpus:select", "Select projects from a table by criteria, and compare with RNKG's."),
+        "fetch": ("corpus:fetch", "Fetch repositories, each at one commit, and pin the commits in a lock file."),
+    },
+}
+EVALUATIONS: Final[Panels] = {
+    "Commands": {
+        "completeness": ("evaluate:completeness", "Measure how much of references or code the graph contains."),
+        "correctness": (
+            "evaluate:correctness",
+            "Compare the relations of nodes with references: precision, recall and F1.",
+        ),
+        "sample": ("evaluate:sample", "Draw facts to be judged by a person, or score a judged sheet."),
+        "search": ("evaluate:search", "Compare the search with other methods: NDCG@1 and NDCG@5."),
+        "exercises": (
+            "evaluate_exercises:exercises",
+            "Compare capability programs with equivalent code in four exercises.",
+        ),
+        "study": (
+            "evaluate_exercises:study",
+            "Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.",
+        ),
+    },
+}
+ONTOLOGY_COMMANDS: Final[Panels] = {
+    "Commands": {
+        "check": ("ontology:check", "Check ontologies with the reasoner HermiT (OWL 2 DL)."),
+        "classify": ("ontology:classify", "Print what follows from ontologies by OWL 2 DL, as Turtle."),
+        "validate": ("ontology:validate", "Validate the data of the store against SHACL shapes."),
+    },
+}
+EXTRACT_COMMANDS: Final[Panels] = {
+    "Commands": {
+        "check": ("extract:check", "Check descriptions of framework calls: columns, types, arguments, matches."),
+    },
+}
+CONFIG_COMMANDS: Final[Panels] = {
+    "Commands": {
+        "show": ("config:show", "Show all settings with their values and origins."),
+    },
+}
 
 
 RULES: Final = """Write, test and run rules.
@@ -219,8 +198,9 @@ setting `robot`, or ROS_MASTER_URI or ROS_DOMAIN_ID, in this order. `kg robot si
 """
 
 
-def _group(later: tuple[Later, ...]) -> type[KgGroup]:
+def _group(panels: Panels) -> type[KgGroup]:
     """Return the class of a group with some commands."""
+    later = [Later(panel, name, *rest) for panel, entries in panels.items() for name, rest in entries.items()]
     return type("Group", (KgGroup,), {"later": later})
 
 

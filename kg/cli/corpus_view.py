@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.cli.output import Column
-from kg.corpus.selection.figures import STATISTICS, paper_figures
+from kg.corpus.selection.select import STATISTICS, paper_figures
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -21,8 +21,7 @@ from pathlib import Path
 from typing import IO, Final
 
 from kg.errors import CATALOGUE, KgError, Place
-from kg.render.marking import marked
-from kg.render.text import printable
+from kg.render.text import marked, printable
 
 REPORT_ADDRESS: Final = "the issue tracker named on the project's page"
 _STYLES: Final = {"error": "1;31", "warning": "1;33", "note": "1;36", "help": "1;32", "dim": "2", "bold": "1"}

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.cli.output import Column, Linked, make_table
-from kg.cli.places import fitted
+from kg.cli.output import Column, Linked, fitted, make_table
 from kg.lazily import lazily
 from kg.render.system_text import NOBODY
 from kg.render.text import count, printable

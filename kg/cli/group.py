@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections import UserDict
+from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import typer
 from typer.core import TyperCommand, TyperGroup
@@ -83,6 +84,10 @@ class Later(NamedTuple):
         return get_command(alone)
 
 
+Panels: TypeAlias = Mapping[str, Mapping[str, tuple[str, str] | tuple[str, str, str]]]
+"""Commands by panel and name, each with its place, sentence and class as `Later` has them."""
+
+
 class _Commands(UserDict[str, Any]):
     """The commands of a group by name, imported on look-up, then subgroups."""
 
@@ -107,7 +112,7 @@ class _Commands(UserDict[str, Any]):
 class KgGroup(TyperGroup):
     """A group of commands, and `kg` itself."""
 
-    later: tuple[Later, ...] = ()
+    later: Sequence[Later] = ()
     """The commands in it."""
 
     def __init__(self, *, commands: Any = None, **given: Any) -> None:

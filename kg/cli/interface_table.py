@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from kg.cli.places import shortened
+from kg.cli.output import shortened
 from kg.lazily import lazily
 from kg.render.text import printable, width
 

@@ -18,8 +18,7 @@ def interruptible(work: Coroutine[Any, Any, None], *, moves: bool = False) -> No
     So does SIGHUP (a closed terminal), unless the process was started to survive it (nohup). A command that `moves` a
     robot is also ended by Ctrl-Z: the robot has to be stopped, and must not continue by itself later.
 
-    Raises:
-        RobotError: KG828 ended by Ctrl-Z.
+    Raises RobotError: KG828 ended by Ctrl-Z.
     """
     try:
         asyncio.run(_cancelled_by_signals(work, moves=moves))

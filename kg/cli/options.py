@@ -1,15 +1,18 @@
 """The options that come from settings, and those that several commands share."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import wraps
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, Final, TypeVar
 
 import typer
 
 from kg.cli.completion import launches, packages, rules
 from kg.cli.session import session
+from kg.codes import SEVERITIES
 from kg.errors import UsageError
 from kg.settings import DECLARED, Declaration, Settings
 from kg.similar import did_you_mean
@@ -149,3 +152,17 @@ System = Annotated[
 UpdateUrl = Annotated[
     str | None, typer.Option("--update-url", metavar="URL", help="Address for updates of the server, if different.")
 ]
+
+
+_FORMATS: Final = ("text", "json", "sarif", "github")
+
+Form = Annotated[str, typer.Option("--format", "-f", metavar="FORMAT", help=f"One of {', '.join(_FORMATS)}.")]
+Level = Annotated[
+    str, typer.Option("--level", metavar="SEVERITY", help="Lowest severity to show: error, warning or note.")
+]
+
+
+def require_valid(form: str, level: str = SEVERITIES[-1], hints: Mapping[str, str] | None = None) -> None:
+    """Raise UsageError KG003 for an unknown format or severity; `hints` maps some words to a hint."""
+    require_one_of(form, _FORMATS, "format", (hints or {}).get(form, ""))
+    require_one_of(level, SEVERITIES, "severity")

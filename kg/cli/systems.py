@@ -88,28 +88,28 @@ def given(
 
 
 def chosen_systems(
-    settings: Settings, launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
+    settings: Settings,
+    launch: str | None,
+    arguments: Sequence[str] | None,
+    environment: Sequence[str] | None,
+    *,
+    with_variants: bool = False,
 ) -> Sequence[System]:
-    """Return the selected systems, all without `launch`; raises as `kg.pipeline.launching.chosen`."""
-    values = given(launch, arguments, environment)
+    """Return the selected systems, all without `launch`, or that of `launch` including the content of its variants.
 
+    Raises as `kg.pipeline.launching.chosen`; UsageError KG003 for variants of no launch file.
+    """
+    if with_variants and launch is None:
+        raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
+    values = given(launch, arguments, environment)
+    if with_variants and launch is not None:
+        evaluated = variants(settings, existing(settings), launch, *values)
+        report_left_out(evaluated.left_out)
+        return (united(evaluated),)
     systems = chosen(settings, existing(settings), launch, *values)
     if values[1]:
         report_unread(settings, systems, values[1])
     return systems
-
-
-def with_variants(
-    settings: Settings, launch: str | None, arguments: Sequence[str] | None, environment: Sequence[str] | None
-) -> System:
-    """Return the system of a launch file including the content of its variants; raises as `chosen_systems`."""
-    if launch is None:
-        raise UsageError("KG003", "--variants needs a launch file", hint="Name it: `--launch FILE`.")
-    values = given(launch, arguments, environment)
-
-    evaluated = variants(settings, existing(settings), launch, *values)
-    report_left_out(evaluated.left_out)
-    return united(evaluated)
 
 
 def report_left_out(labels: Sequence[str]) -> None:

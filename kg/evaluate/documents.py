@@ -229,8 +229,7 @@ def pages_below(folder: Path) -> Iterator[Path]:
 def read_page(path: Path, spot: Spot, *, closed: bool = False) -> tuple[Reference, ...]:
     """Return the nodes that a page documents; with `closed` it is assumed to be complete.
 
-    Raises:
-        UsageError: KG721 the page is unreadable.
+    Raises UsageError: KG721 the page is unreadable.
     """
     text = references.text_of(path)
     nodes = wiki_nodes(text) if is_wiki(text) else readme_nodes(text) if path.suffix.lower() == ".md" else ()

@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     from kg.search.index import Floats
 
-__all__ = ["FolderModel"]
-
 _MARKS: Final = ("modules.json", "config.json")
 """Marker files of a model folder: of sentence-transformers, or of a bare transformer."""
 _SWITCHES: Final = {
@@ -37,8 +35,7 @@ _LONGEST_CAUSE: Final = 200
 class FolderModel:
     """A model in a folder.
 
-    Raises:
-        UsageError: KG704 the folder is missing, or has no model.
+    Raises UsageError: KG704 the folder is missing, or has no model.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -54,8 +51,7 @@ class FolderModel:
     def encode(self, texts: Sequence[str]) -> Floats:
         """Return a vector of length 1 for each text.
 
-        Raises:
-            UsageError: KG704 the library is not installed, or cannot load or run the model.
+        Raises UsageError: KG704 the library is not installed, or cannot load or run the model.
         """
         try:
             if self._model is None:

@@ -29,8 +29,7 @@ _FIGURES: Final = ("blocks", "capabilities", "lines", "components", "message typ
 async def capabilities_of_robots(settings: Settings) -> dict[str, Capabilities]:
     """Return the inferred capabilities of each simulated robot.
 
-    Raises:
-        RobotError: KG840 pybullet or OpenCV is not installed.
+    Raises RobotError: KG840 pybullet or OpenCV is not installed.
     """
     inferred: dict[str, Capabilities] = {}
     for robot in ROBOTS:

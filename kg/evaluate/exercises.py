@@ -110,8 +110,7 @@ def program_of(variant: Variant) -> Program:
 async def perform(exercise: Exercise, robot: Robot, settings: Settings) -> Outcome:
     """Run an exercise in a simulation of its own, as fast as possible; missed goals are in the outcome.
 
-    Raises:
-        RobotError: KG840 pybullet or OpenCV is not installed.
+    Raises RobotError: KG840 pybullet or OpenCV is not installed.
     """
     began = time.monotonic()
     async with hosted_in_memory(robot, start=exercise.of(robot).start) as (simulation, address):

@@ -43,8 +43,7 @@ class Gathered:
 def gather(snapshot: Snapshot, paths: Iterable[Path], choice: Choice) -> tuple[Gathered, ...]:
     """Return the references in files (JSON lines, pages) and in folders of pages.
 
-    Raises:
-        UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
+    Raises UsageError: KG721 an unreadable file, KG723 a page of an unknown package.
     """
     packages = Packages(snapshot)
     commits = {references.owner_and_name(name): commit for name, commit in packages.commits.items()}

@@ -62,8 +62,7 @@ class Ranked(msgspec.Struct, frozen=True):
 def read_needs(path: Path) -> tuple[Need, ...]:
     """Return the needs in a file.
 
-    Raises:
-        UsageError: KG725 the file is unreadable, empty, or has an invalid line.
+    Raises UsageError: KG725 the file is unreadable, empty, or has an invalid line.
     """
     try:
         lines = path.read_bytes().split(b"\n")

@@ -19,8 +19,7 @@ _NAME: Final = "reference"
 def keep(settings: Settings, triples: bytes) -> None:
     """Replace the references in the current store.
 
-    Raises:
-        StoreError: KG301 no store, KG302 another process is writing, KG304 the disk is full.
+    Raises StoreError: KG301 no store, KG302 another process is writing, KG304 the disk is full.
     """
     graph = NamedNode(Iris(settings.base).graph(_NAME))
     with writable(settings, create=False) as target:
@@ -34,8 +33,7 @@ def keep(settings: Settings, triples: bytes) -> None:
 def forget(settings: Settings) -> bool:
     """Remove the references from the current store; return whether there were any.
 
-    Raises:
-        StoreError: KG301 no store, KG302 another process is writing.
+    Raises StoreError: KG301 no store, KG302 another process is writing.
     """
     graph = NamedNode(Iris(settings.base).graph(_NAME))
     with writable(settings, create=False) as target:

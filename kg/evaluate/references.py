@@ -128,8 +128,7 @@ def text_of(path: Path) -> str:
 def read(path: Path, *, closed: bool = False) -> Reading:
     """Return the references in a file of JSON lines; with `closed`, each is assumed to be complete.
 
-    Raises:
-        UsageError: KG721 the file is unreadable, or a line is invalid.
+    Raises UsageError: KG721 the file is unreadable, or a line is invalid.
     """
     left_out: Counter[str] = Counter()
     merged: dict[tuple[str | None, ...], Reference] = {}

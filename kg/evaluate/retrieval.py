@@ -15,6 +15,7 @@ import random
 import re
 from collections import Counter
 from importlib import import_module
+from statistics import fmean
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
@@ -161,8 +162,7 @@ def retrieval(search: Search, needs: Sequence[Need], model: Path | None = None) 
     Differences are paired: both rankings answer the same resampled needs. The relative one is the difference of the
     means divided by the mean of the other ranking.
 
-    Raises:
-        UsageError: KG724 a library of the extra `evaluate` is missing, KG704 an unusable model.
+    Raises UsageError: KG724 a library of the extra `evaluate` is missing, KG704 an unusable model.
     """
     index = search.index
     rankers = {
@@ -215,25 +215,21 @@ def _rows(depth: int, values: dict[str, list[float]]) -> list[tuple[Cell, ...]]:
     ours = values[_OURS]
     rows: list[tuple[Cell, ...]] = []
     for name, theirs in values.items():
-        score = Score(_mean(theirs), bootstrap(theirs))
+        score = Score(fmean(theirs), bootstrap(theirs))
         above: tuple[Cell, Cell] = (None, None) if name == _OURS else _compared(ours, theirs)
         rows.append((name, f"NDCG@{depth}", score, *above))
     return rows
 
 
-def _mean(values: Sequence[float]) -> float:
-    return sum(values) / len(values)
-
-
 def _compared(ours: Sequence[float], theirs: Sequence[float]) -> tuple[Cell, Cell]:
     """Return the difference of the means and the relative one; None relative to zero."""
     differences = [one - other for one, other in zip(ours, theirs, strict=True)]
-    difference = Score(_mean(differences), bootstrap(differences), signed=True)
-    if not _mean(theirs):
+    difference = Score(fmean(differences), bootstrap(differences), signed=True)
+    if not fmean(theirs):
         return difference, None
     chance = random.Random(0)  # noqa: S311 - no secret
     pairs = list(zip(differences, theirs, strict=True))
     drawn = (chance.choices(pairs, k=len(pairs)) for _ in range(_ROUNDS))
     sums = [(sum(one for one, _ in each), sum(other for _, other in each)) for each in drawn]
     ratios = bounds(one / other for one, other in sums if other)
-    return difference, Score(_mean(differences) / _mean(theirs), ratios, signed=True)
+    return difference, Score(fmean(differences) / fmean(theirs), ratios, signed=True)

@@ -9,22 +9,53 @@ from __future__ import annotations
 import csv
 import io
 import random
-from collections import defaultdict
-from dataclasses import dataclass
+from collections import Counter, defaultdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import Place, UsageError
 from kg.evaluate.completeness import share
 from kg.evaluate.intervals import shares_of, weighed
 from kg.evaluate.tables import Cell, Table, safe_cell
+from kg.lint.lines import Lines
 from kg.render.text import count
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
+    from collections.abc import Iterable, Iterator, Sequence
 
     from kg.evaluate.facts import Facts
-    from kg.evaluate.source_lines import SourceLines
+    from kg.graph.source_states import SourceState
+
+
+class SourceLines:
+    """The files of the sources of a store."""
+
+    def __init__(self, sources: Iterable[SourceState]) -> None:
+        self.states = {one.name: one for one in sources}
+        self._lines = Lines({name: one.root for name, one in self.states.items() if one.root})
+
+    def root(self, repository: str) -> Path | None:
+        """Return the folder of a source on this machine; None without one."""
+        state = self.states.get(repository)
+        root = Path(state.root) if state and state.root else None
+        return root if root and root.is_dir() else None
+
+    def lines(self, repository: str, path: str) -> Sequence[str]:
+        """Return the lines of a file of a source; none if it is missing."""
+        return self._lines.of(repository, path)
+
+    def text(self, repository: str, path: str, line: int) -> str | None:
+        """Return one line without surrounding whitespace; None if it does not exist."""
+        lines = self.lines(repository, path)
+        return lines[line - 1].strip() if 0 < line <= len(lines) else None
+
+    def address(self, repository: str, path: str, line: int) -> str:
+        """Return the address of a line: the page of its commit, else the file."""
+        state = self.states.get(repository)
+        if state is None:
+            return f"{path}:{line}"
+        return state.page(path, line) or f"{Path(state.root or '') / path}:{line}"
+
 
 COLUMNS: Final = (
     "number",
@@ -39,7 +70,15 @@ COLUMNS: Final = (
     "right",
     "remark",
 )
-_ANSWERS: Final = {"yes": True, "y": True, "no": False, "n": False, "unsure": None, "?": None}
+_ANSWERS: Final = {
+    "yes": "right",
+    "y": "right",
+    "no": "wrong",
+    "n": "wrong",
+    "unsure": "unsure",
+    "?": "unsure",
+    "": "not judged",
+}
 _HINT: Final = "Write yes, no or unsure into the column `right`, or leave it empty."
 
 
@@ -65,62 +104,40 @@ def as_sheet(facts: Facts, sample: Sequence[tuple[str, tuple[str, str]]], lines:
     return out.getvalue()
 
 
-@dataclass(slots=True)
-class _Stratum:
-    facts: int = 0
-    right: int = 0
-    wrong: int = 0
-    unsure: int = 0
-    empty: int = 0
-
-    @property
-    def judged(self) -> int:
-        return self.right + self.wrong
-
-
 def score_sheet(path: Path) -> Table:
     """Return the precision of each relation in a judged sheet, with Wilson intervals.
 
     Unsure and unjudged facts do not count. The last row weighs relations by their number of facts (stratified estimate,
     Cochran 1977, section 5.6).
 
-    Raises:
-        UsageError: KG722 an invalid sheet or answer, with its line.
+    Raises UsageError: KG722 an invalid sheet or answer, with its line.
     """
-    strata: defaultdict[str, _Stratum] = defaultdict(_Stratum)
+    answers: defaultdict[str, Counter[str]] = defaultdict(Counter)
+    sizes: dict[str, int] = {}
     for line, row in _rows(path):
         answer = (row["right"] or "").strip().lower()
-        if answer and answer not in _ANSWERS:
+        if answer not in _ANSWERS:
             raise UsageError("KG722", f"`{answer}` is not an answer", place=Place(str(path), line), hint=_HINT)
         facts = row["facts"] or ""
         if not facts.isdecimal() or len(facts) > 12:  # noqa: PLR2004 - more facts than any store has
             raise UsageError("KG722", f"`{facts}` is not a number of facts", place=Place(str(path), line))
-        _count(strata[row["relation"] or ""], int(facts), answer)
+        relation = row["relation"] or ""
+        sizes[relation] = int(facts)
+        answers[relation][_ANSWERS[answer]] += 1
+    judged = {relation: given["right"] + given["wrong"] for relation, given in answers.items()}
     rows: list[tuple[Cell, ...]] = [
-        (relation, share(one.right, one.judged), one.unsure, one.empty, one.facts) for relation, one in strata.items()
+        (relation, share(given["right"], judged[relation]), given["unsure"], given["not judged"], sizes[relation])
+        for relation, given in answers.items()
     ]
-    every = weighed((one.facts, one.judged, one.right) for one in strata.values())
+    every = weighed((sizes[relation], judged[relation], given["right"]) for relation, given in answers.items())
     rows.append(("all, weighed by facts", every, None, None, None))
-    judged = sum(one.judged for one in strata.values())
     return Table(
         "sample",
         "Sampled facts that a person judged right",
         ("relation", "precision", "unsure", "not judged", "facts"),
         tuple(rows),
-        (f"{count(judged, 'fact')} judged.",),
+        (f"{count(sum(judged.values()), 'fact')} judged.",),
     )
-
-
-def _count(stratum: _Stratum, facts: int, answer: str) -> None:
-    stratum.facts = facts
-    if not answer:
-        stratum.empty += 1
-    elif _ANSWERS[answer] is None:
-        stratum.unsure += 1
-    elif _ANSWERS[answer]:
-        stratum.right += 1
-    else:
-        stratum.wrong += 1
 
 
 def _rows(path: Path) -> Iterator[tuple[int, dict[str, str | None]]]:

@@ -46,8 +46,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True):
 def read(path: str) -> list[Result]:
     """Return the results in a file.
 
-    Raises:
-        UsageError: KG003 an unreadable or invalid file.
+    Raises UsageError: KG003 an unreadable or invalid file.
     """
     try:
         rows = list(csv.DictReader(Path(path).read_text("utf-8").splitlines(keepends=True)))

@@ -116,8 +116,7 @@ def _grid(start: int, bottom: int) -> Iterator[str]:
 def write(table: Table, folder: Path) -> tuple[Path, ...]:
     """Write `NAME.md`, `NAME.csv` and `NAME.svg` into a folder, created if missing; return their paths.
 
-    Raises:
-        UsageError: KG003 a file cannot be written.
+    Raises UsageError: KG003 a file cannot be written.
     """
     texts = {
         folder / f"{table.name}.md": as_markdown(table),

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from kg.rules.engine.terms import Dictionary
     from kg.rules.questions import Question
 
-__all__ = ["modified"]
-
 _INTEGER: Final = b'"^^<http://www.w3.org/2001/XMLSchema#integer>'
 
 

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
 
-__all__ = ["COLUMN", "MARK", "Among", "Question", "question"]
-
 COLUMN: Final = "urn:kg:column:"
 """Begins the predicates of the head, one for each variable; they are not derived."""
 MARK: Final = NamedNode(COLUMN)

@@ -46,8 +46,6 @@ if TYPE_CHECKING:
 
     Row: TypeAlias = tuple[Term | None, ...]
 
-__all__ = ["Columns", "columns_of"]
-
 _T = TypeVar("_T")
 _ESCAPE: Final = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))")
 _UNESCAPED: Final = {"n": "\n", "r": "\r", "t": "\t", "b": "\b", "f": "\f"}

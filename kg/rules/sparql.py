@@ -14,26 +14,7 @@ from typing import TYPE_CHECKING, Final
 from pyoxigraph import NamedNode, Triple
 
 from kg.errors import RuleError
-from kg.rules.form import (
-    Aggregate,
-    Assignment,
-    Atom,
-    Column,
-    Element,
-    EngineBlock,
-    Exists,
-    Filter,
-    Pattern,
-    Rule,
-    Term,
-    TripleTerm,
-    Values,
-    Variable,
-    binds,
-    bound_in,
-    has_blank,
-    mentions,
-)
+from kg.rules import form
 from kg.syntax.names import shorten
 from kg.syntax.terms import GENERATED
 
@@ -47,13 +28,13 @@ _NEVER_FAILS: Final = re.compile(r"""\?[\w·]+|<[^<>\s]*>|-?[0-9]+(\.[0-9]+)?|"[
 
 
 @dataclass(frozen=True, slots=True)
-class Placed(Atom):
+class Placed(form.Atom):
     """An atom that is read from one graph, whatever the others hold; evaluation on servers puts it into bodies."""
 
     graph: NamedNode = field(kw_only=True)
 
 
-def spelling(variable: Variable) -> str:
+def spelling(variable: form.Variable) -> str:
     """Return how a variable is written in SPARQL, with `?`; different for different variables."""
     name = variable.name
     if name.startswith("."):
@@ -63,16 +44,16 @@ def spelling(variable: Variable) -> str:
     return f"?{name}"
 
 
-def term(pattern: Pattern) -> str:
+def term(pattern: form.Pattern) -> str:
     """Return a term or a variable as SPARQL writes it, names in brackets."""
-    if isinstance(pattern, Variable):
+    if isinstance(pattern, form.Variable):
         return spelling(pattern)
-    if isinstance(pattern, TripleTerm | Triple):
+    if isinstance(pattern, form.TripleTerm | Triple):
         return f"<<( {term(pattern.subject)} {term(pattern.predicate)} {term(pattern.object)} )>>"
     return str(pattern)
 
 
-def group(body: Sequence[Element], *, inferred: NamedNode | None = None) -> str:
+def group(body: Sequence[form.Element], *, inferred: NamedNode | None = None) -> str:
     """Return what is between the braces of a group that has the solutions of a body; one element a line.
 
     `inferred` is the graph with all inferred triples and no asserted ones, against which atoms that match asserted
@@ -82,15 +63,15 @@ def group(body: Sequence[Element], *, inferred: NamedNode | None = None) -> str:
     return _Writer(inferred, {}).group(body)
 
 
-def brief(element: Element, prefixes: Mapping[str, str]) -> str:
+def brief(element: form.Element, prefixes: Mapping[str, str]) -> str:
     """Return a part of a body on one line, its IRIs with these prefixes; RuleError KG209 as `group`."""
     return _IRI.sub(lambda match: shorten(match[1], prefixes), " ".join(group((element,)).split()))
 
 
 def select(
-    body: Sequence[Element],
-    variables: Sequence[Variable],
-    bindings: Mapping[Variable, Term] | None = None,
+    body: Sequence[form.Element],
+    variables: Sequence[form.Variable],
+    bindings: Mapping[form.Variable, form.Term] | None = None,
     *,
     inferred: NamedNode | None = None,
 ) -> str:
@@ -99,19 +80,19 @@ def select(
     Bindings to blank nodes cannot be written: the caller gives `substitutions(bindings)` to the store's engine with
     the query, and those variables must be among `variables`. Without variables it asks for one row without columns.
     """
-    fixed = {variable: value for variable, value in (bindings or {}).items() if not has_blank(value)}
+    fixed = {variable: value for variable, value in (bindings or {}).items() if not form.has_blank(value)}
     text = _Writer(inferred, fixed).group(body, used=frozenset(variables))
     if not variables:
         return f"SELECT (1 AS ?{GENERATED}one) WHERE {{\n{text}\n}} LIMIT 1"
     return f"SELECT DISTINCT {' '.join(map(spelling, variables))} WHERE {{\n{text}\n}}"
 
 
-def substitutions(bindings: Mapping[Variable, Term]) -> dict[str, Term]:
+def substitutions(bindings: Mapping[form.Variable, form.Term]) -> dict[str, form.Term]:
     """Return the bindings that `select` leaves out, by the names that it gives to the variables, without `?`."""
-    return {spelling(variable)[1:]: value for variable, value in bindings.items() if has_blank(value)}
+    return {spelling(variable)[1:]: value for variable, value in bindings.items() if form.has_blank(value)}
 
 
-def construct(rule: Rule, *, inferred: NamedNode | None = None) -> str:
+def construct(rule: form.Rule, *, inferred: NamedNode | None = None) -> str:
     """Return the CONSTRUCT query that gives what a rule derives in one application.
 
     Each distinct solution of the body gives its triples once, which matters where the head has blank nodes.
@@ -123,13 +104,13 @@ def construct(rule: Rule, *, inferred: NamedNode | None = None) -> str:
     return f"CONSTRUCT {{\n{indented(head)}\n}}\nWHERE {{\n{text}\n}}"
 
 
-def distinct_solutions(rule: Rule) -> str:
+def distinct_solutions(rule: form.Rule) -> str:
     """Return the beginning of a sub-SELECT that has each solution of a body once, up to its group."""
-    names = " ".join(sorted(map(spelling, bound_in(rule.body)))) or "*"
+    names = " ".join(sorted(map(spelling, form.bound_in(rule.body)))) or "*"
     return f"SELECT DISTINCT {names} WHERE"
 
 
-def triple(atom: Atom) -> str:
+def triple(atom: form.Atom) -> str:
     """Return a triple of a head or a body, without the full stop."""
     return " ".join(map(term, atom.positions))
 
@@ -146,57 +127,59 @@ def _braces(text: str) -> str:
 class _Writer:
     """Writes one body with some variables replaced by terms, all of which SPARQL can write."""
 
-    def __init__(self, inferred: NamedNode | None, fixed: Mapping[Variable, Term]) -> None:
+    def __init__(self, inferred: NamedNode | None, fixed: Mapping[form.Variable, form.Term]) -> None:
         self._inferred = inferred
         self._fixed = fixed
 
-    def group(self, body: Sequence[Element], used: frozenset[Variable] = frozenset()) -> str:
+    def group(self, body: Sequence[form.Element], used: frozenset[form.Variable] = frozenset()) -> str:
         """Write a body; `used`: the variables that must have their values outside of it."""
         lines: list[str] = list(self._fixed_values(body, used))
-        before: frozenset[Variable] = frozenset()
+        before: frozenset[form.Variable] = frozenset()
         for index, element in enumerate(body):
-            late = bound_in(body[index + 1 :]) - before
+            late = form.bound_in(body[index + 1 :]) - before
             lines.append(self._element(element, late))
             if self._unseen(element) & late:
                 # A SPARQL filter would see variables bound after it: the braces end the group that it sees.
                 lines = [_braces("\n".join(lines))]
-            before |= binds(element)
+            before |= form.binds(element)
         return "\n".join(lines)
 
-    def _unseen(self, element: Element) -> frozenset[Variable]:
+    def _unseen(self, element: form.Element) -> frozenset[form.Variable]:
         """Return the variables that change the meaning of a filter if they are bound after it."""
-        if isinstance(element, Assignment):
+        if isinstance(element, form.Assignment):
             return frozenset((element.variable,))
-        return mentions(element) if isinstance(element, Filter | Exists) else frozenset()
+        return form.mentions(element) if isinstance(element, form.Filter | form.Exists) else frozenset()
 
-    def _fixed_values(self, body: Sequence[Element], used: frozenset[Variable]) -> Iterator[str]:
+    def _fixed_values(self, body: Sequence[form.Element], used: frozenset[form.Variable]) -> Iterator[str]:
         """Bind, before all else, the fixed variables that stay as they are in this group or are used outside."""
-        needed = used.union(*(mentions(element) for element in body if not isinstance(element, Atom | Exists)))
+        needed = used.union(
+            *(form.mentions(element) for element in body if not isinstance(element, form.Atom | form.Exists))
+        )
         for variable in sorted(needed & self._fixed.keys(), key=str):
             yield f"VALUES {spelling(variable)} {{ {term(self._fixed[variable])} }}"
 
-    def _element(self, element: Element, late: frozenset[Variable]) -> str:
+    def _element(self, element: form.Element, late: frozenset[form.Variable]) -> str:
         """Write an element; `late` are the variables that only elements behind it bind."""
-        if isinstance(element, Atom):
+        if isinstance(element, form.Atom):
             return self._atom(element)
-        if isinstance(element, Filter):
+        if isinstance(element, form.Filter):
             return f"FILTER({element.expression.text})"
-        if isinstance(element, Assignment):
+        if isinstance(element, form.Assignment):
             return self._assignment(element)
-        if isinstance(element, Exists):
+        if isinstance(element, form.Exists):
             seen = {variable: value for variable, value in self._fixed.items() if variable not in late}
             inner = _Writer(self._inferred, seen).group(element.body)
             return f"FILTER {'NOT ' if element.negated else ''}EXISTS {_braces(inner)}"
-        if isinstance(element, Values):
+        if isinstance(element, form.Values):
             names = " ".join(map(spelling, element.variables))
             rows = "".join(f"\n  ({' '.join(map(term, row))})" for row in element.rows)
             return f"VALUES ({names}) {{{rows}\n}}"
-        if isinstance(element, EngineBlock):
+        if isinstance(element, form.EngineBlock):
             return _braces(element.text.strip("\n"))
         return self._aggregate(element)
 
-    def _atom(self, atom: Atom) -> str:
-        if any(map(has_blank, atom.positions)):
+    def _atom(self, atom: form.Atom) -> str:
+        if any(map(form.has_blank, atom.positions)):
             message = f"`{triple(atom)}` has a blank node of the data, which SPARQL cannot write"
             raise RuleError("KG209", message, place=atom.place, hint="Give the node a name, or write a variable.")
         text = f"{triple(atom.replaced(self._fixed))} ."
@@ -206,7 +189,7 @@ class _Writer:
             return f"{text} FILTER NOT EXISTS {{ GRAPH {self._inferred} {{ {text} }} }}"
         return text
 
-    def _assignment(self, element: Assignment) -> str:
+    def _assignment(self, element: form.Assignment) -> str:
         """Write BIND, or where the variable has its value already a comparison with it.
 
         BIND in error leaves the variable unbound, an assignment in error takes the solution away.
@@ -218,7 +201,7 @@ class _Writer:
             return text if certain else f"{text}\nFILTER(BOUND({spelling(element.variable)}))"
         return f"FILTER(sameTerm({element.expression.text}, {term(value)}))"
 
-    def _aggregate(self, element: Aggregate) -> str:
+    def _aggregate(self, element: form.Aggregate) -> str:
         """Write a sub-SELECT; only its keys have the values of the group around it."""
         keys = frozenset(element.keys)
         inner = _Writer(self._inferred, {key: value for key, value in self._fixed.items() if key in keys})
@@ -227,7 +210,7 @@ class _Writer:
         return _braces(f"SELECT {columns} WHERE {_braces(inner.group(element.body, used=keys))}{grouped}")
 
 
-def _column(column: Column) -> str:
+def _column(column: form.Column) -> str:
     argument = ("DISTINCT " if column.distinct else "") + (column.expression.text if column.expression else "*")
     if column.function == "GROUP_CONCAT" and column.separator != " ":
         separator = column.separator.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")

@@ -18,23 +18,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
 from pyoxigraph import BlankNode, NamedNode, Quad, Store, Triple
 
+from kg.rules import form
 from kg.rules.files import RuleSet
-from kg.rules.form import (
-    Atom,
-    Element,
-    Filter,
-    Pattern,
-    Rule,
-    Term,
-    Values,
-    Variable,
-    bound_in,
-    filled,
-    is_auxiliary,
-    mentions,
-    names_in,
-    variables_of,
-)
 from kg.rules.sparql import construct, select
 from kg.syntax.names import RDF_TYPE
 
@@ -45,7 +30,6 @@ if TYPE_CHECKING:
 
 _OWL: Final = "http://www.w3.org/2002/07/owl#"
 _RDFS: Final = "http://www.w3.org/2000/01/rdf-schema#"
-_RDF: Final = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
 SCHEMA_PREDICATES: Final = frozenset(
     NamedNode(iri)
     for iri in (
@@ -71,7 +55,7 @@ SCHEMA_CLASSES: Final = frozenset(
 """What classes, properties and axioms are members of."""
 
 
-def is_schema(predicate: Pattern, value: Pattern) -> bool:
+def is_schema(predicate: form.Pattern, value: form.Pattern) -> bool:
     """Return whether a triple with these is about the schema: an axiom, or a thing being a class, a property, ..."""
     if predicate == RDF_TYPE:
         return value in SCHEMA_CLASSES
@@ -94,7 +78,7 @@ def schema_pattern() -> str:
     return f"{{ {' UNION '.join([*predicates, *classes])} }}"
 
 
-def specialise(rules: Iterable[Rule], schema: Iterable[Triple]) -> tuple[Rule, ...]:
+def specialise(rules: Iterable[form.Rule], schema: Iterable[Triple]) -> tuple[form.Rule, ...]:
     """Return the rules with those about any schema replaced by their instances for `schema`, in order.
 
     `schema` are the triples of the store for which `is_schema` holds; others do no harm. The rules of one name are
@@ -121,51 +105,53 @@ def specialised(rule_set: RuleSet, schema: Iterable[Triple]) -> RuleSet:
     instances = specialise(rule_set.rules, schema)
     if instances == rule_set.rules:
         return rule_set
-    by_name: defaultdict[str, list[Rule]] = defaultdict(list)
+    by_name: defaultdict[str, list[form.Rule]] = defaultdict(list)
     for rule in instances:
         by_name[rule.name].append(rule)
     return RuleSet(tuple(replace(file, rules=tuple(by_name[file.name])) for file in rule_set.files))
 
 
-def _hidden(rules: Sequence[Rule]) -> frozenset[NamedNode]:
+def _hidden(rules: Sequence[form.Rule]) -> frozenset[NamedNode]:
     """Return the auxiliary predicates that nothing but schema is in: paths such as `rdfs:subClassOf+`."""
-    hidden = {atom.predicate for rule in rules for atom in rule.head if is_auxiliary(atom.predicate)}
+    hidden = {atom.predicate for rule in rules for atom in rule.head if form.is_auxiliary(atom.predicate)}
     before = -1
     while before != len(hidden):
         before = len(hidden)
         for rule in rules:
-            if not all(_is_axiom(each, hidden) or isinstance(each, Filter) for each in rule.body):
+            if not all(_is_axiom(each, hidden) or isinstance(each, form.Filter) for each in rule.body):
                 hidden -= {atom.predicate for atom in rule.head if isinstance(atom.predicate, NamedNode)}
     return frozenset(hidden)
 
 
-def _about_schema(rule: Rule, hidden: AbstractSet[NamedNode]) -> bool:
+def _about_schema(rule: form.Rule, hidden: AbstractSet[NamedNode]) -> bool:
     """Return whether a rule derives schema from nothing but schema."""
-    axioms = (_is_axiom(each, hidden) or isinstance(each, Filter) for each in rule.body)
+    axioms = (_is_axiom(each, hidden) or isinstance(each, form.Filter) for each in rule.body)
     return all(_is_axiom(atom, hidden) for atom in rule.head) and all(axioms)
 
 
-def _may_write_schema(rule: Rule) -> bool:
+def _may_write_schema(rule: form.Rule) -> bool:
     """Return whether a triple that a rule derives can be about the schema."""
     harmless = set(_never_schema(rule.body))
     for atom in rule.head:
-        open_class = atom.predicate == RDF_TYPE and isinstance(atom.object, Variable) and atom.object not in harmless
-        if isinstance(atom.predicate, Variable) or open_class or is_schema(atom.predicate, atom.object):
+        open_class = (
+            atom.predicate == RDF_TYPE and isinstance(atom.object, form.Variable) and atom.object not in harmless
+        )
+        if isinstance(atom.predicate, form.Variable) or open_class or is_schema(atom.predicate, atom.object):
             return True
     return False
 
 
-def _never_schema(body: Sequence[Element]) -> Iterator[Variable]:
+def _never_schema(body: Sequence[form.Element]) -> Iterator[form.Variable]:
     """Yield the variables whose values are listed, none of them a class that schema is made of."""
     for element in body:
-        if isinstance(element, Values):
+        if isinstance(element, form.Values):
             columns = zip(*element.rows, strict=True)
             yield from (
                 name for name, terms in zip(element.variables, columns, strict=False) if not SCHEMA_CLASSES & {*terms}
             )
 
 
-def _close(store: Store, rules: Sequence[Rule]) -> None:
+def _close(store: Store, rules: Sequence[form.Rule]) -> None:
     """Add what rules about the schema derive from it."""
     queries = [construct(rule) for rule in rules]
     before = -1
@@ -180,17 +166,17 @@ def _quad(triple: Triple) -> Quad:
     return Quad(triple.subject, triple.predicate, triple.object)
 
 
-def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[NamedNode]) -> Iterator[Rule]:
+def _instances(rule: form.Rule, stated: Store, closed: Store, hidden: AbstractSet[NamedNode]) -> Iterator[form.Rule]:
     """Yield a rule for each way in which its atoms about the schema hold; the rule itself where it need not be cut."""
-    axioms: tuple[Atom, ...] = tuple(element for element in rule.body if _is_axiom(element, hidden))
-    bound = bound_in(axioms)
+    axioms: tuple[form.Atom, ...] = tuple(element for element in rule.body if _is_axiom(element, hidden))
+    bound = form.bound_in(axioms)
     asserted = {axiom.asserted for axiom in axioms}
-    if len(asserted) != 1 or bound.isdisjoint(names_in((*rule.head, *rule.body))):
+    if len(asserted) != 1 or bound.isdisjoint(form.names_in((*rule.head, *rule.body))):
         yield rule
         return
-    schema: tuple[Element, ...] = (
+    schema: tuple[form.Element, ...] = (
         *axioms,
-        *(each for each in rule.body if isinstance(each, Filter) and mentions(each) <= bound),
+        *(each for each in rule.body if isinstance(each, form.Filter) and form.mentions(each) <= bound),
     )
     rest = tuple(element for element in rule.body if element not in schema)
     variables = sorted(bound, key=str)
@@ -198,21 +184,23 @@ def _instances(rule: Rule, stated: Store, closed: Store, hidden: AbstractSet[Nam
     solutions = [dict(zip(variables, row, strict=True)) for row in rows]  # type: ignore[union-attr]  # rows
     for bindings in sorted(solutions, key=lambda row: [str(row[variable]) for variable in variables]):
         instance = _instance(rule, rest, bindings)
-        if not set(instance.head) <= {element for element in instance.body if isinstance(element, Atom)}:
+        if not set(instance.head) <= {element for element in instance.body if isinstance(element, form.Atom)}:
             yield instance
 
 
-def _is_axiom(element: Element, hidden: AbstractSet[NamedNode]) -> TypeGuard[Atom]:
+def _is_axiom(element: form.Element, hidden: AbstractSet[NamedNode]) -> TypeGuard[form.Atom]:
     """Return whether an element is about the schema; `hidden` are the auxiliary predicates that are."""
-    return isinstance(element, Atom) and (element.predicate in hidden or is_schema(element.predicate, element.object))
+    return isinstance(element, form.Atom) and (
+        element.predicate in hidden or is_schema(element.predicate, element.object)
+    )
 
 
-def _instance(rule: Rule, rest: Sequence[Element], bindings: Mapping[Variable, Term]) -> Rule:
+def _instance(rule: form.Rule, rest: Sequence[form.Element], bindings: Mapping[form.Variable, form.Term]) -> form.Rule:
     """Return a rule with variables replaced by terms in its atoms, and bound by a row where terms are not allowed."""
     written = {variable: value for variable, value in bindings.items() if not isinstance(value, BlankNode)}
     head = tuple(atom.replaced(written) for atom in rule.head)
-    body = filled(rest, written)
-    left = {variable for atom in head for part in atom.positions for variable in variables_of(part)}
-    needed = sorted(left.union(*map(mentions, body)) & bindings.keys(), key=str)
-    row = (Values(tuple(needed), (tuple(bindings[variable] for variable in needed),)),) if needed else ()
+    body = form.filled(rest, written)
+    left = {variable for atom in head for part in atom.positions for variable in form.variables_of(part)}
+    needed = sorted(left.union(*map(form.mentions, body)) & bindings.keys(), key=str)
+    row = (form.Values(tuple(needed), (tuple(bindings[variable] for variable in needed),)),) if needed else ()
     return replace(rule, head=head, body=(*row, *body))

@@ -20,13 +20,15 @@ import numpy as np
 from kg import resources
 from kg.search import lexicon
 from kg.search.documents import Document, PackageDocument
-from kg.search.index import Columns, Index
-from kg.search.neighbours import NEIGHBOURS
+from kg.search.index import NEIGHBOURS, Columns, Index
 from kg.search.reading import Concept
 from kg.store import cachefile
 
 _FOLDER: Final = "search"
 _COLUMNS: Final = ("text", "names", "features")
+_ARRAYS: Final = {"group": np.int32, "order": np.int32, "started": np.float32, "near": np.int32, "shares": np.float32}
+_PARTS: Final = {"starts": np.int64, "rows": np.int32, "values": np.float32}
+"""The arrays of an index, and of each of its columns, with their types."""
 
 
 class _Header(msgspec.Struct):
@@ -91,16 +93,9 @@ def _parts(index: Index) -> Iterator[tuple[str, bytes]]:
     yield "packages", msgspec.json.encode(list(index.packages))
     yield "concepts", msgspec.json.encode(list(index.concepts))
     yield "passing", msgspec.json.encode(sorted(index.passing))
-    yield "group", index.group.tobytes()
-    yield "order", index.order.tobytes()
-    yield "started", index.started.tobytes()
-    yield "near", index.near.tobytes()
-    yield "shares", index.shares.tobytes()
+    yield from ((name, getattr(index, name).tobytes()) for name in _ARRAYS)
     for name in _COLUMNS:
-        columns = getattr(index, name)
-        yield f"{name}.starts", columns.starts.tobytes()
-        yield f"{name}.rows", columns.rows.tobytes()
-        yield f"{name}.values", columns.values.tobytes()
+        yield from ((f"{name}.{part}", getattr(getattr(index, name), part).tobytes()) for part in _PARTS)
 
 
 def _index(header: _Header, content: bytes, at: int) -> Index:
@@ -108,28 +103,22 @@ def _index(header: _Header, content: bytes, at: int) -> Index:
     for name, size in header.sizes.items():
         parts[name] = content[at : at + size]
         at += size
-    columns = {
+    arrays: dict[str, Any] = {name: np.frombuffer(parts[name], kind) for name, kind in _ARRAYS.items()}
+    arrays |= {name: arrays[name].reshape(-1, NEIGHBOURS) for name in ("near", "shares")}
+    columns: dict[str, Any] = {
         name: Columns(
             {term: place for place, term in enumerate(header.names[name])},
-            np.frombuffer(parts[f"{name}.starts"], np.int64),
-            np.frombuffer(parts[f"{name}.rows"], np.int32),
-            np.frombuffer(parts[f"{name}.values"], np.float32),
+            *(np.frombuffer(parts[f"{name}.{part}"], kind) for part, kind in _PARTS.items()),
         )
         for name in _COLUMNS
     }
     return Index(
-        msgspec.json.decode(parts["packages"], type=list[PackageDocument]),
-        Documents(parts["nodes"], np.frombuffer(parts["starts"], np.int64)),
-        msgspec.json.decode(parts["concepts"], type=list[Concept]),
-        columns["text"],
-        columns["names"],
-        columns["features"],
-        np.frombuffer(parts["group"], np.int32),
-        np.frombuffer(parts["order"], np.int32),
-        np.frombuffer(parts["started"], np.float32),
-        np.frombuffer(parts["near"], np.int32).reshape(-1, NEIGHBOURS),
-        np.frombuffer(parts["shares"], np.float32).reshape(-1, NEIGHBOURS),
-        msgspec.json.decode(parts["passing"], type=frozenset[str]),
+        packages=msgspec.json.decode(parts["packages"], type=list[PackageDocument]),
+        nodes=Documents(parts["nodes"], np.frombuffer(parts["starts"], np.int64)),
+        concepts=msgspec.json.decode(parts["concepts"], type=list[Concept]),
+        passing=msgspec.json.decode(parts["passing"], type=frozenset[str]),
+        **columns,
+        **arrays,
     )
 
 
@@ -140,8 +129,7 @@ _DATA: Final = (*lexicon.FILES, "composing.toml")  # files in the folder `ontolo
 def keep(folder: Path, generation: str, parts: Iterable[bytes]) -> None:
     """Write the content of a generation to a folder, and delete that of others.
 
-    Raises:
-        OSError: it could not be written; the previous files are unchanged.
+    Raises OSError: it could not be written; the previous files are unchanged.
     """
     cachefile.save(folder, generation, _version(), parts)
 

@@ -7,7 +7,7 @@
 in an aside, times its score in the node (`kg.search.fields`) for the best of its alternatives.
 `named` is the requested share of the node's name: of two nodes with "voxel grid" in the name, the one without other
 words wins. A wish adds its weight times its rarity to the nodes that fulfil it. The prior lowers nodes that are rarely
-wanted, tests and examples, and prefers nodes started by launch files. Neighbours (`kg.search.neighbours`) raise a node
+wanted, tests and examples, and prefers nodes started by launch files. Neighbours (`kg.search.index`) raise a node
 that says less than others like it. The numbers are in `ontology/search.toml`.
 """
 

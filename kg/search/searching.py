@@ -76,8 +76,7 @@ class Search:
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
         """Return the best hits for a need in words, restricted by filters (`kg.search.filters`).
 
-        Raises:
-            UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
+        Raises UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
         """
         given = wishes(filters or {}, self.names)
         need = parse(text, self.names)
@@ -111,8 +110,7 @@ def open_search(store: EmbeddedStore, indexing: Callable[[], None] | None = None
 
     `indexing` is called before it is built, which takes seconds in a large store.
 
-    Raises:
-        StoreError: KG301 for a store without data, KG303 for a damaged one.
+    Raises StoreError: KG301 for a store without data, KG303 for a damaged one.
     """
     generation = store.layout.current()
     index = None if generation is None else cache.load(store.layout.cache, str(generation))

@@ -16,7 +16,7 @@ from starlette.responses import Response
 from starlette.routing import Route
 
 from kg.errors import CATALOGUE, KgError, Place, QueryError, RobotError
-from kg.render.marking import marked
+from kg.render.text import marked
 from kg.server.addresses import NAVIGATION, url
 from kg.server.leaving import GONE, ClientLeftError
 from kg.server.prose import inline

@@ -118,7 +118,7 @@ class Patterns(Triples):
         while self.accept("!"):
             signs += 1
             if signs > MAX_NESTING:
-                raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start)
+                raise self.error(f"the rule nests deeper than {MAX_NESTING}", self.token.start, code="KG209")
         if not self.at_signed():
             self.accept("-", "+")
         self._primary_expression()
@@ -412,13 +412,14 @@ class Patterns(Triples):
 
     def group(self) -> tree.Group:
         """Parse a group or a sub-SELECT in braces."""
-        outer, first = self.block, len(self.consumed)
+        outer, aggregates_allowed, first = self.block, self.aggregates_allowed, len(self.consumed)
         start = self.expect("{").start
+        self.aggregates_allowed = False
         with self.nested():
             self.new_block()
             nodes: list[tree.Node] = [self.sub_select()] if self.at_word("SELECT") else self._nodes()
             self.expect("}", " or a pattern")
-        self.block = outer
+        self.block, self.aggregates_allowed = outer, aggregates_allowed
         return tree.Group(tuple(nodes), self.span(start), self.spelling(self.consumed[first:]))
 
     def _nodes(self) -> list[tree.Node]:

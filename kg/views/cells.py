@@ -1,4 +1,4 @@
-"""Cells of a table of results: inferred facts, source lines, kinds of IRIs."""
+"""Cells of a table of results: inferred facts, source lines, kinds of IRIs: the views `cells` and `place`."""
 
 from __future__ import annotations
 
@@ -46,8 +46,7 @@ def cells(  # noqa: PLR0913 - each list is of another kind
     its own. `things` has for each of those IRIs its `label`, null where nothing that has one is known of it, and its
     `types` in alphabetical order. Lists may also be given as JSON.
 
-    Raises:
-        UsageError: KG003 for a malformed list or term.
+    Raises UsageError: KG003 for a malformed list or term.
     """
     graph = _HELD % Iris(settings.base).graph("inferred")
     where = known_places(snapshot)
@@ -94,3 +93,10 @@ def _list(given: Any) -> list[Any]:
     if not isinstance(items, list):
         raise UsageError("KG003", "expected a list")
     return items
+
+
+def place(snapshot: EmbeddedSnapshot, settings: Settings, *, path: str, line: str = "") -> dict[str, Any] | None:  # noqa: ARG001 - every view is given settings
+    """Return the evidence of a path of a source and a line of it, where only one source has that file; else None."""
+    where = known_places(snapshot)
+    source = where.find(path)
+    return None if source is None else where.evidence(source, Location(path, whole(line, 0)))

@@ -47,8 +47,7 @@ def complete(
     if it has changed since it last was, which takes seconds for a large one: faces ask so once, in the background, when
     they start.
 
-    Raises:
-        UsageError: KG003 for a position that is not a number.
+    Raises UsageError: KG003 for a position that is not a number.
     """
     try:
         at = int(position)

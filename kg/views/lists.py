@@ -127,8 +127,7 @@ def listing(  # noqa: PLR0913 - what a list can be asked
     and `facets`: for each the objects `{"value", "count"}` of the values that rows have which fit everything else, the
     most frequent first.
 
-    Raises:
-        UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
+    Raises UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
     """
     kind = LISTS.get(of)
     if kind is None:

@@ -1,4 +1,7 @@
-"""The overview: sources of the store and their states, counts by kind, first questions."""
+"""The overview: sources of the store and their states, counts by kind, first questions.
+
+The view `prepare` does slow computations ahead.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,8 @@ from kg.graph.source_states import SourceState, sources
 from kg.query.core import run
 from kg.query.result import Solutions
 from kg.query.stored import find
+from kg.views.complete import cache_of
+from kg.views.find import search_over
 from kg.views.lists import totals
 from kg.views.remembered import once
 from kg.views.stored import query_object
@@ -130,3 +135,14 @@ def _first(snapshot: EmbeddedSnapshot, query: str) -> Any:
     """Return the first term of a result; None if it is empty."""
     result = run(snapshot, query)
     return result.rows[0][0] if isinstance(result, Solutions) and result.rows else None
+
+
+def prepare(snapshot: EmbeddedSnapshot, settings: Settings) -> dict[str, int]:
+    """Build the index of the search, the statistics of completion and all lists, which the store then keeps.
+
+    Returns how many nodes (`nodes`) the index has.
+    """
+    search = search_over(snapshot, settings)
+    cache_of(snapshot, settings).statistics(fresh=True)
+    totals(snapshot, settings)
+    return {"nodes": search.index.size}

@@ -45,8 +45,7 @@ def parameter(snapshot: EmbeddedSnapshot, settings: Settings, *, name: str, syst
       (evidence of the line that sets it, None for the default in the code), `launched` (evidence), `systems` (names of
       launch files).
 
-    Raises:
-        UnknownNameError: KG001 with suggestions if there is none; KG422 for the launch file.
+    Raises UnknownNameError: KG001 with suggestions if there is none; KG422 for the launch file.
     """
     written = name.strip().removeprefix("~/")
     last, absolute = written.rpartition("/")[2], written.startswith("/")

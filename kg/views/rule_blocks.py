@@ -58,8 +58,7 @@ def blocks_check(  # noqa: PLR0913 - a rule in one of two forms, and the extent 
     one. A rule without examples is not a finding here. With `brief` (any text) there are only the findings that keep a
     text from being read, which takes no time.
 
-    Raises:
-        UsageError: KG003 for malformed blocks.
+    Raises UsageError: KG003 for malformed blocks.
     """
     shown, written, problem = _given(rule, text, name)
     called = shown.name if shown else name or f"{FAMILY}/rule"

@@ -1,26 +1,29 @@
-"""Rules: by family with their documentation, their dependencies, the last run; and details of one."""
+"""Rules: by family with their documentation, their dependencies, the last run; and details of one.
+
+The view `rule_index` parses only the rules that it returns; `rules` parses all and computes their dependencies.
+"""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import NamedNode
 
-from kg.errors import RuleError
+from kg.errors import RuleError, UnknownNameError
 from kg.graph.vocabulary import RNKG
 from kg.pipeline.inferring import last_run
-from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema
+from kg.pipeline.reasoning import digest, explained_vocabulary, ontology_schema, rules_in_force
 from kg.rules.authoring.graph import RuleGraph, rule_graph
 from kg.rules.authoring.library import Entry, Library
-from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
+from kg.rules.authoring.manual import documentation, documented, entry_object, manual, manual_object
 from kg.rules.authoring.naming import find_rule
 from kg.rules.explain.view import View
 from kg.rules.files import Documentation, RuleFile
 from kg.rules.form import is_auxiliary
 from kg.rules.recording import Names
+from kg.similar import did_you_mean
 from kg.store.opening import layout_of
 from kg.syntax.names import PREFIXES, shorten
 from kg.views.evidence import Places
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.graph.reading.nodes import Queryable
+    from kg.rules.authoring.library import Entry
     from kg.settings import Settings
     from kg.store.snapshot import EmbeddedSnapshot
 
@@ -156,13 +160,7 @@ def _place(entry: Entry, path: Path) -> dict[str, Any]:
 
 def rule_object(library: Library, entry: Entry, costs: Mapping[str, Any]) -> dict[str, Any]:
     """Return a rule in a list, with its `sections`, its cost, and the error that it cannot be read."""
-    error = None
-    try:
-        described = library.read(entry.name).documentation
-    except RuleError as problem:
-        error, described = problem, Documentation()
-        with suppress(RuleError):
-            described = documentation(entry)
+    described, error = documented(library, entry)
     return {**entry_object(entry, described, error), "sections": dict(described.sections), **_cost(entry.name, costs)}
 
 
@@ -255,3 +253,74 @@ def _sample(snapshot: EmbeddedSnapshot, settings: Settings, heads: Mapping[str, 
 
 def _rows(graph: Queryable, query: str) -> Iterator[Any]:
     return iter(graph.query(query, prefixes=_PREFIXES))
+
+
+OWN: Final = "own"
+"""Name of the family of rules that are in no folder of their own."""
+
+
+def rule_index(snapshot: EmbeddedSnapshot, settings: Settings, family: str = "", text: str = "") -> dict[str, Any]:
+    """Return the families of rules with counts, and the rules of a family that contain all words of `text`.
+
+    `families` lists `family`, `in_force` (whether any rule of it is), and the number of its `rules`, of those that
+    `run` and that `report` findings; of the last run of all rules, `fired` (how many derived something), `derived` and
+    `seconds`, which are None where that is not known. `rules` are objects as in the view `rules`, without `sections`;
+    there are none without `family` and `text`. Words are searched in names, titles and documentation. `all` is the
+    number of all rules; `run` is as in the view `rules`. `problems` are errors of rules that cannot be read, as texts.
+
+    Raises UnknownNameError: KG001 with suggestions, for a family that does not exist.
+    """
+    mark = digest(settings)
+    library, costs = listed(settings, mark), costs_of(settings)
+    families: dict[str, list[Entry]] = defaultdict(list)
+    for entry in library.entries.values():
+        families[entry.family or OWN].append(entry)
+    if family and family not in families:
+        hint = did_you_mean(family, families) or f"Families: {', '.join(sorted(families))}."
+        raise UnknownNameError("KG001", f"unknown family of rules `{family}`", hint=hint)
+    texts = {entry.name: _documentation(entry) for entry in library.entries.values()}
+    chosen = [*families[family]] if family else [*library.entries.values()] if text else []
+    words = text.lower().split()
+    shown = [entry for entry in chosen if _contains(entry, texts[entry.name], words)]
+    broken = list(library.problems)
+    rules_in_force(settings, broken, cache=layout_of(settings).cache)
+    return {
+        "families": [_family(name, members, texts, costs) for name, members in sorted(families.items())],
+        "rules": [
+            {key: value for key, value in rule_object(library, entry, costs).items() if key != "sections"}
+            for entry in shown
+        ],
+        "all": len(library.entries),
+        "run": run_object(snapshot, settings, costs, len(library.in_force)),
+        "problems": list(dict.fromkeys(problem_texts(broken))),
+    }
+
+
+def _documentation(entry: Entry) -> Documentation:
+    """Return the documentation of a rule; empty where it cannot be read."""
+    try:
+        return documentation(entry)
+    except RuleError:
+        return Documentation()
+
+
+def _contains(entry: Entry, documented: Documentation, words: Iterable[str]) -> bool:
+    """Return whether the name, title and documentation of a rule contain all words, in lower case."""
+    text = " ".join((entry.name, documented.title, *documented.sections.values())).lower()
+    return all(word in text for word in words)
+
+
+def _family(
+    name: str, entries: list[Entry], texts: Mapping[str, Documentation], costs: Mapping[str, Any]
+) -> dict[str, Any]:
+    measured = [costs[entry.name] for entry in entries if entry.name in costs]
+    return {
+        "family": name,
+        "in_force": any(entry.in_force for entry in entries),
+        "rules": len(entries),
+        "run": sum(entry.in_force for entry in entries),
+        "report": sum(bool(texts[entry.name].severity) for entry in entries),
+        "fired": sum(1 for _, derived, _ in measured if derived) if measured else None,
+        "derived": sum(derived for _, derived, _ in measured) if measured else None,
+        "seconds": sum(seconds for seconds, _, _ in measured) if measured else None,
+    }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from kg.query.binding import bind
@@ -26,16 +27,7 @@ def query_object(query: StoredQuery) -> dict[str, Any]:
         "title": query.title,
         "description": query.description,
         "file": str(query.path),
-        "parameters": [
-            {
-                "name": one.name,
-                "type": one.type,
-                "example": one.example,
-                "description": one.description,
-                "default": one.default,
-            }
-            for one in query.parameters
-        ],
+        "parameters": [asdict(one) for one in query.parameters],
         "text": query.text,
     }
 

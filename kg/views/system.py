@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -350,15 +350,8 @@ def _read(snapshot: EmbeddedSnapshot, name: SystemName, base: str) -> System:
 
 
 def _argument(one: LaunchArgument, source: str, where: Places) -> dict[str, Any]:
-    return {
-        "name": one.name,
-        "default": one.default,
-        "value": one.value,
-        "description": one.description,
-        "fixed": one.fixed,
-        "choices": list(one.choices),
-        "evidence": where.evidence(source, one.location),
-    }
+    stated = {name: value for name, value in asdict(one).items() if name != "location"}
+    return {**stated, "choices": list(one.choices), "evidence": where.evidence(source, one.location)}
 
 
 def _includes(those: Iterable[LaunchInclude], snapshot: EmbeddedSnapshot, iris: Iris) -> list[dict[str, Any]]:

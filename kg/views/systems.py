@@ -61,8 +61,7 @@ def included_names(snapshot: EmbeddedSnapshot) -> frozenset[str]:
 def chosen_systems(snapshot: EmbeddedSnapshot, name: str, base: str) -> frozenset[str] | None:
     """Return the IRIs of all configurations that a name may mean; None (all) for an empty one.
 
-    Raises:
-        UnknownNameError: KG422 with suggestions if there is none.
+    Raises UnknownNameError: KG422 with suggestions if there is none.
     """
     if not name.strip():
         return None

@@ -1,4 +1,4 @@
-"""Why a fact holds, down to the line of code, and why one does not: the views `why` and `why_not`."""
+"""Why a fact holds, down to the line of code, and why one does not: the views `why`, `why_not` and `why_row`."""
 
 from __future__ import annotations
 
@@ -8,16 +8,19 @@ from kg.errors import RuleError
 from kg.pipeline.reasoning import explained_vocabulary, rules_in_force
 from kg.query.naming import facts
 from kg.rules.explain.derivations import derivations
+from kg.rules.explain.rows import why_row as traced
 from kg.rules.explain.view import View
 from kg.rules.explain.why import why as proven
 from kg.rules.explain.why import why_all
 from kg.rules.explain.why_not import why_not as lacking
 from kg.syntax.names import PREFIXES
-from kg.views.arguments import whole
+from kg.views.arguments import texts, whole
 from kg.views.evidence import places
+from kg.views.terms import given_term
 from kg.views.why_tree import Telling
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from pyoxigraph import Triple
@@ -123,3 +126,29 @@ def absent(fact: Triple, view: View) -> RuleError:
     words = " ".join(f"'{view.spelt(term)}'" for term in (fact.subject, fact.predicate, fact.object))
     message = f"the store does not contain {view.sentence(fact)}"
     return RuleError("KG226", message, hint=f"`kg why-not {words}` shows what is missing.")
+
+
+def why_row(
+    snapshot: EmbeddedSnapshot, settings: Settings, *, query: str, row: str | Mapping[str, str]
+) -> dict[str, Any]:
+    """Return the proofs of the facts that a SELECT `query` matched for a `row`: name of variable to term, as N-Triples.
+
+    The row may also be given as JSON. The keys: `row` (`name`, and `term`, `label`, `short` of its value), `proofs` as
+    of the view `why`, `conditions`, sentences of what else held, and `remark`, which says where the row was made of
+    several solutions, as those of groups are, that the facts are those of one; else it is null.
+
+    Raises:
+        UsageError: KG003 for what is not a row, or a term that is none.
+        QueryError: KG502 or KG516 for a query that is refused.
+        RuleError: KG201 for a query that is not a SELECT, KG226 for a row that cannot be traced back (of inner groups).
+    """
+    rules, view = explaining(snapshot, settings)
+    terms = {name: given_term(text) for name, text in texts(row, "row").items()}
+    derivation = traced(view, rules.rules, query, terms)
+    telling = Telling(view, rules, places(snapshot), settings.base)
+    return {
+        "row": telling.bindings(terms),
+        "proofs": [telling.proof(one) for one in derivation.proofs],
+        "conditions": [one.text for one in derivation.conditions],
+        "remark": derivation.remark,
+    }

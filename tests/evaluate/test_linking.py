@@ -13,8 +13,7 @@ from repository import ROOT
 
 from kg import api, settings
 from kg.errors import UsageError
-from kg.evaluate.completeness import completeness
-from kg.evaluate.correctness import correctness
+from kg.evaluate.completeness import completeness, correctness
 from kg.evaluate.gathering import Choice, _same, gather
 from kg.evaluate.keeping import forget, keep
 from kg.evaluate.tables import Share, as_objects

@@ -41,7 +41,7 @@ def test_a_run_over_the_store_tells_what_each_rule_did(settings: Settings, tmp_p
     """The rules of one file are reported as one; the next run has nothing to do."""
     build(tmp_path / ".kg")
     report = run_on_store(settings, full=True)
-    derived = {rule.name: rule.derived for rule in rule_runs(report.rules)}
+    derived = {one.rule: one.derived for one in rule_runs(report.rules)}
     assert (derived["wiring/talks-to"], derived["wiring/reaches"], derived["wiring/silent"]) == (2, 2, 2)
     *_, last = run_objects(report)
     assert (last["run"], last["mode"], last["inferred"]) == (True, "full", report.inferred)

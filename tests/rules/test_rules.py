@@ -9,7 +9,7 @@ import pytest
 from kg import resources
 from kg.rules.authoring.examples import read_examples
 from kg.rules.authoring.library import Library
-from kg.rules.authoring.testing import failure, run_example
+from kg.rules.authoring.testing import run_example
 
 if TYPE_CHECKING:
     from kg.rules.authoring.examples import Example
@@ -26,8 +26,8 @@ EXAMPLES: Final = [
 @pytest.mark.parametrize(("name", "example"), EXAMPLES)
 def test_example(name: str, example: Example) -> None:
     """The rule infers the triples of its example."""
-    problem = failure(run_example(LIBRARY.read(name), example, LIBRARY))
-    assert problem is None, f"{problem}\n{problem.hint}"
+    result = run_example(LIBRARY.read(name), example, LIBRARY)
+    assert result.passed, result
 
 
 @pytest.mark.parametrize("name", LIBRARY.entries)

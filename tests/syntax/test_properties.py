@@ -80,6 +80,14 @@ def test_an_unpaired_surrogate_in_an_iri_is_refused(iri: str) -> None:
     assert error.code == "KG201"
 
 
+@pytest.mark.parametrize(("opening", "closing"), [("(", ")"), ("!", "")])
+def test_a_deep_expression_is_valid_but_not_allowed(opening: str, closing: str) -> None:
+    """What the limit refuses is no error of syntax: the engine has no such limit."""
+    error = refusal(parse_rq, f"CONSTRUCT {{}} WHERE {{ ?s ?p ?o FILTER({opening * 101}?o{closing * 101}) }}")
+    assert error is not None
+    assert error.code == "KG209"
+
+
 @pytest.mark.parametrize(
     "opening", ["{", "[ :p ", "(", "FILTER((", "FILTER(!", "<<( ", "<< ", "OPTIONAL {", "{ SELECT * {"]
 )

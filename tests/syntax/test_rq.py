@@ -135,6 +135,17 @@ def test_aggregates_are_found_and_can_be_replaced() -> None:
     assert call.argument.variables == ("o",)
 
 
+def test_aggregates_may_follow_a_pattern_in_a_column() -> None:
+    """A sub-SELECT inside EXISTS leaves it to the column around whether it may have aggregates."""
+    (node,) = body(
+        "{ SELECT (EXISTS { { SELECT (COUNT(*) AS ?c) { ?a :p ?b } } } && COUNT(?o) > 1 AS ?n) { ?k :p ?o } }"
+    )
+    assert isinstance(node, tree.SubSelect)
+    found = node.projections[0].expression
+    assert found is not None
+    assert [call.function for call in found.aggregates] == ["COUNT"]
+
+
 def test_values_behind_a_selection_stand_in_its_group() -> None:
     """VALUES after a sub-SELECT joins with its group."""
     (node,) = body("{ SELECT ?s { ?s :p ?o } VALUES ?s { :a } }")

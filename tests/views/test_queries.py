@@ -12,8 +12,8 @@ from kg.errors import KgError, QueryError, RuleError, UsageError
 from kg.syntax.names import PREFIXES
 from kg.views.cells import cells
 from kg.views.complete import complete, diagnose, prefixes
-from kg.views.rows import why_row
 from kg.views.stored import stored
+from kg.views.why import why_row
 
 if TYPE_CHECKING:
     from kg.settings import Settings

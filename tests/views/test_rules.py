@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from kg.errors import UnknownNameError
-from kg.views.rule_index import rule_index
-from kg.views.rules import rule, rule_feeds, rules
+from kg.views.rules import rule, rule_feeds, rule_index, rules
 
 if TYPE_CHECKING:
     from pathlib import Path

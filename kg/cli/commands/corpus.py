@@ -26,7 +26,7 @@ with lazily():
     from kg.corpus.fetching.wanted import read_wanted, wanted_among
     from kg.corpus.selection.criteria import default_criteria, read_criteria
     from kg.corpus.selection.data import read_dataset
-    from kg.corpus.selection.figures import paper_figures
+    from kg.corpus.selection.select import paper_figures
     from kg.corpus.selection.select import select as selected_by
 
 _MOST_JOBS: Final = 64  # no server is asked for more at a time
@@ -169,7 +169,7 @@ def _options(  # noqa: PLR0913 - the options of a command
     submodules: bool,
     update: bool,
 ) -> "Options":
-    from kg.corpus.fetching.branches import VERSIONS  # noqa: PLC0415 - start-up time
+    from kg.corpus.fetching.one import VERSIONS  # noqa: PLC0415 - start-up time
 
     if ros is not None and ros not in VERSIONS:
         raise UsageError("KG003", f"`--ros {ros}` is not a version of ROS", hint="Write --ros 1, --ros 2 or --ros any.")

@@ -43,21 +43,8 @@ QUESTIONS: Final = (
 )
 FACT: Final = ("scan_filter", "rnkg:usesHardware", "laserScanner")
 """What rules inferred and the demo proves."""
-_TEMPORARY: Final = """
-The demo store is temporary. To keep one and explore it:
-
-    kg demo --store demo
-    kg --store demo nodes
-    kg --store demo node flight_controller
-    kg --store demo graph --launch mission.launch.xml
-    kg --store demo query --list
-
-To read your own sources:
-
-    kg build ~/catkin_ws/src"""
-_KEPT: Final = """
-The store is in {store}. To explore it:
-
+_END: Final = """
+{begin}
     kg --store {store} nodes
     kg --store {store} node flight_controller
     kg --store {store} graph --launch mission.launch.xml
@@ -66,6 +53,8 @@ The store is in {store}. To explore it:
 To read your own sources:
 
     kg build ~/catkin_ws/src"""
+_TEMPORARY: Final = "The demo store is temporary. To keep one and explore it:\n\n    kg demo --store demo"
+
 Keep = Annotated[
     str | None,
     typer.Option("--store", "-s", metavar="FOLDER", help="Keep the store in FOLDER; by default it is temporary."),
@@ -102,7 +91,8 @@ def demo(context: typer.Context, *, store: Keep = None) -> None:
         write("    kg lint\n")
         with suppress(typer.Exit):
             lint(settings=settings)
-    write(_KEPT.format(store=chosen) if chosen else _TEMPORARY)
+    begin = f"The store is in {chosen}. To explore it:\n" if chosen else _TEMPORARY
+    write(_END.format(begin=begin, store=chosen or "demo"))
 
 
 def _ask_all(snapshot: "EmbeddedSnapshot", settings: "Settings", bold: tuple[str, str]) -> None:

@@ -26,8 +26,7 @@ with lazily():
     from kg.evaluate.keeping import forget as drop
     from kg.evaluate.keeping import keep as add
     from kg.evaluate.retrieval import retrieval
-    from kg.evaluate.sheet import as_sheet, drawn, score_sheet
-    from kg.evaluate.source_lines import SourceLines
+    from kg.evaluate.sheet import SourceLines, as_sheet, drawn, score_sheet
     from kg.evaluate.tables import Table, as_csv, as_objects, spelled
     from kg.evaluate.writing import write
     from kg.graph.source_states import sources
@@ -149,7 +148,7 @@ def correctness(  # noqa: PLR0913 - the options of a command
         kg eval correctness --reference truth.jsonl
         kg eval correctness -r truth.jsonl --closed --json
     """
-    from kg.evaluate.correctness import correctness as measure  # noqa: PLC0415 - start-up time
+    from kg.evaluate.completeness import correctness as measure  # noqa: PLC0415 - start-up time
 
     choice = Choice(closed, any_commit, package)
     with reading(settings) as snapshot:

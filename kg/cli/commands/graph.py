@@ -21,7 +21,6 @@ from kg.cli.systems import (
     report_left_out_parts,
     report_malformed,
     report_unknown_ends,
-    with_variants,
 )
 from kg.errors import Exit, UnknownNameError, UsageError
 from kg.lazily import lazily
@@ -95,7 +94,7 @@ def graph(  # noqa: PLR0913 - the options of a command
         raise UsageError("KG003", "--depth needs --focus", hint="Add `--focus NODE`.")
     launch, arg = named(file, launch, arg)
     launch = launch or _only(settings)
-    (system,) = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
+    (system,) = chosen_systems(settings, launch, arg, env, with_variants=variants)
     drawn = system_graph(system, every=every)
     if focus is not None:
         drawn = around(drawn, _focused(drawn, focus), whole(depth or "1", "--depth", 0))

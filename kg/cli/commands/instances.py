@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from kg.cli.diagnostics import note
 from kg.cli.options import Json, with_settings
 from kg.cli.output import Column, listing, terminal
-from kg.cli.systems import Arguments, Environment, File, Launch, Variants, chosen_systems, named, with_variants
+from kg.cli.systems import Arguments, Environment, File, Launch, Variants, chosen_systems, named
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -64,7 +64,7 @@ def instances(  # noqa: PLR0913 - the options of a command
         kg instances --launch rover_robot/launch/rover.launch --json
     """
     launch, arg = named(file, launch, arg)
-    listed = [with_variants(settings, launch, arg, env)] if variants else chosen_systems(settings, launch, arg, env)
+    listed = chosen_systems(settings, launch, arg, env, with_variants=variants)
     objects = (instance_object(system, one) for system in listed for one in system.instances)
     rows = [
         _row(one) if launch else (system.configuration.name, *_row(one))

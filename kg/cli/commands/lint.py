@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from kg.cli.diagnostics import colored, note, say
-from kg.cli.options import Json, PackageName, takes, with_settings
+from kg.cli.options import Form, Json, PackageName, require_valid, takes, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.remarks import Form, require_valid
 from kg.cli.systems import (
     Arguments,
     Environment,

@@ -1,8 +1,7 @@
 """`kg rules new`, `list` and `show`: begin a rule, see which there are, read one."""
 
 import shlex
-from contextlib import suppress
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -11,22 +10,18 @@ from kg.cli.diagnostics import note, report
 from kg.cli.options import Json, RuleName, takes, with_settings
 from kg.cli.output import json_lines, listing, show, terminal, write
 from kg.cli.session import session
-from kg.errors import Exit, RuleError
+from kg.errors import Exit
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import DECLARED, Settings
-
-if TYPE_CHECKING:
-    from kg.rules.authoring.library import Entry
 
 with lazily():
     from kg.cli.rules_view import here, list_columns, list_row, manual_lines
     from kg.pipeline.reasoning import ontology_schema
     from kg.rules.authoring.library import Library
-    from kg.rules.authoring.manual import documentation, entry_object, manual, manual_object
+    from kg.rules.authoring.manual import documented, entry_object, manual, manual_object
     from kg.rules.authoring.naming import choose, find_rule
     from kg.rules.authoring.starting import start
-    from kg.rules.files import Documentation
     from kg.rules.folders import own_folder
 
 Chosen = Annotated[
@@ -66,7 +61,7 @@ def list_rules(chosen: Chosen = None, *, settings: Settings, json: Json = False)
         kg rules list capability
     """
     library = Library.of(settings)
-    listed = [(entry, *_read(library, entry)) for entry in choose(library, chosen or ())]
+    listed = [(entry, *documented(library, entry)) for entry in choose(library, chosen or ())]
     errors = [*library.problems, *(error for _, _, error in listed if error)]
     objects = (entry_object(*each) for each in listed) if json else None
     rows = [list_row(*each) for each in listed]
@@ -81,16 +76,6 @@ def list_rules(chosen: Chosen = None, *, settings: Settings, json: Json = False)
             note(f"inactive: {', '.join(idle)}; `kg rules list {idle[0]}` lists them")
     if errors:
         raise typer.Exit(Exit.FOUND)
-
-
-def _read(library: "Library", entry: "Entry") -> "tuple[Documentation, RuleError | None]":
-    """Return what the header of a rule says, and the error for which the rule cannot be read."""
-    try:
-        return library.read(entry.name).documentation, None
-    except RuleError as error:
-        with suppress(RuleError):
-            return documentation(entry), error
-        return Documentation(), error
 
 
 @with_settings("rules", "rule_families")

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from kg.cli.diagnostics import colored, render, say
-from kg.cli.options import Json, is_given, with_settings
+from kg.cli.options import Form, Json, Level, is_given, require_valid, with_settings
 from kg.cli.output import json_lines, write
-from kg.cli.remarks import Form, Level, require_valid
 from kg.codes import SEVERITIES
-from kg.errors import Exit, RuleError, StoreError
+from kg.errors import Exit, StoreError
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -31,9 +30,9 @@ with lazily():
     from kg.pipeline.reasoning import check_context, rule_folders
     from kg.render.sarif import annotation
     from kg.resources import folder
+    from kg.rules.checks.finding import as_object, remark, sarif
     from kg.rules.checks.run import check as run
     from kg.rules.checks.run import read_all
-    from kg.rules.checks.sarif import as_object, remark, sarif
     from kg.rules.folders import families_in_force
     from kg.rules.reading import packs
 
@@ -113,8 +112,7 @@ def _write(findings: "Sequence[Finding]", form: str, checked: int) -> None:
             write(annotation(remark(one)))
     else:
         for one in findings:
-            error = RuleError(one.code, one.message, place=one.place, hint=one.hint)
-            write(render(error, color=colored(sys.stdout), severity=one.severity))
+            write(render(one.error, color=colored(sys.stdout), severity=one.severity))
             write()
         sums = Counter(one.severity for one in findings)
         totals = ", ".join(count(sums[severity], severity) for severity in SEVERITIES if sums[severity])

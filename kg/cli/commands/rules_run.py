@@ -146,7 +146,7 @@ def _show(report: "RunReport", *, verbose: bool, json: bool) -> None:
         listing(_CHANGES, share_rows(changes))
     if verbose:
         did = rule_runs(report.rules)
-        rows = [(rule.name, rule.derived, f"{rule.seconds:.4f}", rule.rounds, rule.stratum) for rule in did]
+        rows = [(one.rule, one.derived, f"{one.seconds:.4f}", one.rounds, one.stratum) for one in did]
         if did:
             listing(_COLUMNS, rows)
         else:

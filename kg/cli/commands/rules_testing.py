@@ -11,7 +11,7 @@ from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import colored, note, render, report, say
 from kg.cli.options import Json, with_settings
 from kg.cli.output import json_lines, show, terminal, write
-from kg.errors import Exit, RuleError
+from kg.errors import Exit
 from kg.lazily import lazily
 from kg.render.text import count, some
 from kg.settings import Settings
@@ -62,8 +62,7 @@ def _show(glance: "Glance") -> None:
     names = ", ".join((*glance.names, *(f"{name} (gone)" for name in glance.gone))) or "no rules of your own yet"
     write(f"{time.strftime('%H:%M:%S')}  {names}")
     for finding in glance.findings:
-        error = RuleError(finding.code, finding.message, place=finding.place, hint=finding.hint)
-        write(render(error, color=colored(sys.stdout), severity=finding.severity))
+        write(render(finding.error, color=colored(sys.stdout), severity=finding.severity))
     show_results(glance.results, every=False)
     if glance.problem:
         report(glance.problem)

@@ -11,7 +11,7 @@ from kg.cli.diagnostics import note
 from kg.cli.numbers import whole
 from kg.cli.options import Json, PackageName, with_options, with_settings
 from kg.cli.output import Column, listing, terminal
-from kg.cli.search_view import report_reading, row, show_hits
+from kg.cli.search_view import narrow, report_reading, row, show_hits
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
 from kg.render.text import count
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 with lazily():
     from kg.cli.links import Links
-    from kg.cli.narrowing import narrow
     from kg.graph.source_states import sources
     from kg.search.searching import hit_object, open_search, search_of
     from kg.search.wording import near

@@ -97,8 +97,7 @@ class Standing:
 def read_lock(path: Path) -> Lock:
     """Return a lock file.
 
-    Raises:
-        SourceError: KG101 an unreadable file, KG132 an invalid one, with the line.
+    Raises SourceError: KG101 an unreadable file, KG132 an invalid one, with the line.
     """
     try:
         text = path.read_text("utf-8")
@@ -141,8 +140,7 @@ def _entry(table: Any, place: Place) -> Entry:
 def write_lock(path: Path, entries: Iterable[Entry]) -> Lock:
     """Write a lock file atomically: readers see the old or the new one.
 
-    Raises:
-        SourceError: KG132 it cannot be written.
+    Raises SourceError: KG132 it cannot be written.
     """
     ordered = tuple(sorted(entries, key=lambda entry: entry.name))
     text = _HEAD + f"version = {VERSION}\n"
@@ -201,8 +199,7 @@ def standing(lock: Lock, *, elsewhere: bool = False) -> Standing:
 def checkouts(lock: Lock, state: Standing) -> dict[str, Pin | None]:
     """Return the folders of the present checkouts, and of those elsewhere with their pins, in the order of the file.
 
-    Raises:
-        SourceError: KG136 there is none.
+    Raises SourceError: KG136 there is none.
     """
     if not state.present and not state.elsewhere:
         message = f"none of the {len(state.missing)} repositories of the lock file is checked out"

@@ -34,8 +34,7 @@ class Wanted:
 def read_wanted(path: Path) -> tuple[Wanted, ...]:
     """Return the repositories in a list: one address per line, `URL` or `URL@REF`, comments after `#`.
 
-    Raises:
-        SourceError: KG101 an unreadable file.
+    Raises SourceError: KG101 an unreadable file.
     """
     return wanted_among(entry for _, entry in listed(path, "repositories"))
 

@@ -79,8 +79,7 @@ def default_criteria() -> Path:
 def read_criteria(path: Path) -> Criteria:
     """Return the criteria in a file.
 
-    Raises:
-        UsageError: KG130 the file is unreadable or invalid, with the line.
+    Raises UsageError: KG130 the file is unreadable or invalid, with the line.
     """
     try:
         text = path.read_text("utf-8")

@@ -56,8 +56,7 @@ class Dataset:
     def number(self, project: Project, column: str) -> int | None:
         """Return the number in a cell, None if it is unknown (empty, NA).
 
-        Raises:
-            SourceError: KG131 an invalid number.
+        Raises SourceError: KG131 an invalid number.
         """
         text = project.cells[column]
         if text in _UNKNOWN:
@@ -75,8 +74,7 @@ class Dataset:
 def read_dataset(path: Path) -> Dataset:
     """Return the table in a CSV file (RFC 4180, UTF-8, with a header).
 
-    Raises:
-        SourceError: KG101 an unreadable file, KG131 an invalid table, with the line.
+    Raises SourceError: KG101 an unreadable file, KG131 an invalid table, with the line.
     """
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:

@@ -1,19 +1,66 @@
-"""Selection of projects in a table, and the number removed by each criterion (RNKG, section 3.1 and Table 1)."""
+"""Selection of projects in a table, and the number removed by each criterion (RNKG, section 3.1 and Table 1).
+
+Statistics of the columns of numbers are those of Table 2 of RNKG, next to the paper's own.
+"""
 
 from __future__ import annotations
 
+import statistics
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Final
 
-from kg.corpus.selection.figures import Figures, figures
 from kg.errors import Place, SourceError
+from kg.resources import table_of
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from kg.corpus.selection.criteria import Criteria, Criterion
     from kg.corpus.selection.data import Dataset, Project
+
+STATISTICS: Final = ("min", "max", "median", "mean", "sd", "cv")
+"""Minimum, maximum, median, mean, standard deviation of the sample (n - 1), and coefficient of variation."""
+
+Figures = dict[str, float]
+"""Statistics by name; those that are undefined, or not printed in the paper, are missing."""
+
+
+@dataclass(frozen=True, slots=True)
+class PaperFigures:
+    """Figures of RNKG: the number of selected `projects`, `table` by figure, and the figures of its `graph`."""
+
+    source: str
+    projects: int
+    table: Mapping[str, Figures]
+    graph: Mapping[str, float]
+
+
+def figures(values: Sequence[int]) -> Figures:
+    """Return the statistics of some numbers; the deviation needs at least two."""
+    if not values:
+        return {}
+    result: Figures = {
+        "min": min(values),
+        "max": max(values),
+        "median": statistics.median(values),
+        "mean": statistics.fmean(values),
+    }
+    if len(values) > 1:
+        result["sd"] = statistics.stdev(values)
+    if result.get("mean") and "sd" in result:
+        result["cv"] = result["sd"] / result["mean"]
+    return result
+
+
+@cache
+def paper_figures() -> PaperFigures:
+    """Return the figures of the paper (`corpus/rnkg.toml`)."""
+    content = table_of("corpus", "rnkg.toml")
+    projects = content["projects"]
+    table = {name: dict(one) for name, one in projects.items() if isinstance(one, dict)}
+    return PaperFigures(content["source"], projects["count"], table, content["graph"])
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +90,7 @@ class Selection:
 def select(dataset: Dataset, criteria: Criteria) -> Selection:
     """Apply the criteria in their order.
 
-    Raises:
-        SourceError: KG131 a missing column, an invalid number, a value that no criterion names.
+    Raises SourceError: KG131 a missing column, an invalid number, a value that no criterion names.
     """
     _check(dataset, criteria)
     left, steps = dataset.projects, []

@@ -127,8 +127,7 @@ def read_examples(path: Path) -> tuple[Example, ...]:
 def parse_examples(text: str, path: str) -> tuple[Example, ...]:
     """Return the examples of a page given as text.
 
-    Raises:
-        RuleError: KG221 with the line of a block that does not belong to an example, or does not parse.
+    Raises RuleError: KG221 with the line of a block that does not belong to an example, or does not parse.
     """
     return tuple(one.finished() for one in _drafts(text, path))
 

@@ -83,8 +83,7 @@ class RuleGraph:
 def rule_graph(files: Sequence[RuleFile], schema: Iterable[Triple] = ()) -> RuleGraph:
     """Return the dependencies of rules, those over any schema cut to `schema`.
 
-    Raises:
-        RuleError: KG202 and KG204 where they have no strata.
+    Raises RuleError: KG202 and KG204 where they have no strata.
     """
     prefixes = common_prefixes(files)
     rules = specialise((rule for file in files for rule in file.rules), schema)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -114,6 +115,16 @@ def documentation(entry: Entry) -> Documentation:
     except OSError:
         text = ""
     return parse_header(text, str(entry.path))
+
+
+def documented(library: Library, entry: Entry) -> tuple[Documentation, RuleError | None]:
+    """Return the documentation of a rule, as far as it can be read, and the error for which the rule cannot be."""
+    try:
+        return library.read(entry.name).documentation, None
+    except RuleError as error:
+        with suppress(RuleError):
+            return documentation(entry), error
+        return Documentation(), error
 
 
 def entry_object(entry: Entry, documentation: Documentation, error: RuleError | None = None) -> dict[str, Any]:

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 def find_rule(rules: Library, name: str) -> Entry:
     """Return the rule called `name`, whole or by its last part, or at that path.
 
-    Raises:
-        UsageError: KG001 with suggestions, or with the rules that share the last part.
+    Raises UsageError: KG001 with suggestions, or with the rules that share the last part.
     """
     matches = _named(rules, name)
     if len(matches) == 1:
@@ -32,8 +31,7 @@ def find_rule(rules: Library, name: str) -> Entry:
 def choose(rules: Library, names: Iterable[str]) -> tuple[Entry, ...]:
     """Return the rules, families, files and folders named, each rule once; without any name those in force.
 
-    Raises:
-        UnknownNameError: KG001 with suggestions.
+    Raises UnknownNameError: KG001 with suggestions.
     """
     wanted = list(names)
     if not wanted:

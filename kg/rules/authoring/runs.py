@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class RuleRun:
     """The rules of one file in a run; `derived` counts the triples that one of them was the first to derive."""
 
-    name: str
+    rule: str
     stratum: int
     rounds: int
     derived: int
@@ -51,13 +51,7 @@ def rule_runs(reports: Iterable[RuleReport]) -> list[RuleRun]:
 def run_objects(report: RunReport, changes: Iterable[Share] = ()) -> Iterator[dict[str, Any]]:
     """Yield a plain object for each rule and one for the run with its `changes`, as docs/formats.md has them."""
     for rule in rule_runs(report.rules):
-        yield {
-            "rule": rule.name,
-            "stratum": rule.stratum,
-            "rounds": rule.rounds,
-            "derived": rule.derived,
-            "seconds": round(rule.seconds, 6),
-        }
+        yield {**asdict(rule), "seconds": round(rule.seconds, 6)}
     phases = report.seconds
     yield {
         "run": True,
@@ -132,7 +126,7 @@ def shares(report: RunReport) -> list[Share]:
     things of the same kind, all of them share it: nothing in the difference shows which it was.
     """
     if report.added == report.inferred and not report.removed and report.rules:
-        result = [Share((rule.name,), rule.derived, 0) for rule in rule_runs(report.rules) if rule.derived]
+        result = [Share((one.rule,), one.derived, 0) for one in rule_runs(report.rules) if one.derived]
         rest = report.added - sum(share.added for share in result)
         return [*sorted(result, key=lambda share: share.rules), *([Share((), rest, 0)] if rest > 0 else [])]
     heads = _Heads(report.applied, report.change.dictionary)

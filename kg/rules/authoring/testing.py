@@ -246,24 +246,6 @@ def _lines(proof: Proof, prefixes: Mapping[str, str]) -> Iterator[str]:
         yield "  " * depth + text
 
 
-def failure(result: Result) -> RuleError | None:
-    """Return KG220 for an example that failed, or the error that kept it from running; None when it passed."""
-    if result.passed:
-        return None
-    if isinstance(result.error, RuleError):
-        return result.error
-    lines = [f"- missing       {text}" for text in result.missing]
-    lines += [f"+ not expected  {text}" for text in result.unexpected]
-    lines += [f"- no proof has  {line.text}  ({line.place})" for line in result.why_missing]
-    lines += [f"  the proof is  {line}" for line in result.proof]
-    return RuleError(
-        "KG220",
-        f"the example `{result.title}` of {result.rule} failed",
-        place=result.place,
-        hint="\n".join(lines) or str(result.error),
-    )
-
-
 def result_object(result: Result) -> dict[str, Any]:
     """Return a result as plain values, ready for JSON."""
     error = result.error

@@ -1,16 +1,21 @@
-"""Findings of checks, and their input."""
+"""Findings of checks, as plain values and as remarks at their lines, and the input of checks."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from kg.errors import RuleError
+from kg.render.sarif import Remark, Spot, document
 from kg.syntax.position import place_at, place_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from pyoxigraph import Triple
 
-    from kg.errors import Fix, Place, RuleError
+    from kg.errors import Fix, Place
     from kg.rules.checks.firing import StoreOf
     from kg.rules.files import RuleFile, RuleSet
     from kg.rules.form import Rule
@@ -35,6 +40,11 @@ class Finding:
     hint: str | None = None
     lacks: tuple[str, ...] = ()
     fixes: tuple[Fix, ...] = ()
+
+    @property
+    def error(self) -> RuleError:
+        """The finding as an error, which is shown alike."""
+        return RuleError(self.code, self.message, place=self.place, hint=self.hint)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,3 +80,34 @@ def at_offset(file: RuleFile, offset: int) -> Place:
 def from_error(error: RuleError, name: str, place: Place) -> Finding:
     """Return the finding that an error is, raised while a file was read or rules were put in order."""
     return Finding(error.code, "error", name, error.message, error.place or place, error.hint, fixes=error.fixes)
+
+
+def as_object(finding: Finding) -> dict[str, object]:
+    """Return a finding as plain values: the keys of `Finding`, its place as `file`, `line` and `column`."""
+    return {
+        "code": finding.code,
+        "severity": finding.severity,
+        "rule": finding.rule,
+        "message": finding.message,
+        "file": finding.place.path,
+        "line": finding.place.line,
+        "column": finding.place.column,
+        "hint": finding.hint,
+    }
+
+
+def sarif(findings: Sequence[Finding], root: Path) -> dict[str, object]:
+    """Return findings as one run; files below `root` are named relative to it."""
+    remarks = []
+    for finding in findings:
+        path, place = Path(finding.place.path).absolute(), finding.place
+        uri = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.as_uri()
+        text = f"{finding.message}. {finding.hint}" if finding.hint else finding.message
+        remarks.append(Remark(finding.code, finding.severity, text, Spot(uri, place.line, place.column)))
+    return document(remarks)
+
+
+def remark(finding: Finding) -> Remark:
+    """Return a finding as a remark at its line, the file as it was named."""
+    place = finding.place
+    return Remark(finding.code, finding.severity, finding.message, Spot(place.path, place.line, place.column))

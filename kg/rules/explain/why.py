@@ -115,8 +115,7 @@ class _Search:
 def why(view: View, rules: tuple[Rule, ...], fact: Triple, *, shortest: bool = False) -> Proof:
     """Return a proof of `fact`: one in which the fewest rules follow one another, with `shortest` one of fewest steps.
 
-    Raises:
-        RuleError: KG226 when the store does not hold the fact, or no rule in force derives it.
+    Raises RuleError: KG226 when the store does not hold the fact, or no rule in force derives it.
     """
     search = _searched(view, rules, fact, shortest=shortest)
     return _proof(search, fact, search.cheapest())

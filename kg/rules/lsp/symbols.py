@@ -178,8 +178,7 @@ def occurrences(symbol: Symbol, text: str, path: Path) -> Iterator[Occurrence]:
 def renamed(symbol: Symbol, new: str, text: str, path: Path) -> str:
     """Return what replaces the occurrences of a symbol; `text` is that of the file in which it is renamed.
 
-    Raises:
-        UsageError: KG003 for a name of another form, one that is taken in the scope, or a symbol with a fixed name.
+    Raises UsageError: KG003 for a name of another form, one that is taken in the scope, or a symbol with a fixed name.
     """
     if symbol.kind == "rule":
         if not re.fullmatch(r"[\w.-]+(/[\w.-]+)+", new):

@@ -95,8 +95,7 @@ class Strata:
     def maintain(self, progress: Progress) -> None:
         """Update the derived triples after a change of the asserted ones.
 
-        Raises:
-            LargeChangeError: when evaluating everything again costs less.
+        Raises LargeChangeError: when evaluating everything again costs less.
         """
         for stratum in self._strata:
             if stratum.reached(progress):

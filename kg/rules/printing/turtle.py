@@ -15,22 +15,9 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
-from kg.rules import sparql
+from kg.rules import form, sparql
 from kg.rules.decompose.expressions import expression
 from kg.rules.decompose.work import Names
-from kg.rules.form import (
-    Aggregate,
-    Atom,
-    Element,
-    EngineBlock,
-    Exists,
-    Filter,
-    Pattern,
-    Rule,
-    Values,
-    Variable,
-    binds,
-)
 from kg.rules.notations.shacl.query import EXCLUDED, PREBOUND
 from kg.rules.printing.together import called, variables_of
 from kg.rules.printing.words import construct, refusal, shortened, with_prefixes
@@ -44,7 +31,7 @@ if TYPE_CHECKING:
 _SH = "http://www.w3.org/ns/shacl#"
 
 
-def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
+def to_turtle(rules: Sequence[form.Rule], prefixes: Mapping[str, str] = PREFIXES) -> str:
     """Return a shapes graph with a shape for each rule.
 
     RuleError KG209 for atoms that match asserted triples only, for blank nodes of the data, and for MINUS and VALUES in
@@ -57,7 +44,7 @@ def to_turtle(rules: Sequence[Rule], prefixes: Mapping[str, str] = PREFIXES) -> 
     return f"{declared}\n{short}"
 
 
-def _shape(rule: Rule, target: str, kind: str, lines: list[str]) -> str:
+def _shape(rule: form.Rule, target: str, kind: str, lines: list[str]) -> str:
     order = [f"sh:order {rule.order:g} ;"] if rule.order else []
     inner = sparql.indented("\n".join([f"a {kind} ;", *order, *lines]))
     name = f"<urn:kg:shape:{re.sub(r'[^A-Za-z0-9/_.-]', '-', rule.name)}:{rule.part}>"
@@ -65,36 +52,38 @@ def _shape(rule: Rule, target: str, kind: str, lines: list[str]) -> str:
     return f"{name} a sh:NodeShape ;\n  {target} ;\n  sh:rule [\n{sparql.indented(inner)}\n  ] ."
 
 
-def _query_rule(rule: Rule, prefixes: Mapping[str, str]) -> str:
+def _query_rule(rule: form.Rule, prefixes: Mapping[str, str]) -> str:
     names = Names(variable.name for variable in variables_of(rule))
-    rule = called(rule, {Variable(name): names.like(Variable(name)) for name in PREBOUND})
+    rule = called(rule, {form.Variable(name): names.like(form.Variable(name)) for name in PREBOUND})
     rule = replace(rule, body=tuple(_without_values(rule, rule.body, frozenset(), names)))
     escaped = with_prefixes(construct(rule), prefixes).replace("\\", "\\\\").replace('"', '\\"')
     return _shape(rule, "", "sh:SPARQLRule", [f'sh:construct """\n{escaped}\n"""'])
 
 
-def _without_values(rule: Rule, body: Sequence[Element], bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+def _without_values(
+    rule: form.Rule, body: Sequence[form.Element], bound: frozenset[form.Variable], names: Names
+) -> Iterator[form.Element]:
     """Yield a body without VALUES, which SHACL excludes; `bound` are the variables bound before it."""
     for element in body:
-        if isinstance(element, Values):
+        if isinstance(element, form.Values):
             yield from _alternatives(element, bound, names)
-        elif isinstance(element, Exists | Aggregate):
-            seen = bound if isinstance(element, Exists) else frozenset[Variable]()
+        elif isinstance(element, form.Exists | form.Aggregate):
+            seen = bound if isinstance(element, form.Exists) else frozenset[form.Variable]()
             yield replace(element, body=tuple(_without_values(rule, element.body, seen, names)))
         else:
-            words = tokens_of(element.text) if isinstance(element, EngineBlock) else ()
+            words = tokens_of(element.text) if isinstance(element, form.EngineBlock) else ()
             excluded = next((one for one in words if one.kind is Kind.WORD and one.text.upper() in EXCLUDED), None)
             if excluded is not None:
                 what = f"has {excluded.text.upper()} in a part that SHACL cannot express"
                 raise refusal(rule, what, "Print it as .rq.")
             yield element
-        bound |= binds(element)
+        bound |= form.binds(element)
 
 
-def _alternatives(element: Values, bound: frozenset[Variable], names: Names) -> Iterator[Element]:
+def _alternatives(element: form.Values, bound: frozenset[form.Variable], names: Names) -> Iterator[form.Element]:
     """Yield the rows of VALUES as a union of assignments, to new variables that are compared with those known."""
     if not element.rows:
-        yield Filter(expression("false"))
+        yield form.Filter(expression("false"))
         return
     new = {variable: names.like(variable) for variable in element.variables if variable in bound}
     columns = tuple(new.get(variable, variable) for variable in element.variables)
@@ -103,18 +92,18 @@ def _alternatives(element: Values, bound: frozenset[Variable], names: Names) -> 
         " ".join(f"BIND({sparql.term(cell)} AS {name})" for name, cell in zip(spelt, row, strict=True))
         for row in element.rows
     )
-    yield EngineBlock(" UNION ".join(f"{{ {group} }}" for group in groups), columns)
+    yield form.EngineBlock(" UNION ".join(f"{{ {group} }}" for group in groups), columns)
     for old, fresh in new.items():
-        yield Filter(expression(f"sameTerm({sparql.spelling(old)}, {sparql.spelling(fresh)})"))
+        yield form.Filter(expression(f"sameTerm({sparql.spelling(old)}, {sparql.spelling(fresh)})"))
 
 
-def _path_rule(rule: Rule) -> str | None:
+def _path_rule(rule: form.Rule) -> str | None:
     """Return a triple rule; None for a rule that is not a path from the subject of its head."""
     if len(rule.head) != 1 or not isinstance(rule.head[0].predicate, NamedNode):
         return None
     (head,) = rule.head
     steps = _path(rule, head.subject)
-    if steps is None or not isinstance(head.subject, Variable):
+    if steps is None or not isinstance(head.subject, form.Variable):
         return None
     path, end = steps
     value = _object(head, end, path)
@@ -125,15 +114,15 @@ def _path_rule(rule: Rule) -> str | None:
     return _shape(rule, f"sh:target{kind}Of {first}", "sh:TripleRule", lines)
 
 
-def _path(rule: Rule, start: Pattern) -> tuple[list[str], Pattern] | None:
+def _path(rule: form.Rule, start: form.Pattern) -> tuple[list[str], form.Pattern] | None:
     """Return the steps of a body that is one chain of triples from a variable, each with a new one, and its end."""
     here, path, seen = start, [], {start}
     for element in rule.body:
-        if not isinstance(element, Atom) or element.asserted or not isinstance(element.predicate, NamedNode):
+        if not isinstance(element, form.Atom) or element.asserted or not isinstance(element.predicate, NamedNode):
             return None
         forth = element.subject == here
         there = element.object if forth else element.subject
-        if (not forth and element.object != here) or there in seen or not isinstance(there, Variable):
+        if (not forth and element.object != here) or there in seen or not isinstance(there, form.Variable):
             return None
         path.append(str(element.predicate) if forth else f"^{element.predicate}")
         here = there
@@ -141,7 +130,7 @@ def _path(rule: Rule, start: Pattern) -> tuple[list[str], Pattern] | None:
     return (path, here) if path else None
 
 
-def _object(head: Atom, end: Pattern, path: list[str]) -> str | None:
+def _object(head: form.Atom, end: form.Pattern, path: list[str]) -> str | None:
     """Return the node expression of the head's object; a constant stands for itself where the path is one step."""
     if head.object == end:
         steps = [step if step.startswith("<") else f"[ sh:inversePath {step[1:]} ]" for step in path]

@@ -29,24 +29,10 @@ from uuid import uuid4
 from pyoxigraph import DefaultGraph, NamedNode, RdfFormat, serialize
 
 from kg.errors import StoreError
+from kg.rules import form
 from kg.rules.columns import wanted
 from kg.rules.dependencies import depends, reads
 from kg.rules.engine.limits import Clock, Limits
-from kg.rules.form import (
-    Aggregate,
-    Assignment,
-    Atom,
-    Element,
-    EngineBlock,
-    Exists,
-    Filter,
-    Pattern,
-    Rule,
-    binds,
-    is_auxiliary,
-    mentions,
-    readers_of,
-)
 from kg.rules.sparql import Placed, distinct_solutions, group, triple
 from kg.rules.stratify import Stratum, stratify
 from kg.store.remote import SYSTEM_GRAPHS
@@ -100,9 +86,9 @@ class Graphs:
         """The channels of plain and of auxiliary triples."""
         return self.plain, self.auxiliary
 
-    def channel(self, predicate: Pattern) -> Channel:
+    def channel(self, predicate: form.Pattern) -> Channel:
         """Return the channel for triples of a predicate."""
-        return self.auxiliary if is_auxiliary(predicate) else self.plain
+        return self.auxiliary if form.is_auxiliary(predicate) else self.plain
 
     @property
     def temporary(self) -> list[NamedNode]:
@@ -111,26 +97,28 @@ class Graphs:
         return [*graphs, self.stated, NamedNode(self.prefix + "asserted")]
 
 
-def first_update(rule: Rule, graphs: Graphs) -> str:
+def first_update(rule: form.Rule, graphs: Graphs) -> str:
     """Return the update that applies a rule to all data."""
     return _insert(rule, [_placed(rule.body, graphs)], graphs)
 
 
-def next_update(rule: Rule, stratum: Stratum, graphs: Graphs) -> str | None:
+def next_update(rule: form.Rule, stratum: Stratum, graphs: Graphs) -> str | None:
     """Return the update that applies a rule to the delta of the last round, None if it does not read any.
 
     For each atom that a rule of the stratum feeds, one variant takes that atom from the delta. A block of SPARQL cannot
     be split, so a rule with a fed block is applied to everything.
     """
     heads = [head for other in stratum.rules for head in other.head]
-    blocks = replace(rule, body=tuple(each for each, _ in readers_of(rule.body) if isinstance(each, EngineBlock)))
+    blocks = replace(
+        rule, body=tuple(each for each, _ in form.readers_of(rule.body) if isinstance(each, form.EngineBlock))
+    )
     if any(depends(read.atom, head) for read in reads(blocks) for head in heads):
         return first_update(rule, graphs)
     variants = list(_variants(rule.body, heads, graphs))
     return _insert(rule, variants, graphs) if variants else None
 
 
-def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -> str:
+def _insert(rule: form.Rule, bodies: Sequence[tuple[form.Element, ...]], graphs: Graphs) -> str:
     head = " ".join(f"GRAPH {graphs.channel(atom.predicate).new} {{ {triple(atom)} }}" for atom in rule.head)
     groups = [group(body) for body in bodies]
     where = groups[0] if len(groups) == 1 else "\nUNION\n".join(f"{{\n{text}\n}}" for text in groups)
@@ -143,49 +131,51 @@ def _insert(rule: Rule, bodies: Sequence[tuple[Element, ...]], graphs: Graphs) -
     return f"INSERT {{ {head} }}\n{' '.join(using)}\nWHERE {{\n{where}\n}}"
 
 
-def _placed(body: Sequence[Element], graphs: Graphs) -> tuple[Element, ...]:
+def _placed(body: Sequence[form.Element], graphs: Graphs) -> tuple[form.Element, ...]:
     """Return a body whose atoms on asserted data and auxiliary predicates name their graphs."""
-    result: list[Element] = []
+    result: list[form.Element] = []
     for element in body:
-        if isinstance(element, Exists | Aggregate):
+        if isinstance(element, form.Exists | form.Aggregate):
             result.append(replace(element, body=_placed(element.body, graphs)))
-        elif not isinstance(element, Atom) or isinstance(element, Placed):
+        elif not isinstance(element, form.Atom) or isinstance(element, Placed):
             result.append(element)
-        elif is_auxiliary(element.predicate):
+        elif form.is_auxiliary(element.predicate):
             result.append(_at(element, graphs.auxiliary.derived))
         else:
             result.append(_at(element, graphs.asserted) if element.asserted else element)
     return tuple(result)
 
 
-def _at(atom: Atom, graph: NamedNode) -> Placed:
+def _at(atom: form.Atom, graph: NamedNode) -> Placed:
     return Placed(*atom.positions, asserted=atom.asserted, place=atom.place, graph=graph)
 
 
-def _variants(body: tuple[Element, ...], heads: Sequence[Atom], graphs: Graphs) -> Iterator[tuple[Element, ...]]:
+def _variants(
+    body: tuple[form.Element, ...], heads: Sequence[form.Atom], graphs: Graphs
+) -> Iterator[tuple[form.Element, ...]]:
     """Yield a variant of a body for each of its atoms that `heads` feed, with that atom read from the delta."""
     for index, element in enumerate(body):
         before, behind = body[:index], body[index + 1 :]
-        if isinstance(element, Atom) and not element.asserted and any(depends(element, head) for head in heads):
+        if isinstance(element, form.Atom) and not element.asserted and any(depends(element, head) for head in heads):
             atom = _at(element, graphs.channel(element.predicate).delta)
             # The delta is small, and some servers join from left to right.
             moved = (atom, *before, *behind) if _may_lead(atom, before) else (*before, atom, *behind)
             yield _placed(moved, graphs)
-        elif isinstance(element, Exists) and not element.negated:
+        elif isinstance(element, form.Exists) and not element.negated:
             for inner in _variants(element.body, heads, graphs):
-                yield _placed((*before, Exists(inner), *behind), graphs)
+                yield _placed((*before, form.Exists(inner), *behind), graphs)
 
 
-def _may_lead(atom: Atom, before: Sequence[Element]) -> bool:
+def _may_lead(atom: form.Atom, before: Sequence[form.Element]) -> bool:
     """Return whether an atom may move before the elements in front of it, which then use its bindings."""
-    bound = binds(atom)
+    bound = form.binds(atom)
     seen = frozenset[object]()
     for element in before:
-        if isinstance(element, Filter | Exists) and mentions(element) & bound - seen:
+        if isinstance(element, form.Filter | form.Exists) and form.mentions(element) & bound - seen:
             return False
-        if isinstance(element, Assignment) and element.variable in bound:
+        if isinstance(element, form.Assignment) and element.variable in bound:
             return False
-        seen |= binds(element)
+        seen |= form.binds(element)
     return True
 
 
@@ -220,8 +210,7 @@ def gather(store: RemoteStore, graphs: Graphs, sources: Sources, rule_set: RuleS
 
     A single named graph is read in place. Otherwise triples are copied whose predicates rules read or write.
 
-    Raises:
-        StoreError: KG225 the server failed.
+    Raises StoreError: KG225 the server failed.
     """
     apart = _default_pattern(store, graphs) if sources.default else None
     if len(sources.named) == 1 and not apart and not rule_set.data:

@@ -40,10 +40,6 @@ class ResolvedRequest:
     notes: tuple[str, ...] = ()
     """Explanations of names whose resolution is not obvious."""
 
-    def names(self, place: int) -> bool:
-        """Return whether the part at a place of the network is requested by name."""
-        return place in self.named
-
     def marks(self, place: int, target: str) -> int:
         """Return the bits of a step through a part to a type."""
         return self.parts.get(place, 0) | self.types.get(target, 0)
@@ -87,8 +83,7 @@ def resolve_request(
 def matching_types(name: str, offered: Iterable[str]) -> tuple[str, ...]:
     """Return the types matching `package/Type`, `package/msg/Type` or `Type`, sorted.
 
-    Raises:
-        UnknownNameError: KG705 with similar names.
+    Raises UnknownNameError: KG705 with similar names.
     """
     types = set(offered)
     matches = _types(name, types)

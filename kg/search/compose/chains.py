@@ -39,19 +39,11 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Steps, each of which receives the output of the one before; `cost` includes the links between them."""
+    """Steps, each of which receives the output of the one before; `cost` includes the links between them.
 
-    cost: int
-    steps: tuple[Step, ...]
+    `type` is the type that the last one publishes, `marks` contains the bits of the requirements that all meet.
+    """
 
-    @property
-    def keys(self) -> tuple[str, ...]:
-        """The sort key among chains of the same cost."""
-        return tuple(step.key for step in self.steps)
-
-
-@dataclass(frozen=True, slots=True)
-class _Path:
     cost: int
     steps: tuple[Step, ...]
     type: str
@@ -59,11 +51,12 @@ class _Path:
 
     @property
     def keys(self) -> tuple[str, ...]:
+        """The sort key among chains of the same cost."""
         return tuple(step.key for step in self.steps)
 
 
 _Follow: TypeAlias = "list[tuple[int, str, Step]]"
-_Waiting: TypeAlias = "list[tuple[int, tuple[str, ...], int, int | None, _Path]]"
+_Waiting: TypeAlias = "list[tuple[int, tuple[str, ...], int, int | None, Chain]]"
 """Lower bound of the chain's cost, its keys, a number, the index of its next step (None: none), and the path."""
 
 
@@ -103,7 +96,7 @@ class Search:
         self._bound_costs()
         waiting: _Waiting = []
         for start in sorted(set(self.starts)):
-            self._queue(waiting, _Path(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
+            self._queue(waiting, Chain(0, (), start, self.start_marks.get(start, 0) & self.wanted), 0)
         seen: set[tuple[int, ...]] = set()
         while waiting:
             _, _, _, place, path = heappop(waiting)
@@ -111,11 +104,11 @@ class Search:
                 families = tuple(step.family for step in path.steps)
                 if families not in seen:
                     seen.add(families)
-                    yield Chain(path.cost, path.steps)
+                    yield path
             elif not self.cut_off:
                 self._extend(waiting, path, place)
 
-    def _extend(self, waiting: _Waiting, path: _Path, place: int) -> None:
+    def _extend(self, waiting: _Waiting, path: Chain, place: int) -> None:
         """Extend a path by its step at an index, and queue it for the step after that."""
         self.visited += 1
         self._queue(waiting, path, place + 1)
@@ -128,14 +121,14 @@ class Search:
         else:
             self._queue(waiting, grown, 0)
 
-    def _queue(self, waiting: _Waiting, path: _Path, place: int) -> None:
+    def _queue(self, waiting: _Waiting, path: Chain, place: int) -> None:
         """Queue a path for its step at an index."""
         follow = self._follow(path)
         if place < len(follow):
             bound, key, _ = follow[place]
             heappush(waiting, (path.cost + bound, (*path.keys, key), next(self._numbers), place, path))
 
-    def _grown(self, path: _Path, step: Step) -> _Path | None:
+    def _grown(self, path: Chain, step: Step) -> Chain | None:
         """Return a path with one more step, None if that step is not allowed."""
         if any(one.family == step.family for one in path.steps):
             return None
@@ -145,7 +138,7 @@ class Search:
         if step.target in had and not keeps and not self._ends(step, marks):
             return None
         between = self.between(path.steps[-1], step) if path.steps else 0
-        return _Path(path.cost + step.cost + between, (*path.steps, step), step.target, marks)
+        return Chain(path.cost + step.cost + between, (*path.steps, step), step.target, marks)
 
     def _ends(self, step: Step, marks: int) -> bool:
         return step.target in self.goals and marks & self.wanted == self.wanted
@@ -177,7 +170,7 @@ class Search:
                     cheapest[edge] = step.cost
         return cheapest
 
-    def _follow(self, path: _Path) -> _Follow:
+    def _follow(self, path: Chain) -> _Follow:
         """Return the possible next steps, each with the lower bound of the remaining cost, the cheapest first."""
         left = self.length - len(path.steps)
         key = path.type, path.marks, left

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import defaultdict
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
@@ -17,6 +16,7 @@ from kg.names import FRAMEWORK
 from kg.query.rows import rows
 from kg.search.cache import keep, load_cached
 from kg.search.compose.network import Network, Part, Port
+from kg.search.folding import bare_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -34,9 +34,7 @@ _ENDS: Final = "?c ?t { ?c ros:hasMessage ?t ; rnkg:implicit false }"
 _MORE: Final = """
 ?c ?p ?o { VALUES ?p { rnkg:parameterName rnkg:switchedBy rnkg:leastArguments rnkg:deprecated } ?c ?p ?o }"""
 _STARTED: Final = "SELECT ?n ?g { GRAPH ?g { ?i rnkg:instanceOf ?n } }"
-_WORD: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W_]")
-_FORMS: Final = frozenset({"node", "nodes", "nodelet", "component", "main", "ros", "exe"})
-_LOADED: Final = {"nodelet": "", "component": ""}
+_LOADED: Final = ("nodelet", "component")
 _ROLES: Final = ("publisher", "subscriber")
 _FOLDER: Final = "compose"
 
@@ -159,13 +157,6 @@ def _with_families(parts: list[Part]) -> list[Part]:
     """Return the parts with their families: equal names of nodes and packages, ignoring words of form."""
     first: dict[tuple[int, str, str], int] = {}
     return [
-        msgspec.structs.replace(part, family=first.setdefault((part.ros, part.package, _bare(part.name)), place))
+        msgspec.structs.replace(part, family=first.setdefault((part.ros, part.package, bare_name(part.name)), place))
         for place, part in enumerate(parts)
     ]
-
-
-def _bare(name: str) -> str:
-    """Return the letters and digits of a name without its namespace and words of form, such as `nodelet`."""
-    last = name.rpartition("::")[2].rpartition("/")[2].removesuffix(".py")
-    words = [word.lower() for word in _WORD.findall(last)]
-    return "".join(word for word in words if word not in _FORMS) or last

@@ -36,7 +36,7 @@ def steps_of(network: Network, request: ResolvedRequest, ros: int) -> Mapping[st
 
 def _through(part: Part, place: int, request: ResolvedRequest) -> Iterator[Step]:
     """Yield the steps of a node."""
-    is_required = request.names(place)
+    is_required = place in request.named
     costs, key = knowledge().costs, f"{part.full_name} {part.repository}"
     base = costs.node if is_required else part_cost(part)
     shared = frozenset({port.topic for port in part.inputs} & {port.topic for port in part.outputs} - {None})

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kg.corpus.fetching.branches import VERSIONS, branches_to_try, marked
+from kg.corpus.fetching.one import VERSIONS, branches_to_try, marked
 
 CASES: Final = tomllib.loads((Path(__file__).parent / "cases" / "branches" / "cases.toml").read_text("utf-8"))["case"]
 NAMES = st.lists(st.sampled_from(["main", "master", "ros2", "noetic-devel", "humble", "foxy-devel", "x", "hydro"]))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pytest import approx  # noqa: PT013 - the only name used
 
-from kg.corpus.selection.figures import figures
+from kg.corpus.selection.select import figures
 
 NUMBERS = st.lists(st.integers(0, 10**6), min_size=2, max_size=60)
 

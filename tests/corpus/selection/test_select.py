@@ -11,8 +11,7 @@ import pytest
 
 from kg.corpus.selection.criteria import default_criteria, read_criteria
 from kg.corpus.selection.data import read_dataset
-from kg.corpus.selection.figures import paper_figures
-from kg.corpus.selection.select import select
+from kg.corpus.selection.select import paper_figures, select
 from kg.errors import KgError
 
 CASES: Final = Path(__file__).parents[1] / "cases"

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from pyoxigraph import RdfFormat, parse
 
-from kg.rules.checks.finding import Context
+from kg.rules.checks.finding import Context, as_object, sarif
 from kg.rules.checks.run import check, read_all
-from kg.rules.checks.sarif import as_object, sarif
 from kg.rules.files import RuleSet
 
 if TYPE_CHECKING:
