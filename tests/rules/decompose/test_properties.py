@@ -60,8 +60,15 @@ def test_a_rule_in_another_notation_derives_what_it_derives(seed: int) -> None:
                 printed = printer(rules) if rules else ""
             except RuleError:
                 continue
-            if printed:
-                assert derived(read_text(printed, Path(f"rule{ending}"), "test/rule").rules, facts) == expected, text
+            if not printed:
+                continue
+            try:
+                found = derived(read_text(printed, Path(f"rule{ending}"), "test/rule").rules, facts)
+            except RuleError as error:
+                # Heads with variables of different branches leave one block that reads anything.
+                assert error.code == "KG202", text
+                continue
+            assert found == expected, text
 
 
 def derived(rules: tuple[Rule, ...], facts: list[Fact]) -> set[Fact]:
