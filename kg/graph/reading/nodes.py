@@ -17,7 +17,7 @@ from kg.graph.interfaces import ROLE_OF_CLASS, SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
-from kg.graph.reading.queries import among, column, grouped, one_of, texts
+from kg.graph.reading.queries import among, column, one_of, properties_in, texts
 from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ def node_records(
     """
     those = which(package, node, packages) if iris is None else f"{among('node', iris)} {_ANY}"
     owners = {at: place for at, *place in texts(graph, _OWNERS % those)}
-    properties = grouped(texts(graph, _NODES % those))
+    properties = properties_in(graph, _NODES % those)
     sources = _listed(texts(graph, _SOURCES % those))
     executables = _listed(texts(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
@@ -196,7 +196,7 @@ def code_facts(
     """
     owners: dict[str, str] = dict(texts(graph, _OWNED % those))
     named = references(graph, set(owners.values()))
-    facts_by_iri = _facts(graph, grouped(texts(graph, _FACTS % those)))
+    facts_by_iri = _facts(graph, properties_in(graph, _FACTS % those))
     return {iri: (named[owners[iri]], fact) for iri, fact in facts_by_iri.items() if owners.get(iri) in named}
 
 
@@ -298,7 +298,7 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
     by_node: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
-    for iri, fact in _facts(graph, grouped(texts(graph, _PARTS % those))).items():
+    for iri, fact in _facts(graph, properties_in(graph, _PARTS % those)).items():
         interfaces, parameters = by_node[owner_of(iri, nodes)]
         if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
@@ -336,7 +336,7 @@ def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
 def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, facts.Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
     few = among("subject", wanted) if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(texts(graph, _QOS % few)).items()}
+    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in properties_in(graph, _QOS % few).items()}
 
 
 def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:

@@ -23,6 +23,10 @@ class Texts(Protocol):
         """Yield the rows of a SELECT as `values` does."""
         ...
 
+    def grouped(self, text: str, *, prefixes: Mapping[str, str]) -> dict[str, dict[str, list[str]]] | None:
+        """Return the rows of a SELECT of three variables as `grouped` does; None if only `texts` has them."""
+        ...
+
 
 def select(graph: Queryable, text: str) -> Iterable[Any]:
     """Return the rows of a SELECT over the union of all graphs; the prefixes are those of `kg.graph.vocabulary`."""
@@ -39,6 +43,12 @@ def values(rows: Iterable[Any]) -> Iterator[Any]:
     """Yield rows of terms as tuples of IRIs and texts, with None for unbound variables."""
     for row in rows:
         yield tuple(None if term is None else term.value for term in row)
+
+
+def properties_in(graph: Queryable, text: str) -> dict[str, dict[str, list[str]]]:
+    """Return the properties of each subject that a SELECT has in its three columns; the keys of properties are IRIs."""
+    found = graph.grouped(text, prefixes=PREFIXES) if isinstance(graph, Texts) else None
+    return grouped(texts(graph, text)) if found is None else found
 
 
 def grouped(rows: Iterable[tuple[str, str, str]]) -> dict[str, dict[str, list[str]]]:

@@ -27,7 +27,7 @@ from kg.graph.reading.nodes import (
     these,
     type_of,
 )
-from kg.graph.reading.queries import among, grouped, one_of, texts
+from kg.graph.reading.queries import among, one_of, properties_in, texts
 from kg.graph.starts import STARTS
 from kg.graph.usual_ends import UsualEnd, namespace_of, usual_ends, usual_resolution
 
@@ -211,7 +211,7 @@ def _properties(graph: Queryable, iris: Iris, parts: Iterable[tuple[str, str]]) 
     """
     starts, start = iris.graph(STARTS), f"{iris.base}start/"
     placed = {(starts if part.startswith(start) else where, part) for where, part in parts}
-    return grouped(texts(graph, _OF % _pairs(placed)))
+    return properties_in(graph, _OF % _pairs(placed))
 
 
 def _pairs(parts: Iterable[tuple[str, str]]) -> str:
@@ -222,7 +222,7 @@ def _content(graph: Queryable, name: str) -> _Content:
     return {
         iri: properties
         for query in (_GRAPH, _STARTS, _STARTED_PARTS)
-        for iri, properties in grouped(texts(graph, query % name)).items()
+        for iri, properties in properties_in(graph, query % name).items()
     }
 
 
