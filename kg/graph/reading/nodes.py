@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 from kg import facts
 from kg.graph import vocabulary as v
@@ -17,7 +17,7 @@ from kg.graph.interfaces import ROLE_OF_CLASS, SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
-from kg.graph.reading.queries import among, column, one_of, properties_in, texts
+from kg.graph.reading.queries import Texts, among, column, one_of, properties_in, texts
 from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
@@ -100,15 +100,6 @@ class Queryable(Protocol):
 
     def query(self, text: str, /, *, prefixes: dict[str, str] | None = None) -> Any:
         """Run a query over the union of all graphs."""
-        ...
-
-
-@runtime_checkable
-class Readable(Queryable, Protocol):
-    """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
-
-    def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
-        """Return the properties of each subject of a graph, as `kg.graph.reading.queries.grouped` does."""
         ...
 
 
@@ -211,7 +202,7 @@ def references(graph: Queryable, iris: Collection[str]) -> dict[str, facts.NodeR
 
 def these(graph: Queryable, name: str, iris: Collection[str]) -> str:
     """Return a pattern that binds a variable to some node types, or to all where these are read as soon."""
-    if len(iris) > _FEW and isinstance(graph, Readable):
+    if len(iris) > _FEW and isinstance(graph, Texts):
         return f"?{name} a rnkg:NodeType ."
     return among(name, iris)
 
