@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 from kg.graph.builds import COUNTS, Counts
 from kg.graph.fields import one
-from kg.graph.reading.queries import grouped, select, texts
+from kg.graph.reading.queries import properties_in, select
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -75,7 +75,7 @@ def sources(graph: Queryable, *, counted: bool = False) -> list[SourceState]:
         last = builds.setdefault(row["name"].value, row)
         if (_value(row["started"]) or "") > (_value(last["started"]) or ""):
             builds[row["name"].value] = row
-    numbers = grouped(texts(graph, _COUNTED)) if counted else {}
+    numbers = properties_in(graph, _COUNTED) if counted else {}
     states = [
         _state(row["name"].value, _value(row["remote"]), _value(row["branch"]), builds.get(row["name"].value), numbers)
         for row in select(graph, _REPOSITORIES)

@@ -12,7 +12,7 @@ from kg.graph import vocabulary as v
 from kg.graph.chains import chain_of, chain_text, likely_chain
 from kg.graph.fields import Properties, one
 from kg.graph.iris import Iris
-from kg.graph.reading.queries import among, grouped, texts
+from kg.graph.reading.queries import among, properties_in, texts
 from kg.lint.finding import Evidence, Finding
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def read_findings(
     configurations with these IRIs.
     """
     which = _OF % NamedNode(configuration) if configuration else _ANY
-    findings = grouped(texts(graph, _FINDINGS % which))
+    findings = properties_in(graph, _FINDINGS % which)
     return sorted(_Reading(graph, base, findings).findings(labels), key=lambda one: one.order)
 
 
@@ -84,7 +84,7 @@ class _Reading:
         self._led = self._chains({iri.partition("#")[0] for iri in self._things if f"{base}start/" in iri})
 
     def _read(self, things: Collection[str]) -> dict[str, dict[str, list[str]]]:
-        return grouped(texts(self._graph, _THINGS % among("s", things))) if things else {}
+        return properties_in(self._graph, _THINGS % among("s", things)) if things else {}
 
     def _chains(self, starts: Collection[str]) -> dict[tuple[str, str], str]:
         """Return the includes that led to an instance, by its configuration and start."""

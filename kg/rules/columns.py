@@ -8,7 +8,6 @@ done in two threads, while a third interns what they give.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import groupby, islice
 from operator import itemgetter
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Triple, parse
 
+from kg.lazily import lazily
 from kg.rules.engine.facts import Facts, Keys, gathered, pack, union, unpack
 from kg.rules.form import AUXILIARY, EngineBlock, Rule, Term, is_auxiliary, readers_of
 from kg.store.terms import cells, spell
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from kg.rules.engine.pages import Pages
     from kg.rules.engine.terms import Dictionary
 
+with lazily():
+    from concurrent.futures import ThreadPoolExecutor
 
 _THREADS: Final = 2
 _SMALL: Final = 20_000

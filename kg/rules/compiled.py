@@ -18,8 +18,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.rules.dependencies import patterns
 from kg.rules.files import Documentation, RuleFile, RuleSet
+from kg.rules.form import Atom, Expression
 from kg.rules.stratify import Stratum, stratify
 from kg.store.layout import write_atomically
+from kg.store.terms import Term
 
 if TYPE_CHECKING:
     from kg.rules.form import Rule
@@ -49,12 +51,29 @@ class Packed:
 
 
 class _Writer(pickle.Pickler):
-    """Writes data classes as calls with their fields, which are read in half the time."""
+    """Writes data classes as calls with their fields, which are read in half the time.
+
+    Of rules that are `cut`, equal parts are written once, and only rules and blocks keep their places.
+    """
+
+    def __init__(self, file: io.BytesIO, *, cut: bool) -> None:
+        super().__init__(file, pickle.HIGHEST_PROTOCOL)
+        self._cut = cut
+        self._parts: dict[Any, Any] = {}
 
     def reducer_override(self, value: Any) -> Any:
-        if is_dataclass(value) and not isinstance(value, type):
-            return type(value), tuple(getattr(value, one.name) for one in fields(value) if one.init)
-        return NotImplemented
+        if not is_dataclass(value) or isinstance(value, type):
+            return NotImplemented
+        given = tuple(getattr(value, one.name) for one in fields(value) if one.init)
+        if self._cut and isinstance(value, Atom | Expression):
+            given = (*given[:-1], None)
+        return type(value), self._shared(given) if self._cut else given
+
+    def _shared(self, part: Any) -> Any:
+        """Return a part, or an equal one that was written before."""
+        if isinstance(part, tuple):
+            return tuple(map(self._shared, part))
+        return self._parts.setdefault(part, part) if is_dataclass(part) or isinstance(part, Term) else part
 
 
 class _Reader(pickle.Unpickler):
@@ -99,7 +118,7 @@ def pack(rule_set: RuleSet, *, cut: bool = True) -> Packed:
     named = patterns(rule_set.rules, rule_set.data)
     parts = (rule_set.rules, rule_set.data, prefixes, strata, rule_set.digest, named)
     written = io.BytesIO()
-    _Writer(written, pickle.HIGHEST_PROTOCOL).dump(parts)
+    _Writer(written, cut=cut).dump(parts)
     return Packed(_together(*parts), written.getvalue())
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import mmap
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Final
 
@@ -143,9 +143,10 @@ def _read(content: memoryview, generation: int, digest: str | None) -> Memory | 
     sums = np.frombuffer(content, np.uint32, terms, place := place + ends.nbytes)
     order = np.frombuffer(content, np.uint32, terms, place := place + sums.nbytes)
     dictionary = Dictionary(Spellings(content[place + order.nbytes :], ends, sums, order))
+    # Sets share arrays, as when they were saved: comparing these takes no time.
+    array = cache(lambda begin, size: keys[begin : begin + size])
     inferred, asserted, written, *parts = (
-        Facts({predicate: keys[begin : begin + size] for predicate, begin, size in section})
-        for section in header["sections"]
+        Facts({predicate: array(begin, size) for predicate, begin, size in section}) for section in header["sections"]
     )
     graphs = dict(zip((NamedNode(name) if name else None for name in header["graphs"]), parts, strict=True))
     own, builds, base, vocabulary = header["names"]

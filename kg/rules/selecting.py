@@ -14,9 +14,8 @@ its generation.
 from __future__ import annotations
 
 import re
-from collections import defaultdict
 from functools import cached_property, lru_cache, partial
-from itertools import chain
+from itertools import chain, islice, pairwise
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
 import numpy as np
@@ -25,7 +24,7 @@ from pyoxigraph import NamedNode, Store
 from kg.rules import memory as memories
 from kg.rules.columns import graph_name, patched, stated, union_of
 from kg.rules.engine.evaluate import Program, evaluate
-from kg.rules.engine.facts import Facts, unpack
+from kg.rules.engine.facts import EMPTY, Facts, pack, unpack
 from kg.rules.engine.planning import plan
 from kg.rules.engine.solve import Solver
 from kg.rules.engine.tables import Table, concatenate, distinct_rows
@@ -150,14 +149,30 @@ class Columns:
 
     def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
         """Return what a graph says: the values of each property, by its IRI, of each subject."""
-        result: defaultdict[str, dict[str, list[str]]] = defaultdict(dict)
-        for predicate, keys in self.graphs.get(graph, Facts()):
-            (term,) = _texts_of([self.dictionary.spelling(predicate)])
-            pairs = Table(dict(zip("so", unpack(keys), strict=True)), keys.size)
-            rows = cast("Iterator[tuple[str, str]]", self._terms(["s", "o"], pairs, self._texts, _texts_of))
-            for subject, value in rows:
-                result[subject].setdefault(term, []).append(value)
-        return dict(result)
+        facts = list(self.graphs.get(graph, Facts()))
+        subjects, objects = unpack(np.concatenate([EMPTY, *(keys for _, keys in facts)]))
+        predicates = np.repeat([one for one, _ in facts], [keys.size for _, keys in facts]).astype(np.int64)
+        return self._grouped(subjects, predicates, objects)
+
+    def grouped(self, text: str, *, prefixes: Mapping[str, str]) -> dict[str, dict[str, list[str]]] | None:
+        """Return the rows of a SELECT of subject, predicate and object as `properties` does; None as `answer`."""
+        names, table = self._evaluate(text, prefixes)
+        return None if table is None else self._grouped(*(table.columns[name] for name in names))
+
+    def _grouped(self, subjects: Keys, predicates: Keys, objects: Keys) -> dict[str, dict[str, list[str]]]:
+        """Return the values of each property of each subject."""
+        keys = pack(subjects, predicates)
+        order = np.argsort(keys, kind="stable")
+        keys = keys[order]
+        begins = np.flatnonzero(np.diff(keys, prepend=-1))
+        owners, properties = unpack(keys[begins])
+        sizes = np.flatnonzero(np.diff(owners, prepend=-1))
+        columns = owners[sizes], properties, objects[order]
+        named, terms, values = map(list, cast("list[Iterator[str]]", self._made(columns, self._texts, _texts_of)))
+        several = [values[begin:end] for begin, end in pairwise([*begins.tolist(), len(values)])]
+        pairs = zip(terms, several, strict=True)
+        counts = np.diff(sizes, append=len(terms)).tolist()
+        return {name: dict(islice(pairs, number)) for name, number in zip(named, counts, strict=True)}
 
     def count(self) -> int:
         """Return how many quads the store holds."""
@@ -204,11 +219,18 @@ class Columns:
         self, names: Sequence[str], table: Table, terms: dict[int, _T], make: Callable[[list[bytes]], Iterable[_T]]
     ) -> Iterator[tuple[_T, ...]]:
         """Yield solutions as rows; `terms` has what was made of terms already, and gets the others."""
-        columns = [table.columns[name].tolist() for name in names]
+        columns = [table.columns[name] for name in names]
+        return zip(*self._made(columns, terms, make), strict=True)
+
+    def _made(
+        self, columns: Sequence[Keys], terms: dict[int, _T], make: Callable[[list[bytes]], Iterable[_T]]
+    ) -> list[Iterator[_T]]:
+        """Return for each column an iterator over what is made of its terms."""
+        numbers = [column.tolist() for column in columns]
         # A difference of sets would go through all that is known.
-        new = [term for term in set(chain.from_iterable(columns)) if term not in terms]
+        new = [term for term in set(chain.from_iterable(numbers)) if term not in terms]
         terms.update(zip(new, make(self.dictionary.spellings(new)), strict=True))
-        return zip(*(map(terms.__getitem__, column) for column in columns), strict=True)
+        return [map(terms.__getitem__, column) for column in numbers]
 
 
 class _Value:

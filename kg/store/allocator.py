@@ -6,10 +6,14 @@ more than the loaded data: after 250 MB of N-Triples, 244 MB are retained withou
 
 from __future__ import annotations
 
-import ctypes
 import sys
 from functools import cache
 from typing import Any, Final
+
+from kg.lazily import lazily
+
+with lazily():
+    import ctypes
 
 _ARENA_MAX: Final = -8
 """Number of the glibc parameter `M_ARENA_MAX`; below, that of `M_MMAP_THRESHOLD`."""

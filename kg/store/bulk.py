@@ -13,7 +13,6 @@ The engine is passed as a function that returns it: in a local variable, the tra
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Final, cast
 
 from pyoxigraph import (
@@ -28,6 +27,7 @@ from pyoxigraph import (
     parse,
 )
 
+from kg.lazily import lazily
 from kg.store.allocator import give_back
 from kg.store.terms import BLANK_MARK
 
@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
     Engine: TypeAlias = Callable[[], Store]
     Graph: TypeAlias = NamedNode | BlankNode | DefaultGraph
+
+with lazily():
+    from concurrent.futures import ThreadPoolExecutor
 
 _THREADS: Final = 2
 _LEAST_BYTES: Final = 2 << 20

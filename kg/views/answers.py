@@ -18,15 +18,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 import msgspec
 
 from kg import resources
-from kg.graph.reading import impact_parts, overview
-from kg.graph.reading.channels import every_name
-from kg.graph.reading.nodes import node_records
-from kg.graph.reading.overview import Channel, NodeSummary
-from kg.graph.records import node_object
 from kg.lazily import lazily
 from kg.pipeline.filecache import are_stable, states
-from kg.query.counting import Counted, counted
-from kg.query.stats import Statistics, statistics
 from kg.render.text import json_text
 from kg.store.cachefile import load, save
 
@@ -36,6 +29,11 @@ if TYPE_CHECKING:
     from kg.store.snapshot import EmbeddedSnapshot
 
 with lazily():
+    from kg.graph.reading import impact_parts, overview
+    from kg.graph.reading.channels import every_name
+    from kg.graph.reading.nodes import node_records
+    from kg.graph.records import node_object
+    from kg.query import counting, stats
     from kg.rules.selecting import columns_of
 
 _FOLDER: Final = "answers"
@@ -49,8 +47,8 @@ _Answer = TypeVar("_Answer")
 class Figures:
     """What `kg stats` shows: the figures of the graph, and those that RNKG counts."""
 
-    graph: Statistics
-    rnkg: Counted
+    graph: stats.Statistics
+    rnkg: counting.Counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,16 +65,16 @@ def figures(snapshot: EmbeddedSnapshot) -> Figures:
 
     def make() -> Figures:
         graph = columns_of(snapshot)
-        return Figures(statistics(graph), counted(graph))
+        return Figures(stats.statistics(graph), counting.counted(graph))
 
     return _answer(snapshot, "stats", Figures, make)
 
 
-def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[Channel]:
+def channels(snapshot: EmbeddedSnapshot, kind: str, *, implicit: bool = False) -> list[overview.Channel]:
     """Return the topics, services or actions of the store, as `kg.graph.reading.overview.channels` does."""
     name = f"{kind}-all" if implicit else kind
     return _answer(
-        snapshot, name, list[Channel], lambda: overview.channels(columns_of(snapshot), kind, implicit=implicit)
+        snapshot, name, list[overview.Channel], lambda: overview.channels(columns_of(snapshot), kind, implicit=implicit)
     )
 
 
@@ -92,9 +90,9 @@ def node_lines(snapshot: EmbeddedSnapshot) -> list[NodeLine]:
     return _answer(snapshot, "nodes", list[NodeLine], make)
 
 
-def node_summaries(snapshot: EmbeddedSnapshot) -> list[NodeSummary]:
+def node_summaries(snapshot: EmbeddedSnapshot) -> list[overview.NodeSummary]:
     """Return all node types with the numbers of their interfaces, as `kg.graph.reading.overview.nodes` does."""
-    return _answer(snapshot, "summaries", list[NodeSummary], lambda: overview.nodes(columns_of(snapshot)))
+    return _answer(snapshot, "summaries", list[overview.NodeSummary], lambda: overview.nodes(columns_of(snapshot)))
 
 
 def channel_names(snapshot: EmbeddedSnapshot) -> dict[str, list[str]]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, runtime_checkable
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias
 
 from kg import facts
 from kg.graph import vocabulary as v
@@ -17,7 +17,7 @@ from kg.graph.interfaces import ROLE_OF_CLASS, SHAPES
 from kg.graph.nodes import order
 from kg.graph.ntriples import literal
 from kg.graph.plugin_slots import NAMED, SLOTS, class_key, plugins_by_class, slots_by_node
-from kg.graph.reading.queries import among, column, grouped, one_of, texts
+from kg.graph.reading.queries import Texts, among, column, one_of, properties_in, texts
 from kg.graph.texts import descriptions_of
 
 if TYPE_CHECKING:
@@ -103,15 +103,6 @@ class Queryable(Protocol):
         ...
 
 
-@runtime_checkable
-class Readable(Queryable, Protocol):
-    """What whole graphs can be read from at once: the columns of a store (`kg.rules.selecting`)."""
-
-    def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
-        """Return the properties of each subject of a graph, as `kg.graph.reading.queries.grouped` does."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class NodeRecord:
     """A node type and where it belongs; `commit` is None where the source is not a git checkout."""
@@ -156,7 +147,7 @@ def node_records(
     """
     those = which(package, node, packages) if iris is None else f"{among('node', iris)} {_ANY}"
     owners = {at: place for at, *place in texts(graph, _OWNERS % those)}
-    properties = grouped(texts(graph, _NODES % those))
+    properties = properties_in(graph, _NODES % those)
     sources = _listed(texts(graph, _SOURCES % those))
     executables = _listed(texts(graph, _EXECUTABLES % those))
     parts = _parts(graph, those, owners)
@@ -196,7 +187,7 @@ def code_facts(
     """
     owners: dict[str, str] = dict(texts(graph, _OWNED % those))
     named = references(graph, set(owners.values()))
-    facts_by_iri = _facts(graph, grouped(texts(graph, _FACTS % those)))
+    facts_by_iri = _facts(graph, properties_in(graph, _FACTS % those))
     return {iri: (named[owners[iri]], fact) for iri, fact in facts_by_iri.items() if owners.get(iri) in named}
 
 
@@ -211,7 +202,7 @@ def references(graph: Queryable, iris: Collection[str]) -> dict[str, facts.NodeR
 
 def these(graph: Queryable, name: str, iris: Collection[str]) -> str:
     """Return a pattern that binds a variable to some node types, or to all where these are read as soon."""
-    if len(iris) > _FEW and isinstance(graph, Readable):
+    if len(iris) > _FEW and isinstance(graph, Texts):
         return f"?{name} a rnkg:NodeType ."
     return among(name, iris)
 
@@ -298,7 +289,7 @@ def _parts(graph: Queryable, those: str, owners: Iterable[str]) -> dict[str, tup
     for owner in owners:
         nodes[owner.partition("#")[0]].append(owner)
     by_node: defaultdict[str, tuple[_Ends, _Settable]] = defaultdict(lambda: ([], []))
-    for iri, fact in _facts(graph, grouped(texts(graph, _PARTS % those))).items():
+    for iri, fact in _facts(graph, properties_in(graph, _PARTS % those)).items():
         interfaces, parameters = by_node[owner_of(iri, nodes)]
         if isinstance(fact, facts.Interface):
             interfaces.append((fact, iri))
@@ -336,7 +327,7 @@ def _types(graph: Queryable, wanted: Collection[str]) -> dict[str, str]:
 def qualities(graph: Queryable, wanted: Collection[str] | None = None) -> dict[str, facts.Qos]:
     """Return the combinations of policies of the store by their IRIs, those `wanted` at least."""
     few = among("subject", wanted) if wanted is not None and len(wanted) <= _FEW else ""
-    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in grouped(texts(graph, _QOS % few)).items()}
+    return {iri: facts.Qos(**QOS.read(properties)) for iri, properties in properties_in(graph, _QOS % few).items()}
 
 
 def owner_of(part: str, nodes: Mapping[str, list[str]]) -> str:

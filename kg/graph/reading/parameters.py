@@ -11,7 +11,7 @@ from kg.graph import vocabulary as v
 from kg.graph.fields import one, place_of
 from kg.graph.ntriples import literal
 from kg.graph.reading.nodes import Queryable, code_facts
-from kg.graph.reading.queries import among, column, grouped, one_of, texts
+from kg.graph.reading.queries import among, column, one_of, properties_in, texts
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -182,4 +182,4 @@ def _starts(graph: Queryable, instances: Collection[str]) -> list[Start]:
 
 
 def _properties(graph: Queryable, iris: Collection[str]) -> dict[str, dict[str, list[str]]]:
-    return grouped(texts(graph, _PROPERTIES % among("subject", iris))) if iris else {}
+    return properties_in(graph, _PROPERTIES % among("subject", iris)) if iris else {}

@@ -17,10 +17,18 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class Texts(Protocol):
-    """A graph that answers with texts: the columns of a store (`kg.rules.selecting`)."""
+    """A graph that answers with texts, and has whole graphs at hand: the columns of a store (`kg.rules.selecting`)."""
 
     def texts(self, text: str, *, prefixes: Mapping[str, str]) -> Iterator[Any]:
         """Yield the rows of a SELECT as `values` does."""
+        ...
+
+    def grouped(self, text: str, *, prefixes: Mapping[str, str]) -> dict[str, dict[str, list[str]]] | None:
+        """Return the rows of a SELECT of three variables as `grouped` does; None if only `texts` has them."""
+        ...
+
+    def properties(self, graph: str) -> dict[str, dict[str, list[str]]]:
+        """Return the properties of each subject of a graph, as `grouped` does."""
         ...
 
 
@@ -41,17 +49,17 @@ def values(rows: Iterable[Any]) -> Iterator[Any]:
         yield tuple(None if term is None else term.value for term in row)
 
 
+def properties_in(graph: Queryable, text: str) -> dict[str, dict[str, list[str]]]:
+    """Return the properties of each subject that a SELECT has in its three columns; the keys of properties are IRIs."""
+    found = graph.grouped(text, prefixes=PREFIXES) if isinstance(graph, Texts) else None
+    return grouped(texts(graph, text)) if found is None else found
+
+
 def grouped(rows: Iterable[tuple[str, str, str]]) -> dict[str, dict[str, list[str]]]:
     """Return the properties of each subject from rows of texts; the keys of properties are IRIs."""
     found: dict[str, dict[str, list[str]]] = {}
     for subject, predicate, value in rows:
-        own = found.get(subject)
-        if own is None:
-            own = found[subject] = {}
-        if predicate in own:
-            own[predicate].append(value)
-        else:
-            own[predicate] = [value]
+        found.setdefault(subject, {}).setdefault(predicate, []).append(value)
     return found
 
 

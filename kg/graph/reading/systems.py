@@ -19,7 +19,6 @@ from kg.graph.fields import ARGUMENT, PROBLEM, SETTING, Properties, one, place_o
 from kg.graph.iris import RUNNING, Iris
 from kg.graph.reading.nodes import (
     Queryable,
-    Readable,
     code_facts,
     end_of,
     qualities,
@@ -27,7 +26,7 @@ from kg.graph.reading.nodes import (
     these,
     type_of,
 )
-from kg.graph.reading.queries import among, grouped, one_of, texts
+from kg.graph.reading.queries import Texts, among, one_of, properties_in, texts
 from kg.graph.starts import STARTS
 from kg.graph.usual_ends import UsualEnd, namespace_of, usual_ends, usual_resolution
 
@@ -132,7 +131,7 @@ def systems(graph: Queryable, names: Iterable[SystemName], base: str) -> list[fa
     """Return the systems of these names, in their order; `base` is that of the IRIs of the store."""
     iris = Iris(base)
     content = partial(_content, graph)
-    if isinstance(graph, Readable):
+    if isinstance(graph, Texts):
         content = partial(_read, graph, graph.properties(iris.graph(STARTS)))
     contents = [(name, content(iris.system_graph(name.repository, name.path))) for name in names]
     records = _Records(graph, [content for _, content in contents])
@@ -211,7 +210,7 @@ def _properties(graph: Queryable, iris: Iris, parts: Iterable[tuple[str, str]]) 
     """
     starts, start = iris.graph(STARTS), f"{iris.base}start/"
     placed = {(starts if part.startswith(start) else where, part) for where, part in parts}
-    return grouped(texts(graph, _OF % _pairs(placed)))
+    return properties_in(graph, _OF % _pairs(placed))
 
 
 def _pairs(parts: Iterable[tuple[str, str]]) -> str:
@@ -222,11 +221,11 @@ def _content(graph: Queryable, name: str) -> _Content:
     return {
         iri: properties
         for query in (_GRAPH, _STARTS, _STARTED_PARTS)
-        for iri, properties in grouped(texts(graph, query % name)).items()
+        for iri, properties in properties_in(graph, query % name).items()
     }
 
 
-def _read(graph: Readable, starts: _Content, name: str) -> _Content:
+def _read(graph: Texts, starts: _Content, name: str) -> _Content:
     """Return what `_content` does, with all that instances are started with at hand."""
     content = dict(graph.properties(name))
     for terms in ((v.STARTED_WITH,), (v.HAS_SETTING, v.READS_ENTRY, v.HAS_REMAP)):

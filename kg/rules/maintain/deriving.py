@@ -26,7 +26,7 @@ from kg.rules.maintain.pivots import Pivot, Reading, pivots
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kg.rules.engine.terms import Dictionary
+    from kg.rules.form import Term
 
 _FEW: Final = 32
 """Larger changes are not checked triple by triple."""
@@ -47,9 +47,9 @@ class Join:
     """
 
     def __init__(
-        self, body: Sequence[Element], patterns: Callable[[Element], Iterable[int]], dictionary: Dictionary
+        self, body: Sequence[Element], patterns: Callable[[Element], Iterable[int]], intern: Callable[[Term], int]
     ) -> None:
-        self._dictionary = dictionary
+        self._intern = intern
         self._outer: list[_Atom] = []
         self._places: list[tuple[_Atom, frozenset[str] | None]] = []
         """Atoms that may read a changed triple, with the outer variables in scope; None for atoms of the outer body."""
@@ -73,13 +73,13 @@ class Join:
         """Return an element as an atom with a constant predicate, None for any other."""
         if not isinstance(element, Atom) or not isinstance(element.predicate, NamedNode):
             return None
-        predicate = self._dictionary.intern_term(element.predicate)
+        predicate = self._intern(element.predicate)
         return _Atom(self._node(element.subject), predicate, self._node(element.object))
 
     def _node(self, node: Pattern) -> int | str | None:
         if isinstance(node, Variable):
             return node.name
-        return None if isinstance(node, TripleTerm) else self._dictionary.intern_term(node)
+        return None if isinstance(node, TripleTerm) else self._intern(node)
 
     def possible(self, changes: Sequence[Delta], worlds: tuple[World, World]) -> bool:
         """Return whether a solution, before or after, may have a triple of the changes; True if unknown."""
@@ -124,18 +124,19 @@ def _term(node: int | str | None, bound: dict[int | str, int]) -> int | None:
 class MaintainedRule:
     """A rule with its pivots; `before` and `after` are the worlds that it is solved in.
 
-    A rule is planned when a change first reaches it.
+    A rule is planned when a change first reaches it. `intern` returns the identifier of a term.
     """
 
-    def __init__(self, rule: Rule, plans: Mapping[Rule, RulePlan], state: State) -> None:
+    def __init__(self, rule: Rule, plans: Mapping[Rule, RulePlan], state: State, intern: Callable[[Term], int]) -> None:
         self.name = str(rule)
-        self.reads = frozenset(_patterns(rule.body, state.dictionary))
+        self.reads = frozenset(_patterns(rule.body, intern))
         """The patterns of what it reads."""
-        self.derives = frozenset(_patterns(rule.head, state.dictionary, head=True))
+        self.derives = frozenset(_patterns(rule.head, intern, head=True))
         """The patterns of what it derives."""
         self._rule = rule
         self._plans = plans
         self._state = state
+        self._intern = intern
 
     @cached_property
     def plan(self) -> RulePlan:
@@ -155,8 +156,7 @@ class MaintainedRule:
 
     @cached_property
     def _join(self) -> Join:
-        dictionary = self._state.dictionary
-        return Join(self._rule.body, lambda element: _patterns([element], dictionary), dictionary)
+        return Join(self._rule.body, lambda element: _patterns([element], self._intern), self._intern)
 
     @cached_property
     def _open(self) -> frozenset[str]:
@@ -282,7 +282,7 @@ class MaintainedRule:
         return True
 
 
-def _patterns(elements: Iterable[Element], dictionary: Dictionary, *, head: bool = False) -> Iterator[int]:
+def _patterns(elements: Iterable[Element], intern: Callable[[Term], int], *, head: bool = False) -> Iterator[int]:
     """Yield the patterns of the triples in elements of a body, or in the atoms of a `head`."""
     for element in elements:
         if isinstance(element, Atom):
@@ -290,14 +290,14 @@ def _patterns(elements: Iterable[Element], dictionary: Dictionary, *, head: bool
             # A blank node of a body is a term of the data, one of a head is a new node.
             fresh = head and isinstance(value, BlankNode)
             yield pattern(
-                dictionary.intern_term(predicate) if isinstance(predicate, NamedNode) else None,
-                None if fresh or isinstance(value, Variable | TripleTerm) else dictionary.intern_term(value),
+                intern(predicate) if isinstance(predicate, NamedNode) else None,
+                None if fresh or isinstance(value, Variable | TripleTerm) else intern(value),
             )
         elif isinstance(element, EngineBlock):
             for read in element.reads or (None,):
-                yield pattern(dictionary.intern_term(read) if read is not None else None, None)
+                yield pattern(intern(read) if read is not None else None, None)
         elif isinstance(element, Exists | Aggregate):
-            yield from _patterns(element.body, dictionary)
+            yield from _patterns(element.body, intern)
 
 
 def _seeds(head: Head, candidates: Facts, hidden: frozenset[int]) -> Iterator[Table]:

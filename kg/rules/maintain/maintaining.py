@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -78,13 +79,14 @@ class Strata:
 
     def __init__(self, program: Program, dictionary: Dictionary, state: State) -> None:
         plans = program.plans(dictionary)
+        intern = cache(dictionary.intern_term)  # rules share most of their terms
         self._rules: list[MaintainedRule] = []
         self._deriving: defaultdict[int, list[int]] = defaultdict(list)
         self._strata: list[_Stratum] = []
         for stratum in program.strata:
-            rules = [MaintainedRule(rule, plans, state) for rule in stratum.rules]
+            rules = [MaintainedRule(rule, plans, state, intern) for rule in stratum.rules]
             relations = equalities(stratum.rules) if stratum.recursive else ()
-            equal = [dictionary.intern_term(equality.predicate) for equality in relations]
+            equal = [intern(equality.predicate) for equality in relations]
             self._strata.append(_Stratum(len(self._rules), rules, equal, stratum.recursive))
             for number, rule in enumerate(rules, len(self._rules)):
                 for one in rule.derives:
