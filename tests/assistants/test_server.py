@@ -320,7 +320,8 @@ def test_a_long_rule_has_pages(connected: Connected) -> None:
     assert len(pages) > 1
     assert max(len(page.encode()) for page in pages) <= 3000
     text = "\n".join(page.rpartition("\npage ")[0] for page in pages)
-    assert text.splitlines() == (folder("rules") / "architecture" / "undeclared-argument.srl").read_text("utf-8").splitlines()
+    file = folder("rules") / "architecture" / "undeclared-argument.srl"
+    assert text.splitlines() == file.read_text("utf-8").splitlines()
 
 
 def test_the_command_speaks_on_standard_streams(store: Path) -> None:

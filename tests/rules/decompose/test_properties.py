@@ -66,7 +66,8 @@ def test_a_rule_in_another_notation_derives_what_it_derives(seed: int) -> None:
                 found = derived(read_text(printed, Path(f"rule{ending}"), "test/rule").rules, facts)
             except RuleError as error:
                 # Heads with variables of different branches leave one block that reads anything.
-                assert error.code == "KG202", text
+                if error.code != "KG202":
+                    raise
                 continue
             assert found == expected, text
 
