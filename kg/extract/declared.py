@@ -197,7 +197,17 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         arguments=_least_arguments(one.guards),
         switches=tuple(switch for term in one.guards if (switch := _switch(term, parameter if name is None else None))),
         via=via,
+        node=_other_node(one, alone) if ros == _ROS2 else None,
     )
+
+
+def _other_node(one: Declared, alone: str) -> str | None:
+    """Return the name of the node that has an interface; None for the node of the program that is `alone`."""
+    native = one.node.native if one.node is not None else {}
+    name, namespace = (
+        one.exact if isinstance(one, Text) else None for one in (native.get("name"), native.get("namespace"))
+    )
+    return name if name and name != alone and not (namespace or "").strip("/") and not name.startswith("_") else None
 
 
 def _switch(term: str, naming: str | None) -> str | None:

@@ -211,6 +211,8 @@ class Interface:
     """Parts of its message that the code leaves empty while it sets others."""
     filled: tuple[str, ...] = ()
     """Parts of its message that the file that creates it sets."""
+    node: str | None = None
+    """The name that the code gives to the node that has it, if the program has others, of which it is not the first."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -511,9 +511,9 @@ class Framework:
         if call.node is not None and owner is None and effect.role and not isinstance(call.node, Unknown):
             return None
         if effect.listed:
-            single = replace(effect, listed=False, name=0, default=1, prefix=None)
-            for key, value in listed(effect, call):
-                self._apply(single, Invocation(owner, Arguments([key, value])))
+            single = replace(effect, listed=False, name=0, default=1, descriptor=2, prefix=None)
+            for row in listed(effect, call):
+                self._apply(single, Invocation(owner, Arguments(row)))
             return None
         if effect.specification is not None:
             self._specified(effect, owner, call)

@@ -52,7 +52,8 @@ def below(namespace: Value, name: Value) -> Value:
     if not isinstance(namespace, Text) or namespace.exact == "":
         return name
     if name.exact == "":
-        return replace(namespace, resolution=worse(namespace.resolution, name.resolution))
+        parameter = namespace.parameter or name.parameter
+        return replace(namespace, resolution=worse(namespace.resolution, name.resolution), parameter=parameter)
     joined = concatenate(namespace, Text.of("/"), name)
     if isinstance(joined, Text) and isinstance(joined.parts[0], str):
         return replace(joined, parts=(joined.parts[0].replace("//", "/"), *joined.parts[1:]))

@@ -104,10 +104,11 @@ class Parameters:
         before = call.argument(effect.output) if written and call.arguments.frame is not None else None
         if isinstance(before, Sequence) and _is_pair(before):
             before = before.items[1]  # a `rclcpp::Parameter` that receives the parameter
+        other = getattr(before, "parameter", None) not in (None, shown)  # the variable has received another parameter
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
         current = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
         value = _value(default, current, before, shown)
-        kind = stated or _type(template, default, before)
+        kind = stated or _type(template, default, before if not other else None)
         if kind is None:
             declared = call.declared(effect.output, language) or call.declared(effect.default, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
@@ -116,12 +117,14 @@ class Parameters:
         descriptor = call.argument(effect.descriptor)
         if isinstance(descriptor, Object) and descriptor.fields.get("dynamic_typing") == Truth(True):
             kind = None
+        elif isinstance(descriptor, Object) and kind is None:
+            kind = _stated_type(descriptor.fields.get("type"))
         reading = Reading(whole, value, before, default, kind)
         if shown is not None and effect.access is not Access.WRITE and (default is not None or current is None):
             self._values[key] = value
         if effect.weak and current is not None:
             return replace(reading, default=None, type=kind or type_of_value(current))
-        first = effect.access is Access.READ and current is None and before is not None
+        first = effect.access is Access.READ and current is None and before is not None and not other
         if default is None and first and not isinstance(value, Unknown):
             return replace(reading, default=value)
         return reading
@@ -171,22 +174,20 @@ def with_parameter(value: Value, name: str | None) -> Value:
     return value
 
 
-def listed(effect: Effect, call: Invocation) -> list[tuple[Value, Value]]:
-    """Return the names and values of the parameters in a list or map, below the prefix that the call gives."""
+def listed(effect: Effect, call: Invocation) -> list[list[Value]]:
+    """Return the parameters in a list or map, each with its name below the prefix of the call, value and descriptor."""
     given = call.argument(effect.name or 0)
     if effect.access is Access.WRITE and _is_pair(given):
         given = Sequence((given,)) if given is not None else None
     missing = Unknown("no default")
-    pairs: list[tuple[Value, Value]] = []
+    rows: list[list[Value]] = []
     if isinstance(given, Mapping):
-        pairs += given.items
+        rows += map(list, given.items)
     for item in given.items if isinstance(given, Sequence) else ():
-        if isinstance(item, Sequence) and item.items:
-            pairs.append((item.items[0], item.items[1] if len(item.items) > 1 else missing))
-        else:
-            pairs.append((item, missing))
+        row = list(item.items) if isinstance(item, Sequence) and item.items else [item]
+        rows.append(row if len(row) > 1 else [*row, missing])
     prefix = _prefix(effect, call)
-    return [(prefixed(prefix, key), value) for key, value in pairs] if prefix is not None else pairs
+    return [[prefixed(prefix, row[0]), *row[1:]] for row in rows] if prefix is not None else rows
 
 
 def _prefix(effect: Effect, call: Invocation) -> Value | None:
@@ -206,11 +207,11 @@ def prefixed(prefix: Value, name: Value) -> Value:
 
 
 def _stated_type(default: Value | None) -> str | None:
-    """Return the type that `Parameter.Type.STRING` or `rclcpp::PARAMETER_STRING` states in place of a default."""
+    """Return the type that `Parameter.Type.STRING` or `ParameterType.PARAMETER_STRING` states."""
     names = default.kind.names if isinstance(default, TypeValue) else ()
-    if names[-2:-1] != ("Type",):
+    if names[-2:-1] not in (("Type",), ("ParameterType",)):
         return None
-    word = names[-1].lower()
+    word = names[-1].lower().removeprefix("parameter_")
     return {"integer": "int", "integer_array": "int_array"}.get(word, word) if word != "not_set" else None
 
 

@@ -143,7 +143,10 @@ class Kinds:
             at, kind, template, home = alias
             if kind.names != names:
                 inner = Frame(home, at, types=dict(zip(template, arguments, strict=False)))
-                return self.kind(kind, inner, depth + 1)
+                meant = self.kind(kind, inner, depth + 1)
+                if not template and arguments and isinstance(meant, Kind) and not meant.arguments:
+                    return Kind(meant.names, arguments, meant.cls)  # a template that `using` declares
+                return meant
         cls = self._linker.find_class(names, unit, scope)
         if cls is not None:
             # The classes of messages in headers that rosserial generated are as those that are generated elsewhere.

@@ -67,6 +67,8 @@ _ASSIGNED: Final = re.compile(
 )
 _CONTINUED: Final = re.compile(r"\\\r?\n")
 """The end of a line of a macro that goes on."""
+_COMMENT: Final = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//.*|/\*.*?\*/""", re.DOTALL)
+"""A comment of the text of a macro, or a literal that may look like one."""
 _QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
 """A macro with such a text can be another name of a type, or, in front of `::`, of a namespace."""
 _NAMESPACE_ALIAS: Final = re.compile(rb"\bnamespace\s+(\w+)\s*=\s*([\w:\s]+?)\s*;")
@@ -364,7 +366,8 @@ class CppUnit(Unit):
     def _macro(self, node: Node, parameters: _Scope | None) -> None:
         name, value = node.child_by_field_name("name"), node.child_by_field_name("value")
         if name is not None and value is not None:
-            text = _CONTINUED.sub(" ", syntax.text(value)).strip()
+            joined = _CONTINUED.sub(" ", syntax.text(value))
+            text = _COMMENT.sub(lambda match: match[1] or " ", joined).strip() if "/" in joined else joined.strip()
             shown = syntax.text(name)
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))
             if parameters is None and _QUALIFIER.fullmatch(text):

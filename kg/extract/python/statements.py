@@ -50,7 +50,7 @@ _BROKEN: Final = frozenset({"ERROR", "assignment", "tuple", "parenthesized_expre
 _CONTEXT: Final = "contextmanager"
 """The end of the names of decorators that make a context manager of a generator."""
 _METHODS: Final = frozenset(
-    {"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter", _CONTEXT}
+    {"property", "cached_property", "classmethod", "staticmethod", "setter", "deleter", "root_validator", _CONTEXT}
 )
 
 

@@ -90,6 +90,27 @@ def without_inner(node: NodeType, inner: Iterable[Inner]) -> NodeType:
     )
 
 
+def other_nodes(started: StartedNode, node: NodeType) -> tuple[str, ...]:
+    """Return the names of the further nodes of a program; a name that is given to it is that of all of them."""
+    named = started.name or any(rule.source in ("__node", "__name") for rule in started.remaps)
+    if named or node.node_name is None or started.kind not in (StartKind.NODE, StartKind.LIFECYCLE_NODE):
+        return ()
+    names = dict.fromkeys(one.node for one in node.interfaces if one.node is not None)
+    return tuple(name for name in names if name != node.node_name)
+
+
+def of_own_node(node: NodeType, name: str | None) -> NodeType:
+    """Return a node type with the interfaces of one node of its program; None is the first. All have its parameters."""
+    names = (name,) if name is not None else (None, node.node_name)
+    own = (one for one in node.interfaces if one.node in names or (one.node is None and one.implicit))
+    return replace(node, interfaces=tuple(own))
+
+
+def started_other(name: str, first: StartedNode, place: Place) -> StartedNode:
+    """Return a further node of the program of a started one."""
+    return replace(first, name=name, kind=StartKind.INNER, settings=(("made-by", place.full),))
+
+
 def started_inner(row: Inner, maker: StartedNode, place: Place, process: StartedNode | None) -> StartedNode:
     """Return an inner node of `maker` as a started node; `process` has the command line, if known.
 

@@ -30,7 +30,16 @@ from kg.facts import (
 )
 from kg.holes import ANONYMOUS, is_known, is_partial
 from kg.launch.wiring.families import switched_on
-from kg.launch.wiring.inner_nodes import Inner, Spelling, addressed, filled_defaults, inner_nodes, without_inner
+from kg.launch.wiring.inner_nodes import (
+    Inner,
+    Spelling,
+    addressed,
+    filled_defaults,
+    inner_nodes,
+    of_own_node,
+    other_nodes,
+    without_inner,
+)
 from kg.launch.wiring.interfaces import Ends
 from kg.launch.wiring.parameters import Reads
 from kg.launch.wiring.place import Place, place_of
@@ -160,6 +169,8 @@ class Draft:
     """Its remappings that changed a name, here, in a nodelet that it manages, or in a node that it makes."""
     makes: tuple[Inner, ...] = ()
     """The nodes that it makes itself."""
+    others: tuple[str, ...] = ()
+    """The other nodes of its program, which are in its process under the names that the code gives them."""
     creator: Inner | None = None
     """What says that another node makes it."""
     process: str | None = None
@@ -184,15 +195,19 @@ def draft_of(started: StartedNode, types: NodeTypes, repository: str, ros: int, 
     """Return the draft of a node by itself: its type, its place and its rules."""
     typed, missing, reason = types.of(started, repository)
     place = place_of(started, typed[1] if typed is not None else None)
-    makes = inner_nodes(typed) if creator is None else ()
+    other = started.name if creator is None and started.kind is StartKind.INNER else None
+    makes = inner_nodes(typed) if creator is None and other is None else ()
+    others = other_nodes(started, typed[1]) if typed is not None and not makes else ()
     if typed is not None and makes:
         typed = typed[0], without_inner(typed[1], makes)
+    elif typed is not None and (others or other):
+        typed = typed[0], of_own_node(typed[1], other)
     written = started
     if ros != 1:
         given = addressed(written.parameters, place.full, alone=creator is None)
         started = replace(started, parameters=tuple({parameter.name: parameter for parameter in given}.values()))
     draft = Draft(started, place, ros, typed, missing, reason, rules_of(started.remaps, place, ros))
-    draft.makes, draft.creator, draft.repository = makes, creator, repository
+    draft.makes, draft.others, draft.creator, draft.repository = makes, others, creator, repository
     if missing is MissingType.UNKNOWN_PACKAGE and started.package:
         draft.similar = types.like(started.package)
     if creator is None:

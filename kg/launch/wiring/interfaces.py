@@ -114,6 +114,8 @@ def _around(declared: Interface, defaults: Iterable[str]) -> tuple[str, str, boo
         if name.count(text) == 1:
             before, _, after = name.partition(text)
             return before, after, True
+    if name == "~" and "" in defaults:  # a private handle adds nothing to an empty default
+        return "~/", "", _plain(declared.written)
     if name.startswith("~/") and _plain(declared.written):
         return f"{name.rpartition('/')[0]}/", "", True
     return "", "", _plain(declared.written)

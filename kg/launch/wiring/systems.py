@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kg.facts import LaunchConfiguration, Location, NodeInstance, StartedNode, System
 from kg.launch.wiring.behavior_trees import run_trees
 from kg.launch.wiring.controllers import attach, with_controllers
-from kg.launch.wiring.inner_nodes import started_inner
+from kg.launch.wiring.inner_nodes import started_inner, started_other
 from kg.launch.wiring.instances import Draft, draft_of, finished, loads
 from kg.launch.wiring.near_misses import near_misses
 from kg.launch.wiring.simulation import simulate
@@ -75,6 +75,11 @@ def _with_inner(drafts: Sequence[Draft], nodes: Sequence[StartedNode], types: No
             inner = draft_of(node, types, draft.repository, draft.ros, row)
             inner.process = process
             result.append(inner)
+        for name in draft.others:
+            node = started_other(name, started, draft.place)
+            other = draft_of(node, types, draft.repository, draft.ros)
+            other.process = process
+            result.append(other)
     return result
 
 

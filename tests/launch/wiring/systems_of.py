@@ -94,6 +94,7 @@ def _interface(role: Role, one: str | Mapping[str, Any]) -> Interface:
         arguments=row.get("arguments", 0),
         switches=tuple(row.get("switches", ())),
         via=tuple(Location(path, 1) for path in row.get("via", ())),
+        node=row.get("node"),
     )
 
 

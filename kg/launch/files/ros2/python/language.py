@@ -67,6 +67,7 @@ _OUTSIDE: Final = frozenset(
     }
 )  # fmt: skip
 """First names of modules that are never looked for in the build: the tables know them, or nobody does."""
+_MODEL: Final = ("pydantic", "BaseModel")
 _PLAIN_BASES: Final = frozenset({"builtins", "abc", "enum", "typing"})
 
 
@@ -154,10 +155,31 @@ class LaunchCalls(Calls):
         bases = [one for one in self._language.chain(kind)[1] if one.names[0] not in _PLAIN_BASES]
         if not bases:
             return super().construct(kind, given, hosted=hosted)
+        if all(one.names == _MODEL for one in bases):
+            return self._model(kind, super().construct(kind, given, hosted=hosted))
         base = next((one for one in bases if one.names[0] in _OUTSIDE and one.name in library.EXTENDED), None)
         if base is None:
             return Unknown(f"the class `{kind.name}` has a base that is not in the build")  # type: ignore[return-value]  # as any value
         return self._extending(kind, base, given)
+
+    def _model(self, kind: Kind, made: Object) -> Object:
+        """Return an object of a class of pydantic as its validators of all fields leave it."""
+        classes = [cls for cls, _ in self._language.chain(kind)[0]]
+        for cls in classes:
+            for name in cls.fields:
+                if isinstance(self._language.of_object(made, name), Bound):
+                    made.fields[name] = NULL  # of the type `Optional`, or its absence is an error
+            for function in (one[0] for one in cls.methods.values() if "root_validator" in one[0].marks):
+                fields = dict.fromkeys(name for one in classes for name in one.fields)
+                values = tuple((Text.of(name), self._language.of_object(made, name)) for name in fields)
+                closure = Closure(function, self._language.around[cls], (TypeValue(kind),))
+                result = self.value(closure, Arguments([Mapping(values)]))
+                if not isinstance(result, Mapping):
+                    return Unknown("a validator decides about its fields")  # type: ignore[return-value]  # as any value
+                made.fields.update(
+                    (one.exact, value) for one, value in result.items if isinstance(one, Text) and one.exact
+                )
+        return made
 
     def _extending(self, kind: Kind, base: Kind, given: Arguments) -> Instance:
         """Return an object of a class of the build that extends `base`, a class of launch."""

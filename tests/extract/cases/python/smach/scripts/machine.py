@@ -3,6 +3,7 @@
 import rospy
 import smach
 import smach_ros
+from control_msgs.msg import SingleJointPositionAction
 from move_base_msgs.msg import MoveBaseAction
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
@@ -27,6 +28,8 @@ def main():
         smach.StateMachine.add("CALL", smach_ros.ServiceState("finish", Trigger))
     server = smach_ros.IntrospectionServer("server", machine, "/ROOT")
     server.start()
+    wrapper = smach_ros.ActionServerWrapper("command", SingleJointPositionAction, wrapped_container=machine)
+    wrapper.run_server()
     machine.execute()
 
 
