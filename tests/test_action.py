@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 import yaml
+from cli.program import programs
 from repository import ROOT
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def runner(tmp_path: Path) -> Runner:
     programs, own = tmp_path / "programs", tmp_path / "temporary" / "kg" / "bin"
     for folder in (programs, own):
         folder.mkdir(parents=True)
-    _program(own / "kg", f'export PYTHONPATH={shlex.quote(str(ROOT))}\nexec {shlex.quote(sys.executable)} -m kg "$@"')
+    (own / "kg").symlink_to(programs() / "kg")
     write = 'import json, os, sys; open(os.environ["GH_CALLS"], "a").write(json.dumps(sys.argv[1:]) + "\\n")'
     noted = f'{shlex.quote(sys.executable)} -c {shlex.quote(write)} "$@"'
     _program(programs / "gh", f'{noted}\n[ -z "$EARLIER" ] || echo "$EARLIER"')
