@@ -457,4 +457,8 @@ def test_each_window_keeps_its_own_tabs(browser: Chromium, site: str) -> None:
             await page.reload(wait_until="load")
         return begun, await second.locator("#query-text").input_value(), await field.input_value()
 
-    assert visited(browser, site, both, kept=False) == ("ASK { ?first ?p ?o }", "ASK { ?second ?p ?o }", "ASK { ?first ?p ?o }")
+    assert visited(browser, site, both, kept=False) == (
+        "ASK { ?first ?p ?o }",
+        "ASK { ?second ?p ?o }",
+        "ASK { ?first ?p ?o }",
+    )

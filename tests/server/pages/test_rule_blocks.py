@@ -33,7 +33,7 @@ def _visited(browser: Chromium, site: str, work: Callable[[Visit], Awaitable[Fou
     """Return the result of `work` on the page, which must report no problem."""
 
     async def visit() -> Found:
-        async with browser.visit(f"{site}/rule-blocks{path}", viewport=_WIDE) as visited:
+        async with browser.visit(f"{site}/rule-blocks{path}", kept=True, viewport=_WIDE) as visited:
             await _checked(visited.page)
             found = await work(visited)
             assert await visited.troubles() == []
