@@ -185,8 +185,8 @@ class Chromium:
     async def visit(self, address: str, *, kept: bool = False, **options: Any) -> AsyncIterator[Visit]:
         """Open a page and wait until it is idle.
 
-        `options` are those of a context, such as `color_scheme`. A `kept` tab is emptied and used again, which takes half
-        the processor time of a new one; it is for visits that neither route requests nor open other tabs.
+        `options` are those of a context, such as `color_scheme`. A `kept` tab is emptied and used again, which takes
+        half the processor time of a new one; it is for visits that neither route requests nor open other tabs.
         """
         options = {"viewport": {"width": 1200, "height": 800}, "reduced_motion": "reduce", **options}
         tab = self.tabs.pop(repr(options), None) if kept else None

@@ -158,7 +158,7 @@ def test_two_lines_set_everything_up() -> None:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A copy of the checkout next to `kg`, in which the examples are built; commands fork until the end of the module."""
+    """A copy of the checkout next to `kg`, in which the examples are built; commands are forked."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(transcripts, "PROGRAMS", programs())
         clone = generate.checkout(tmp_path_factory.mktemp("sessions"))
