@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["commands", "masked", "refreshed"]
 
+PROGRAMS = Path(sys.executable).parent
+"""The folder with the program `kg` that runs; tests have another one."""
+
 _BLOCK: Final = re.compile(r"(?P<open>^```console\n)(?P<body>.*?)(?P<close>^```$)", re.MULTILINE | re.DOTALL)
 _PROMPT: Final = "$ "
 _MORE: Final = "> "
@@ -64,7 +67,7 @@ def run(command: str, folder: Path) -> str:
     """
     terminal, other_end = pty.openpty()
     surroundings = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
-    search = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    search = f"{PROGRAMS}{os.pathsep}{os.environ['PATH']}"
     with subprocess.Popen(
         ["bash", "-c", command],  # noqa: S607 - the shell of whoever reads the page
         cwd=folder,

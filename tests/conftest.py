@@ -32,6 +32,9 @@ QUICK_JAVA: Final = "-XX:+UseSerialGC -XX:TieredStopAtLevel=1"
 _MANY: Final = 1000
 """Number of tests from which a run includes dozens that build workspaces."""
 
+_LONGEST: Final = {"test_docs.py", "test_faults.py", "test_hostile_launches.py", "test_ontology.py"}
+"""Files with tests of ten seconds: at the end of a run, one worker would run them while the others are idle."""
+
 settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("patient")
 
@@ -88,7 +91,8 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests that open pages in a browser."""
+    """Mark the tests that open pages in a browser, and begin with the longest tests."""
+    items.sort(key=lambda item: item.path.name not in _LONGEST)
     for item in items:
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker(pytest.mark.browser)

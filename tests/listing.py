@@ -144,12 +144,12 @@ def listed(client: httpx.Client | TestClient, of: str, text: str) -> dict[str, A
 
 async def examine(browser: Chromium, address: str) -> Examined:
     """Open a page and examine it."""
-    async with browser.visit(address, tools=True, color_scheme="light") as visit:
+    async with browser.visit(address, kept=True, color_scheme="light") as visit:
         return await inspect(visit)
 
 
 async def inspect(visit: Visit) -> Examined:
-    """Examine an open page, loaded with tools and in light."""
+    """Examine an open page, loaded in light."""
     light = await _accessible(visit)
     twins = await visit.page.locator("footer a[type='application/json']").count()
     missed, ringless = await _walked(visit.page)

@@ -29,10 +29,10 @@ NAMES: Final = "SELECT ?name { ?n a rnkg:NodeType ; rnkg:name ?name }"
 
 
 def visited(browser: Chromium, site: str, work: Work, **parameters: str) -> Any:
-    """Return the result of `work` on the query page; the page must report no problem."""
+    """Return the result of `work` on the query page, in a kept tab; the page must report no problem."""
 
     async def visit() -> Any:
-        async with browser.visit(f"{site}/query?{urlencode(parameters)}") as opened:
+        async with browser.visit(f"{site}/query?{urlencode(parameters)}", kept=True) as opened:
             found = await work(opened)
             assert [one for one in await opened.troubles() if "the server responded with a status of" not in one] == []
             return found

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 import yaml
+from cli.program import programs
 from repository import ROOT
 
 if TYPE_CHECKING:
@@ -98,13 +99,13 @@ def runner(tmp_path: Path) -> Runner:
     launch.mkdir(parents=True)
     (launch / "all.launch").write_text(_LAUNCH, "utf-8")
     (launch.parent / "package.xml").write_text(_PACKAGE, "utf-8")
-    programs, own = tmp_path / "programs", tmp_path / "temporary" / "kg" / "bin"
-    for folder in (programs, own):
+    others, own = tmp_path / "programs", tmp_path / "temporary" / "kg" / "bin"
+    for folder in (others, own):
         folder.mkdir(parents=True)
-    _program(own / "kg", f'export PYTHONPATH={shlex.quote(str(ROOT))}\nexec {shlex.quote(sys.executable)} -m kg "$@"')
+    (own / "kg").symlink_to(programs() / "kg")
     write = 'import json, os, sys; open(os.environ["GH_CALLS"], "a").write(json.dumps(sys.argv[1:]) + "\\n")'
     noted = f'{shlex.quote(sys.executable)} -c {shlex.quote(write)} "$@"'
-    _program(programs / "gh", f'{noted}\n[ -z "$EARLIER" ] || echo "$EARLIER"')
+    _program(others / "gh", f'{noted}\n[ -z "$EARLIER" ] || echo "$EARLIER"')
     return Runner(tmp_path, {"paths": "src"})
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 import typer.main
+from cli.program import programs
 from repository import ROOT, files
 
 from kg.cli.app import app
@@ -156,11 +157,13 @@ def test_two_lines_set_everything_up() -> None:
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a copy of the checkout next to `kg`, in which the examples are built."""
-    clone = generate.checkout(tmp_path_factory.mktemp("sessions"))
-    transcripts.run("kg build examples/workspace", clone)
-    return shutil.copytree(clone, clone.with_name("built"))
+def built(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A copy of the checkout next to `kg`, in which the examples are built; commands are forked."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(transcripts, "PROGRAMS", programs())
+        clone = generate.checkout(tmp_path_factory.mktemp("sessions"))
+        transcripts.run("kg build examples/workspace", clone)
+        yield shutil.copytree(clone, clone.with_name("built"))
 
 
 def reset(built: Path) -> Path:

@@ -26,6 +26,8 @@ from kg.store.embedded import EmbeddedStore
 from kg.symbolic.descriptions import merged
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pytest
 
 __all__ = ["copied", "example", "prepare_builds", "prepare_rules"]
@@ -72,20 +74,24 @@ class _Ontologies:
         return [name for name in self.store.named_graphs() if isinstance(name, NamedNode)]
 
 
-def example(factory: pytest.TempPathFactory, name: str = "examples") -> Path:
+def example(factory: pytest.TempPathFactory, name: str = "examples", more: Sequence[Path] = ()) -> Path:
     """Return a folder with a copy of the example workspace, called `name`, and its store, `.kg`; both are read-only.
 
-    Outside any checkout, so the names of sources do not depend on the location of the tests. The workers of
-    pytest-xdist share it: the first one builds, the others wait.
+    The store also has the sources in the folders `more`. Outside any checkout, so the names of sources do not depend on
+    the location of the tests. The workers of pytest-xdist share it: the first one builds, the others wait.
     """
     own = factory.getbasetemp()
-    root = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / f"built-{name}"
+    place = "-".join(["built", name, *(source.name for source in more)])
+    root = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / place
     with root.with_suffix(".lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (root / ".kg" / "current").exists():
             shutil.rmtree(root, ignore_errors=True)
             shutil.copytree(folder("examples") / "workspace", root / name)
-            build([str(root / name)], EmbeddedStore.create(root / ".kg"), load({}, environment={}))
+            for source in more:
+                shutil.copytree(source, root / source.name)
+            sources = [str(root / one) for one in (name, *(source.name for source in more))]
+            build(sources, EmbeddedStore.create(root / ".kg"), load({}, environment={}))
     return root
 
 

@@ -16,6 +16,7 @@ import os
 import zlib
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 import msgspec
@@ -26,6 +27,7 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
+from kg.pipeline.filecache import State, are_stable, states
 from kg.pipeline.reach import newly_asserted
 from kg.pipeline.reasoning import digest, ontology_digest, rules_in_force, rules_over, schema_of
 from kg.rules.dependencies import patterns
@@ -166,8 +168,13 @@ def _written_ontologies(cache: Path) -> _Ontologies | None:
 
 def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
     files = ontologies_in_force(settings)
-    if problems is None:
-        return ontology_triples(files)
+    seen = tuple(state for file in files for state in states(file))
+    compute = _triples if are_stable(seen) else _triples.__wrapped__
+    try:
+        return compute(files, seen)
+    except GraphError:
+        if problems is None:
+            raise
     readable = []
     for file in files:
         try:
@@ -176,6 +183,12 @@ def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
         except GraphError as error:
             problems.append(error)
     return ontology_triples(readable)
+
+
+@lru_cache(maxsize=1)
+def _triples(files: tuple[Path, ...], _seen: tuple[State, ...]) -> bytes:
+    """Return the ontologies as N-Triples, cached in this process for other stores."""
+    return ontology_triples(files)
 
 
 class Inference:

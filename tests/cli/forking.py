@@ -1,10 +1,11 @@
 """A process that has imported `kg` and forks for each run of it, so a run pays for its work and not for its imports.
 
-    python -P forking.py 5          serve orders received on the socket with the number 5
+    python -P forking.py 5 6        serve orders received on socket 5, and on connections to socket 6
 
-An order is a working folder, arguments and an environment, as JSON, with three files: the streams of the run, and the
-pipe for its process number and then its exit code. Each run is a process like that of `python -m kg`, with streams,
-folder, environment and exit of its own. This process opens no store and starts no thread, which makes forking safe.
+An order is a working folder, arguments and an environment, as JSON, with files: the output streams of the run, the pipe
+for its process number and then its exit code, and its input, if any. Each run is a process like that of `python -m kg`,
+with streams, folder, environment and exit of its own. This process opens no store and starts no thread, which makes
+forking safe.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ _NOT_WRITTEN: Final = 120
 _TESTS: Final = str(Path(__file__).parents[1])
 
 
-def _serve(orders: socket.socket) -> None:
+def _serve(orders: socket.socket, callers: socket.socket) -> None:
     """Import the modules, then fork for each order until the socket is closed."""
     for module in pkgutil.iter_modules(kg.cli.commands.__path__, "kg.cli.commands."):
         importlib.import_module(module.name)
@@ -73,28 +74,37 @@ def _serve(orders: socket.socket) -> None:
     running: dict[int, tuple[int, int]] = {}  # by the descriptor of each process: its number, and the pipe for answers
     while True:
         # A handler of SIGCHLD could come just before a read that blocks, and would wait until the read ends.
-        ready, _, _ = select.select([orders.fileno(), *running], [], [])
+        ready, _, _ = select.select([orders.fileno(), callers.fileno(), *running], [], [])
         for process in running.keys() & set(ready):
             _report(*running.pop(process))
             os.close(process)
-        if orders.fileno() not in ready:
+        if orders.fileno() in ready:
+            content, files, _, _ = socket.recv_fds(orders, _MOST, 4)
+            if not content:
+                return
+        elif callers.fileno() in ready:
+            with callers.accept()[0] as caller:
+                content, files, _, _ = socket.recv_fds(caller, _MOST, 4)
+        else:
             continue
-        content, files, _, _ = socket.recv_fds(orders, _MOST, 3)
-        if not content:
-            return
         order = json.loads(content)
         if _BUILDING & set(order["arguments"]):
             _prepare_builds()
         child = os.fork()
         if not child:
             orders.close()
+            callers.close()
             for process, (_, answers) in running.items():
                 os.close(process)
                 os.close(answers)
-            os.close(files[2])
-            _attend(order, *files[:2])
-        *streams, answers = files
-        for stream in streams:
+            out, err, answers, *given = files
+            os.close(answers)
+            for stream in given:
+                os.dup2(stream, sys.stdin.fileno())
+                os.close(stream)
+            _attend(order, out, err)
+        out, err, answers, *given = files
+        for stream in (out, err, *given):
             os.close(stream)
         os.write(answers, ANSWER.pack(child))
         running[os.pidfd_open(child)] = child, answers
@@ -176,4 +186,4 @@ def _end(code: int) -> NoReturn:
 
 
 if __name__ == "__main__":
-    _serve(socket.socket(fileno=int(sys.argv[1])))
+    _serve(*(socket.socket(fileno=int(number)) for number in sys.argv[1:]))

@@ -4,10 +4,10 @@ import os
 import pty
 import re
 import subprocess
-import sys
 from typing import TYPE_CHECKING, Final
 
 import pytest
+from cli.program import programs
 from cli.rover import build
 from workspaces import copied, example
 
@@ -25,7 +25,7 @@ def on_terminal(where: Path, *arguments: str, **environment: str) -> str:
     here, there = pty.openpty()
     clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_") and name != "NO_COLOR"}
     process = subprocess.Popen(
-        [sys.executable, "-m", "kg", *arguments],
+        [programs() / "kg", *arguments],
         cwd=where,
         env={**clean, "TERM": "xterm-256color", "COLUMNS": str(COLUMNS), "LINES": "40", **environment},
         stdin=there,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from cli.program import Program
 from editors.client import editing
 
 pytest.importorskip("pygls", reason="the extra `lsp` is not installed")
@@ -26,7 +25,8 @@ LAUNCH = """\
 
 def build(folder: Path) -> None:
     """Build the store of a workspace like its owner."""
-    subprocess.run([sys.executable, "-m", "kg", "build", "src"], cwd=folder, check=True, capture_output=True)
+    run = Program(folder)("build", "src")
+    assert run.code == 0, run.err
 
 
 @pytest.fixture(name="folder", scope="module")

@@ -70,7 +70,7 @@ class Bench:
         """
         with pytest.MonkeyPatch.context() as patch:
             if not rules:
-                patch.setattr(inferring, "ontology_triples", lambda _: _ONTOLOGY)
+                patch.setattr(inferring, "_in_force", lambda *_: _ONTOLOGY)
             return build(named or [str(self.source)], self.store, load({"jobs": jobs}, environment={}), rules=rules)
 
     def content(self) -> list[str]:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 from pyoxigraph import NamedNode
+from workspaces import example
 
-from kg.pipeline.build import build
-from kg.resources import folder
-from kg.settings import load
 from kg.store.embedded import EmbeddedStore
+from kg.store.layout import Layout
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -46,11 +44,6 @@ def snapshot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnaps
 @pytest.fixture(scope="session")
 def examples(tmp_path_factory: pytest.TempPathFactory) -> Iterator[EmbeddedSnapshot]:
     """The example workspace, and the odd packages of `cases/odd`, in one store."""
-    root = tmp_path_factory.mktemp("examples")
-    # Outside of any checkout, so the names of the sources do not depend on the location of the tests.
-    shutil.copytree(folder("examples") / "workspace", root / "examples")
-    shutil.copytree(Path(__file__).parent / "cases" / "odd", root / "odd")
-    store = EmbeddedStore.create(root / ".kg")
-    build([str(root / "examples"), str(root / "odd")], store, load({}, environment={}))
-    with store.read() as opened:
+    root = example(tmp_path_factory, more=[Path(__file__).parent / "cases" / "odd"])
+    with EmbeddedStore(Layout(root / ".kg")).read() as opened:
         yield opened

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import httpx
 import pytest
-from listing import PAGES, Examined, Shown, examine, shown
+from listing import Shown, shown
 from patience import patient
 from serving import served
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
     from browsing import Chromium
@@ -29,16 +29,3 @@ def things(site: str) -> Shown:
     """The entities of the example workspace shown by the pages."""
     with httpx.Client(base_url=site, timeout=patient(30)) as client:
         return shown(client)
-
-
-@pytest.fixture(scope="session")
-def examined(browser: Chromium, site: str, things: Shown) -> Callable[[str], Examined]:
-    """Return the examination of the page of a name; each is opened once."""
-    known: dict[str, Examined] = {}
-
-    def ask(name: str) -> Examined:
-        if name not in known:
-            known[name] = browser.run(examine(browser, site + PAGES[name].format(**things)))
-        return known[name]
-
-    return ask

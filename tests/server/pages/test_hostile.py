@@ -134,7 +134,7 @@ def test_nothing_of_the_data_becomes_markup(browser: Chromium, hostile: str) -> 
     """Data runs no script, creates no element, links to no script, and causes no request to another host."""
 
     async def look(path: str) -> list[str]:
-        async with browser.visit(hostile + path) as visit:
+        async with browser.visit(hostile + path, kept=True) as visit:
             await visit.page.keyboard.press("Tab")
             injected: list[str] = await visit.page.evaluate(_INJECTED)
             said = [one for one in await visit.troubles() if "Failed to load resource" not in one]
@@ -148,7 +148,7 @@ def test_hostile_words_are_shown(browser: Chromium, hostile: str) -> None:
     """A page shows the words literally as in the source."""
 
     async def text(path: str) -> str:
-        async with browser.visit(hostile + path) as visit:
+        async with browser.visit(hostile + path, kept=True) as visit:
             return await visit.page.inner_text("main")
 
     assert HOSTILE[0] in browser.run(text("/search?q=evil"))

@@ -55,7 +55,7 @@ def _composed(browser: Chromium, site: str, work: Work) -> Any:
     """Return the result of `work` on the block editor of rules, with two rules opened one after the other."""
 
     async def visit() -> Any:
-        async with browser.visit(f"{site}/rule-blocks?name=communication/feeds", viewport=_WIDE) as visited:
+        async with browser.visit(f"{site}/rule-blocks?name=communication/feeds", kept=True, viewport=_WIDE) as visited:
             found = await work(visited)
             assert await visited.troubles() == []
             return found
@@ -281,7 +281,7 @@ def test_the_proof_asked_for_last_is_shown(browser: Chromium, site: str, things:
     """Of two proofs the second is shown, in any order of responses; a response after closing the panel is discarded."""
 
     async def prove() -> tuple[str, str, bool]:
-        async with browser.visit(f"{site}/node?iri={things['node']}") as visit:
+        async with browser.visit(f"{site}/node?iri={things['node']}", kept=True) as visit:
             page = visit.page
             await page.evaluate(_HELD, "/why")
             links = page.locator("a.why")

@@ -28,7 +28,7 @@ def test_why_opens_by_keyboard(browser: Chromium, site: str, things: Shown) -> N
     """Enter on `why` opens the proof in a panel, down to the line; Escape closes it and restores the focus."""
 
     async def prove() -> tuple[str, bool, str]:
-        async with browser.visit(f"{site}/node?iri={things['node']}") as visit:
+        async with browser.visit(f"{site}/node?iri={things['node']}", kept=True) as visit:
             await visit.page.locator("table a.why").first.focus()
             await visit.page.keyboard.press("Enter")
             await visit.page.locator("#why[open]").wait_for()
@@ -68,7 +68,7 @@ def test_tables_of_a_node_fit_a_laptop_and_a_phone(browser: Chromium, site: str,
 
     async def look() -> tuple[list[str], str]:
         viewport = {"width": width, "height": 900}
-        async with browser.visit(f"{site}/node?iri={things['node']}", viewport=viewport) as visit:
+        async with browser.visit(f"{site}/node?iri={things['node']}", kept=True, viewport=viewport) as visit:
             wider = await visit.page.evaluate(_WIDER)
             return wider, await visit.page.inner_text("#more-parameters")
 
@@ -79,7 +79,9 @@ def test_a_phone_shows_first_what_a_node_is_about(browser: Chromium, site: str, 
     """The first screen has function and hardware without weak ones, and the page links take one line of it."""
 
     async def look() -> tuple[list[str], set[float], float]:
-        async with browser.visit(f"{site}/node?iri={things['node']}", viewport={"width": 390, "height": 800}) as visit:
+        async with browser.visit(
+            f"{site}/node?iri={things['node']}", kept=True, viewport={"width": 390, "height": 800}
+        ) as visit:
             about = visit.page.locator(".narrow .tag")
             heights = await visit.page.evaluate(_NAVIGATION)
             box = await about.last.bounding_box()
@@ -124,7 +126,7 @@ def test_the_picture_of_a_system_is_switched(browser: Chromium, site: str) -> No
     """Implicit interfaces are hidden by default; the list contains exactly the content of the picture."""
 
     async def switch() -> tuple[str, str]:
-        async with browser.visit(f"{site}/system?name=rover.launch") as visit:
+        async with browser.visit(f"{site}/system?name=rover.launch", kept=True) as visit:
             await visit.page.locator("#system-switches input").first.wait_for()
             before = await visit.page.inner_text(".graph-list summary")
             await visit.page.get_by_label("created by frameworks").check()
@@ -139,7 +141,7 @@ def test_a_finding_is_shown_in_the_picture(browser: Chromium, site: str) -> None
     """The button of a finding selects its subject, wherever it is."""
 
     async def show() -> str:
-        async with browser.visit(f"{site}/system?name=mission.launch.xml") as visit:
+        async with browser.visit(f"{site}/system?name=mission.launch.xml", kept=True) as visit:
             await visit.page.locator("[data-finding]:visible").first.click()
             return await visit.page.inner_text(".graph-words")
 
@@ -160,7 +162,7 @@ def test_long_tables_come_when_they_are_opened(browser: Chromium, site: str) -> 
     """On opening, the link to such a table is replaced with the table and its tools."""
 
     async def load() -> tuple[int, int, int]:
-        async with browser.visit(f"{site}/system?name=rover.launch") as visit:
+        async with browser.visit(f"{site}/system?name=rover.launch", kept=True) as visit:
             await visit.page.evaluate(_LOADED)
             found = visit.page.locator("#loaded")
             counted = [await found.locator(one).count() for one in ("tbody tr", "a[href*=part]", "input[type=search]")]
@@ -176,7 +178,7 @@ def test_what_nobody_joins_stands_in_rows(browser: Chromium, site: str) -> None:
     """Unconnected entities together fill a screen, and the view is never too small to read."""
 
     async def measure() -> tuple[list[float], float, int]:
-        async with browser.visit(f"{site}/query", viewport={"width": 390, "height": 800}) as visit:
+        async with browser.visit(f"{site}/query", kept=True, viewport={"width": 390, "height": 800}) as visit:
             found = await visit.page.evaluate(_DRAWN)
             return found["shape"], found["zoom"], found["edges"]
 
@@ -193,7 +195,7 @@ def test_a_picture_opens_on_what_is_connected(browser: Chromium, site: str, widt
 
     async def measure() -> list[int]:
         viewport = {"width": width, "height": 844}
-        async with browser.visit(f"{site}/system?name=rover.launch", viewport=viewport) as visit:
+        async with browser.visit(f"{site}/system?name=rover.launch", kept=True, viewport=viewport) as visit:
             await visit.page.locator(".graph-canvas canvas").first.wait_for()
             found: list[int] = await visit.page.evaluate(_SEEN)
             return found

@@ -455,6 +455,12 @@ def test_each_window_keeps_its_own_tabs(browser: Chromium, site: str) -> None:
         await typed(other, "ASK { ?second ?p ?o }")
         for page in (second, visit.page):
             await page.reload(wait_until="load")
-        return begun, await second.locator("#query-text").input_value(), await field.input_value()
+        there = await second.locator("#query-text").input_value()
+        await second.close()
+        return begun, there, await field.input_value()
 
-    assert visited(browser, site, both) == ("ASK { ?first ?p ?o }", "ASK { ?second ?p ?o }", "ASK { ?first ?p ?o }")
+    assert visited(browser, site, both) == (
+        "ASK { ?first ?p ?o }",
+        "ASK { ?second ?p ?o }",
+        "ASK { ?first ?p ?o }",
+    )

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from typing import TYPE_CHECKING, Final
 
 import pytest
+from cli.program import Program
 
 from kg.resources import folder
 from kg.rules.blocks.read import read
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from typing import TypeVar
 
     from browsing import Chromium, Visit
+    from cli.program import Run
     from playwright.async_api import Locator, Page
 
     Found = TypeVar("Found")
@@ -33,7 +33,7 @@ def _visited(browser: Chromium, site: str, work: Callable[[Visit], Awaitable[Fou
     """Return the result of `work` on the page, which must report no problem."""
 
     async def visit() -> Found:
-        async with browser.visit(f"{site}/rule-blocks{path}", viewport=_WIDE) as visited:
+        async with browser.visit(f"{site}/rule-blocks{path}", kept=True, viewport=_WIDE) as visited:
             await _checked(visited.page)
             found = await work(visited)
             assert await visited.troubles() == []
@@ -148,16 +148,15 @@ def test_a_rule_is_composed_tried_and_run(browser: Chromium, site: str, store: P
     assert found.startswith("2 facts, none of which the store has yet")
     assert sorted(path.name for path in mine.iterdir()) == ["talks-on.md", "talks-on.rq"]
     told = _kg("rules", "check", "mine/talks-on", "--level", "warning", rules=mine.parent, store=store)
-    assert "1 rule checked" in told.stderr
-    assert told.returncode == 0, told.stdout
+    assert "1 rule checked" in told.err
+    assert told.code == 0, told.out
     tested = _kg("rules", "test", "mine/talks-on", rules=mine.parent, store=store)
-    assert tested.returncode == 0, tested.stdout
-    assert "all passed" in tested.stderr
+    assert tested.code == 0, tested.out
+    assert "all passed" in tested.err
 
 
-def _kg(*words: str, rules: Path, store: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "kg", "--store", str(store), *words, "--rules", str(rules)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=rules)
+def _kg(*words: str, rules: Path, store: Path) -> Run:
+    return Program(rules)("--store", str(store), *words, "--rules", str(rules))
 
 
 def test_what_is_not_said_is_named_as_its_fields(browser: Chromium, site: str) -> None:

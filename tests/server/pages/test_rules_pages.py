@@ -52,7 +52,7 @@ def test_families_lead_to_their_rules(browser: Chromium, site: str) -> None:
     """The name of a family opens the list of its rules, and of these the page of one rule; both lead back."""
 
     async def follow() -> tuple[str, str]:
-        async with browser.visit(f"{site}/rules") as visit:
+        async with browser.visit(f"{site}/rules", kept=True) as visit:
             await visit.page.get_by_role("link", name="communication", exact=True).click()
             await visit.page.get_by_role("link", name="feeds", exact=True).click()
             rule = await visit.page.inner_text("h1")
@@ -68,7 +68,7 @@ def test_tables_sort(browser: Chromium, site: str) -> None:
     """The heading of a column sorts by it, numerically for numbers, and shows the direction."""
 
     async def sort() -> tuple[list[str], str | None]:
-        async with browser.visit(f"{site}/rules?family=architecture") as visit:
+        async with browser.visit(f"{site}/rules?family=architecture", kept=True) as visit:
             table = visit.page.locator("table").first
             for _ in range(2):
                 await table.get_by_role("button", name="Derived").click()
@@ -85,7 +85,7 @@ def test_a_rule_is_shown_whole(browser: Chromium, site: str) -> None:
     """The page has the documentation of `kg rules show`, numbered lines, the derived triples, and the link to why."""
 
     async def read() -> tuple[str, str, str]:
-        async with browser.visit(f"{site}/rule?name=feeds") as visit:
+        async with browser.visit(f"{site}/rule?name=feeds", kept=True) as visit:
             text = await visit.page.inner_text("main")
             line = await visit.page.inner_text("#L20")
             return text, line, str(await visit.page.get_attribute("a.why >> nth=0", "data-why"))
@@ -98,18 +98,40 @@ def test_a_rule_is_shown_whole(browser: Chromium, site: str) -> None:
 
 
 @_NEEDS_LIBRARIES
-def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> None:
-    """Keys move and zoom the picture, groups open, its list selects a rule, and it is saved as SVG, PNG and JSON."""
+def test_families_are_closed_until_a_rule_is_searched(browser: Chromium, site: str) -> None:
+    """The picture of all rules begins with one thing for each family; searching for a rule opens its family."""
 
-    async def use() -> tuple[str, str, list[Path]]:
-        async with browser.visit(f"{site}/rules") as visit:
+    async def search() -> tuple[str, str]:
+        async with browser.visit(f"{site}/rules", kept=True) as visit:
             page = visit.page
             await page.get_by_text("Show the picture").click()
             closed = await page.get_attribute(".graph-canvas", "aria-label")
+            await page.get_by_placeholder("Find a name").fill("communication/feeds")
+            await page.keyboard.press("Enter")
+            await page.locator(".graph-words strong").wait_for()
+            assert await visit.troubles() == []
+            return closed or "", await page.inner_text(".graph-words")
+
+    closed, words = browser.run(search())
+    assert closed.startswith("Picture of 9 things")
+    assert words.startswith("feeds rule, Nodes feed the subscribers of their topics")
+
+
+@_NEEDS_LIBRARIES
+def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> None:
+    """Keys move and zoom the picture, groups open, its list selects a rule, and it is saved as SVG, PNG and JSON."""
+
+    async def use() -> tuple[list[int], str, list[Path]]:
+        async with browser.visit(f"{site}/rule?name=feeds", kept=True) as visit:
+            page = visit.page
             await page.focus(".graph-canvas")
             for key in ("ArrowLeft", "+", "0"):
                 await page.keyboard.press(key)
-            await page.get_by_role("button", name="Open groups").click()
+            things = []
+            for button in ("Close groups", "Open groups"):
+                await page.get_by_role("button", name=button).click()
+                label = await page.get_attribute(".graph-canvas", "aria-label")
+                things.append(int(str(label).removeprefix("Picture of ").split()[0]))
             await page.locator(".graph-list summary").click()
             await page.get_by_role("button", name="Show feeds in the picture").click()
             files = []
@@ -119,10 +141,10 @@ def test_a_picture_can_be_used(browser: Chromium, site: str, tmp_path: Path) -> 
                 files.append(tmp_path / (await download.value).suggested_filename)
                 await (await download.value).save_as(files[-1])
             assert await visit.troubles() == []
-            return closed or "", await page.inner_text(".graph-words"), files
+            return things, await page.inner_text(".graph-words"), files
 
-    closed, words, (drawn, painted, data) = browser.run(use())
-    assert closed.startswith("Picture of 9 things")
+    (closed, opened), words, (drawn, painted, data) = browser.run(use())
+    assert closed < opened
     assert words.startswith("feeds rule, Nodes feed the subscribers of their topics")
     assert drawn.read_text("utf-8").startswith("<svg xmlns=")
     assert painted.read_bytes().startswith(b"\x89PNG")
@@ -134,7 +156,7 @@ def test_a_picture_always_looks_the_same(browser: Chromium, site: str, tmp_path:
     """Two visits draw the same picture."""
 
     async def draw(path: Path) -> None:
-        async with browser.visit(f"{site}/rule?name=feeds") as visit:
+        async with browser.visit(f"{site}/rule?name=feeds", kept=True) as visit:
             async with visit.page.expect_download() as download:
                 await visit.page.get_by_role("button", name="SVG", exact=True).click()
             await (await download.value).save_as(path)

@@ -16,7 +16,7 @@ def test_a_question_is_one_press_away(browser: Chromium, site: str) -> None:
     """The page has eight questions; each leads to the query page with the value of its field."""
 
     async def ask() -> tuple[int, str]:
-        async with browser.visit(site) as visit:
+        async with browser.visit(site, kept=True) as visit:
             cards = await visit.page.locator(".questions > li").count()
             await visit.page.locator("input[name=topic]").first.fill("/scan_filtered")
             await visit.page.keyboard.press("Enter")
@@ -32,7 +32,7 @@ def test_search_with_the_keyboard_alone(browser: Chromium, site: str) -> None:
     """A slash focuses the search box, Enter shows the hits, Tab and Enter open a node."""
 
     async def walk() -> str:
-        async with browser.visit(f"{site}/rules") as visit:
+        async with browser.visit(f"{site}/rules", kept=True) as visit:
             await visit.page.keyboard.press("/")
             await visit.page.keyboard.type("laser scan")
             await visit.page.keyboard.press("Enter")
@@ -52,7 +52,7 @@ def test_the_skip_link_comes_first(browser: Chromium, site: str) -> None:
     """The first Tab shows the link to the content, which receives the focus."""
 
     async def walk() -> tuple[str, str]:
-        async with browser.visit(site) as visit:
+        async with browser.visit(site, kept=True) as visit:
             await visit.page.keyboard.press("Tab")
             first = await visit.page.evaluate("document.activeElement.className")
             await visit.page.keyboard.press("Enter")
@@ -66,7 +66,7 @@ def test_the_theme_is_kept(browser: Chromium, site: str) -> None:
     """The switch cycles through system, light and dark, and the choice applies to other pages."""
 
     async def switch() -> list[str]:
-        async with browser.visit(site, color_scheme="light") as visit:
+        async with browser.visit(site, kept=True, color_scheme="light") as visit:
             back = "getComputedStyle(document.body).backgroundColor"
             seen = [await visit.page.evaluate(back)]
             for _ in range(2):
@@ -84,7 +84,7 @@ def test_typing_tells_nobody(browser: Chromium, site: str) -> None:
     """Text typed into search fields is sent only with the form, and never to another host (C28)."""
 
     async def type_words() -> list[str]:
-        async with browser.visit(f"{site}/search?q=scan") as visit:
+        async with browser.visit(f"{site}/search?q=scan", kept=True) as visit:
             for field in ("#find", "#filter-hardware"):
                 await visit.page.locator(field).press_sequentially("foaf:name http://private.example/")
             return await visit.troubles()
@@ -96,7 +96,7 @@ def test_filters_are_told_and_kept(browser: Chromium, site: str) -> None:
     """A filter is sent with the words, stays in its field, and narrows the hits."""
 
     async def narrow() -> tuple[int, int, str]:
-        async with browser.visit(f"{site}/search?q=laser") as visit:
+        async with browser.visit(f"{site}/search?q=laser", kept=True) as visit:
             every = await visit.page.locator(".hits > li").count()
             await visit.page.fill("#filter-publishes", "PointCloud2")
             await visit.page.keyboard.press("Enter")
@@ -113,7 +113,7 @@ def test_each_hit_has_its_evidence(browser: Chromium, site: str) -> None:
     """Every hit has its declaration, with a link that opens the line."""
 
     async def links() -> list[list[str]]:
-        async with browser.visit(f"{site}/search?q=scan_filter") as visit:
+        async with browser.visit(f"{site}/search?q=scan_filter", kept=True) as visit:
             hits = await visit.page.locator(".hits > li").all()
             return [await hit.locator(".evidence a").evaluate_all("all => all.map((one) => one.href)") for hit in hits]
 

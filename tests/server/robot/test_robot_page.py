@@ -185,7 +185,7 @@ def test_says_nothing_wrong_and_is_accessible(browser: Chromium, robot_site: str
         await wrote(visit.page, PROGRAM)
         return await inspect(visit)
 
-    found = visited(browser, robot_site, look, tools=True, color_scheme="light")
+    found = visited(browser, robot_site, look, color_scheme="light")
     assert found.troubles == []
     assert (found.light, found.dark) == ([], []) or not axe()
     assert (found.missed, found.ringless) == ([], [])
@@ -291,7 +291,7 @@ def test_text_and_blocks_are_one_program(browser: Chromium, robot_site: str) -> 
         icons = await page.locator("#blocks .blocklyWarningIcon, #blocks .blocklyIconGroup").count()
         return blocks, name, problems, icons, await visit.violations() if axe() else []
 
-    blocks, name, problems, icons, found = visited(browser, robot_site, write, tools=True)
+    blocks, name, problems, icons, found = visited(browser, robot_site, write)
     assert name == "to and fro"
     assert blocks >= 5
     assert found == []
