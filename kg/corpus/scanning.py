@@ -81,10 +81,12 @@ def _scan(root: Path, repository: Repository | None) -> tuple[Source, list[str]]
     within = os.path.relpath(start, base)
     walk = _Walk(base, os.path.realpath(base), [("" if within == "." else within, loose)], loose)
     _walk(walk)
-    packages = _name_packages(walk, described.name.rpartition("/")[2])
+    name = described.name.rpartition("/")[2]
+    packages = _with_launch_files(_name_packages(walk, name), loose.files, name)
     problems = tuple(sorted(walk.problems, key=lambda problem: (problem.path, problem.code)))
     links = tuple(sorted(walk.links))
-    left = () if packages and packages[0].manifest is None else tuple(_by_path(loose.files))
+    owned = {entry.path for entry in packages[0].files} if packages else set()
+    left = tuple(entry for entry in _by_path(loose.files) if entry.path not in owned)
     return Source(described, Path(base), packages, left, problems, links), [f"{base}/{path}" for path in walk.nested]
 
 
@@ -211,6 +213,20 @@ def _name_packages(walk: _Walk, folder_name: str) -> tuple[PackageFolder, ...]:
         taken[name] = folder.path
         named.append(PackageFolder(name, folder.path, folder.manifest, tuple(_by_path(folder.files))))
     return tuple(sorted(named, key=lambda package: package.path))
+
+
+def _with_launch_files(
+    packages: tuple[PackageFolder, ...], loose: list[FileEntry], name: str
+) -> tuple[PackageFolder, ...]:
+    """Return the packages, after one without a manifest for launch files outside of all others.
+
+    Such files are started by their path (`roslaunch FILE`), often to start a whole robot.
+    """
+    files = tuple(entry for entry in _by_path(loose) if entry.kind is FileKind.LAUNCH)
+    if not files or not packages or packages[0].path == ".":
+        return packages
+    taken = any(package.name == name for package in packages)
+    return (PackageFolder(f"{name}-root" if taken else name, ".", None, files), *packages)
 
 
 def _whole_root(walk: _Walk, name: str) -> tuple[PackageFolder, ...]:

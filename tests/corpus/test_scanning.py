@@ -48,6 +48,28 @@ def test_packages_own_their_files(tmp_path: Path) -> None:
     assert source.problems == ()
 
 
+def test_launch_files_outside_of_packages_have_one_of_their_own(tmp_path: Path) -> None:
+    """They are started by their path; pages next to them stay loose."""
+    package(tmp_path, "robot")
+    (tmp_path / "launch").mkdir()
+    (tmp_path / "launch" / "all.launch").write_text("<launch/>")
+    (tmp_path / "README.md").write_text("x")
+    source = scan(tmp_path)
+    assert [(found.name, found.path, found.manifest) for found in source.packages] == [
+        (tmp_path.name, ".", None),
+        ("robot", "robot", "robot/package.xml"),
+    ]
+    assert paths(source, tmp_path.name) == ["launch/all.launch"]
+    assert [entry.path for entry in source.loose] == ["README.md"]
+
+
+def test_a_package_of_launch_files_has_a_name_of_its_own(tmp_path: Path) -> None:
+    """The folder may be called like one of its packages."""
+    package(tmp_path / "robot", "robot")
+    (tmp_path / "robot" / "all.launch").write_text("<launch/>")
+    assert [found.name for found in scan(tmp_path / "robot").packages] == ["robot-root", "robot"]
+
+
 def test_name_comes_from_the_manifest(tmp_path: Path) -> None:
     """A package is named by its package.xml, not by its folder."""
     package(tmp_path, "folder", "real_name")

@@ -208,6 +208,16 @@ def test_a_file_that_no_scan_lists(site: Site) -> None:
     assert "/afterwards>" in site.launches()
 
 
+def test_launch_files_outside_of_packages_are_read(site: Site) -> None:
+    """Build files next to them belong to no package: the programs that they name are not read again."""
+    site.write("one/all.launch", INNER.format(name="outside", heard="talk"))
+    site.write("one/CMakeLists.txt", "find_package(catkin)\nadd_executable(again nodes/src/talker.cpp)\n")
+    site.write("one/setup.py", "setup(entry_points={'console_scripts': ['twice = nodes.talker:main']})\n")
+    report = site.build()
+    assert "all.launch#instance/outside/publisher/scan" in site.launches()
+    assert [source.total("nodes") for source in report.sources] == [1, 0]
+
+
 def test_what_others_wrote_meanwhile_does_not_stay(site: Site) -> None:
     """A graph of a launch file changed since the last build is written again; unknown ones are removed."""
     before = site.content()

@@ -400,9 +400,11 @@ def read_cmake(reader: Reader, folder: PackageFolder, package: Package) -> Colle
 def _entrances(files: CMakeFiles, folder: PackageFolder) -> list[str]:
     """Return the CMakeLists.txt to run: the package's own; of loose code without one, the topmost of its folders."""
     path = folder.join("CMakeLists.txt")
-    if files.exists(path) or folder.manifest:
+    if folder.manifest:
         return [path] if files.exists(path) else []
-    paths = [entry.path for entry in folder.files if entry.path.endswith("/CMakeLists.txt")]
+    paths = [entry.path for entry in folder.files if posixpath.basename(entry.path) == "CMakeLists.txt"]
+    if path in paths:
+        return [path]
     tops: list[str] = []
     for path in sorted(paths, key=lambda path: path.count("/")):
         if not any(path.startswith(posixpath.dirname(top) + "/") for top in tops):

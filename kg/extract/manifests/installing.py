@@ -72,7 +72,7 @@ class Installed:
     def _data_files(self, folder: PackageFolder) -> Iterator[tuple[str, str]]:
         """Yield the files that setup.py installs as pairs of destination and source, relative to the package folder."""
         path = self._reader.file(folder.join("setup.py"))
-        if self._reader.workspace.entry(path) is None:
+        if self._reader.workspace.owner(path) is None:
             return
         for call in calls_of(self._reader, path):
             given = call.named.get("data_files") if call.name == "setup" else None

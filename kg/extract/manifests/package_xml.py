@@ -212,25 +212,25 @@ def _by_build_files(reader: Reader, folder: PackageFolder) -> int:
     """Return 1 or 2 by the build system that CMakeLists.txt or setup.py speak of, else by the rest of the source."""
     for name in ("CMakeLists.txt", "setup.py"):
         path = folder.join(name)
-        text = reader.read(path) if reader.workspace.entry(reader.file(path)) else None
+        text = reader.read(path) if reader.workspace.owner(reader.file(path)) else None
         if text and (b"ament" in text or b"rosidl_" in text):
             return 2
         if text and (b"catkin" in text or b"rosbuild" in text):
             return 1
-    if folder.manifest is None:
-        return _by_code(reader, folder)
+    if folder.manifest is None and (version := _by_code(reader, folder)):
+        return version
     return 2 if any(entry.path.endswith((".launch.py", ".launch.xml")) for entry in folder.files) else 1
 
 
-def _by_code(reader: Reader, folder: PackageFolder) -> int:
-    """Return the version of ROS whose client libraries the first file that names one names, else 1."""
+def _by_code(reader: Reader, folder: PackageFolder) -> int | None:
+    """Return the version of ROS whose client libraries the first file that names one names."""
     for entry in folder.files:
         text = reader.read(entry.path) if entry.kind in {FileKind.CPP, FileKind.PYTHON} else None
         if text and any(word in text for word in (b"rclcpp", b"rclpy")):
             return 2
         if text and any(word in text for word in (b"rospy", b"ros/ros.h")):
             return 1
-    return 1
+    return None
 
 
 def _rosbuild(root: _Element, folder: PackageFolder, path: str) -> Manifest:

@@ -39,7 +39,7 @@ def read_setup(reader: Reader, folder: PackageFolder) -> Setup:
     collector = _Collector(reader, folder)
     for name, read in (("setup.py", _setup_py), ("setup.cfg", _setup_cfg), ("pyproject.toml", _pyproject)):
         path = folder.join(name)
-        if reader.workspace.entry(reader.file(path)):
+        if reader.workspace.owner(reader.file(path)):
             text = reader.read(path)
             if text is not None:
                 read(collector, path, text)

@@ -159,7 +159,7 @@ def of_plugins(build: BuildModel, nodes: tuple[NodeType, ...]) -> Iterator[Descr
 
 def _setup(reader: Reader, package: PackageFolder) -> Iterator[Description]:
     path = package.join("setup.py")
-    data = reader.read(path) if reader.workspace.entry(reader.file(path)) else None
+    data = reader.read(path) if reader.workspace.owner(reader.file(path)) else None
     text = data.decode() if data else ""
     match = _SETUP.search(text)
     if match and _is_description(match[2]):
