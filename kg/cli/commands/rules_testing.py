@@ -36,6 +36,7 @@ Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Show all example
 
 _CLEAR: Final = "\x1b[2J\x1b[H"  # clears the screen; what was scrolled out of it stays
 _CHANGES: Final = 20  # how many triples of a difference are shown
+_FAILED: Final = "KG220"
 
 
 @with_settings("rules", "rule_families", "store")
@@ -128,7 +129,7 @@ def summary(done: "Sequence[Result]", without: "Sequence[Entry]", seconds: float
     ran = [result for result in done if result.title]
     broken = {result.rule for result in done if not result.title}
     failed = sum(not result.passed for result in ran)
-    verdict = f"{failed:,} failed (KG220)" if failed else "all passed" if ran or not broken else "none ran"
+    verdict = f"{failed:,} failed ({_FAILED})" if failed else "all passed" if ran or not broken else "none ran"
     if broken:
         verdict += f", {count(len(broken), 'rule')} unreadable"
     rules = len({result.rule for result in ran})
