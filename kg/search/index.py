@@ -39,6 +39,10 @@ _DIGITS: Final = 4  # similarities are compared to so many decimals, so that the
 def neighbours(text: Columns, group: Places) -> tuple[Places, Floats]:
     """Return the nearest nodes of each node and their shares, which sum up to one; both have `NEIGHBOURS` columns.
 
+    Nearest are those with the most characteristic words in common. Nodes that are alike tend to meet the same needs
+    (Jardine and van Rijsbergen 1971, "The use of hierarchic clustering in information retrieval"), so the score of a
+    node is raised by those of its neighbours (`kg.search.ranking`).
+
     Variants of a node are not its neighbours. Where a node has fewer, the rest is the node itself with a share of zero.
     """
     size = len(group)
@@ -131,7 +135,7 @@ class Index:
 
     `names` contains the share of each term in the name of a node; the shares of a name sum up to one. `group` contains
     the index of the first node of each node's group, `order` its rank among hits with equal scores, `started` its use
-    in launch files. `near` and `shares` are those of `kg.search.index`. `passing` contains the terms of `text`
+    in launch files. `near` and `shares` are those of `neighbours`. `passing` contains the terms of `text`
     that describe no node, but occur in the usage of a package.
     """
 

@@ -42,7 +42,16 @@ _BESIDE: Final = frozenset({*_PLAIN, "ros", "branch", "stable", "legacy", "relea
 def branches_to_try(default: str | None, branches: Iterable[str], version: str) -> tuple[str, ...]:
     """Return the branches to try for a version of ROS (`VERSIONS`), best first; empty if none is suitable.
 
-    `default` is the server's default branch, None without one.
+    `default` is the server's default branch, None without one. A name may mark the version: `ros2`, `ros1-legacy`,
+    `noetic-devel`, `humble`. Marks are reliable; `main` and `master` are not, since many repositories moved from ROS 1
+    to ROS 2 on them. The order:
+
+    * for `any`: only the default branch;
+    * for one version: the default branch if it is marked so; if any branch is marked for the other version, or there
+      is no default, the branches marked for this one, the newest distribution first; an unmarked default branch;
+      `main`, `master`, `devel` and the like; finally, marked branches that were skipped.
+
+    The manifests in a branch decide in the end: a branch for the other version is rejected for the next one.
     """
     names = sorted(set(branches))
     if version == "any":
