@@ -26,7 +26,8 @@ with lazily():
     from kg.evaluate.keeping import forget as drop
     from kg.evaluate.keeping import keep as add
     from kg.evaluate.retrieval import retrieval
-    from kg.evaluate.sheet import SourceLines, as_sheet, drawn, score_sheet
+    from kg.evaluate.sheet import as_sheet, drawn, score_sheet
+    from kg.evaluate.source_lines import SourceLines
     from kg.evaluate.tables import Table, as_csv, as_objects, spelled
     from kg.evaluate.writing import write
     from kg.graph.source_states import sources
