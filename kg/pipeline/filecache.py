@@ -8,14 +8,16 @@ import sys
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeVar
 
 from kg.store.failure import translated
 from kg.store.layout import write_atomically
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Hashable, Iterator
+    from functools import _lru_cache_wrapper
 
+_Value = TypeVar("_Value")
 _SETTLED: Final = 2_000_000_000
 """Nanoseconds after which another change of a file certainly gives it another time."""
 _BYTES: Final = 16
@@ -58,6 +60,12 @@ def installations() -> Iterator[State]:
 def are_stable(seen: tuple[State, ...]) -> bool:
     """Return whether the files are old enough that any further change gives them another state."""
     return time.time_ns() - max((state.changed for state in seen), default=0) > _SETTLED
+
+
+def unless_changed(make: _lru_cache_wrapper[_Value], *arguments: Hashable, seen: tuple[State, ...]) -> _Value:
+    """Return `make(*arguments, seen)`: what this process has cached for the states `seen`, if these are stable."""
+    compute = make if are_stable(seen) else make.__wrapped__
+    return compute(*arguments, seen)
 
 
 def cached_text(place: Path | None, seen: tuple[State, ...], what: object, make: Callable[[], str]) -> str:

@@ -27,7 +27,7 @@ from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
-from kg.pipeline.filecache import State, are_stable, states
+from kg.pipeline.filecache import State, states, unless_changed
 from kg.pipeline.reach import newly_asserted
 from kg.pipeline.reasoning import digest, ontology_digest, rules_in_force, rules_over, schema_of
 from kg.rules.dependencies import patterns
@@ -169,9 +169,8 @@ def _written_ontologies(cache: Path) -> _Ontologies | None:
 def _in_force(settings: Settings, problems: list[KgError] | None) -> bytes:
     files = ontologies_in_force(settings)
     seen = tuple(state for file in files for state in states(file))
-    compute = _triples if are_stable(seen) else _triples.__wrapped__
     try:
-        return compute(files, seen)
+        return unless_changed(_triples, files, seen=seen)
     except GraphError:
         if problems is None:
             raise

@@ -18,7 +18,7 @@ from kg.graph.ontology_files import ontologies_in_force, ontology_triples
 from kg.graph.shared import SHARED
 from kg.graph.vocabulary import RNKG
 from kg.lazily import lazily
-from kg.pipeline.filecache import State, are_stable, cached_text, installations, states
+from kg.pipeline.filecache import State, cached_text, installations, states, unless_changed
 from kg.rules import compiled
 from kg.rules.files import RuleSet
 from kg.rules.folders import families_in_force, user_folders
@@ -92,8 +92,12 @@ def digest(settings: Settings, cache: Path | None = None) -> str:
     """
     folders = (resources.folder("rules"), *(pack.folder for pack in installed_packs(cache)), *user_folders(settings))
     seen, families = tuple(state for folder in folders for state in states(folder)), families_in_force(settings)
-    compute = _digest if are_stable(seen) else _digest.__wrapped__
-    rules = cached_text(cache and cache / _DIGEST, seen, (families, folders), lambda: compute(families, folders, seen))
+    rules = cached_text(
+        cache and cache / _DIGEST,
+        seen,
+        (families, folders),
+        lambda: unless_changed(_digest, families, folders, seen=seen),
+    )
     return f"{rules} {ontology_digest(settings, cache)}"
 
 
@@ -101,8 +105,8 @@ def ontology_digest(settings: Settings, cache: Path | None) -> str:
     """Return a digest of the ontologies in the settings; raises as `ontologies_in_force`."""
     files = ontologies_in_force(settings)
     seen = tuple(state for file in files for state in states(file))
-    compute = _digest_of if are_stable(seen) else _digest_of.__wrapped__
-    return cached_text(cache and cache / _ONTOLOGY_DIGEST, seen, files, lambda: compute(files, seen))
+    place = cache and cache / _ONTOLOGY_DIGEST
+    return cached_text(place, seen, files, lambda: unless_changed(_digest_of, files, seen=seen))
 
 
 @lru_cache(maxsize=4)
