@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
+from hypothesis import settings as examples
 from hypothesis import strategies as st
-from patience import examples
 from pyoxigraph import NamedNode, RdfFormat
 from robot.live.seen import ADDRESS, ROVER, graph_of, without
 
@@ -127,7 +127,7 @@ _GRAPHS = st.dictionaries(st.sampled_from(_NODES), st.sets(_WAYS, max_size=3)).m
 
 
 @given(st.lists(_GRAPHS, min_size=2, max_size=4))
-@settings(max_examples=examples(2, 4))
+@examples(max_examples=4)
 def test_any_sequence_of_changes_gives_what_the_last_graph_gives(graphs: list[ComputationGraph]) -> None:
     """The result maintained incrementally equals the one inferred from the last graph in a fresh store."""
     with tempfile.TemporaryDirectory() as folder:

@@ -12,7 +12,7 @@ from rules.engine.comparing import inferred
 
 from kg.errors import RuleError
 from kg.rules.engine.limits import Limits
-from kg.rules.form import is_auxiliary
+from kg.rules.form import EngineBlock, is_auxiliary
 from kg.rules.printing import to_rq, to_srl, to_turtle
 from kg.rules.reading import read_text
 
@@ -62,14 +62,20 @@ def test_a_rule_in_another_notation_derives_what_it_derives(seed: int) -> None:
                 continue
             if not printed:
                 continue
+            again = read_text(printed, Path(f"rule{ending}"), "test/rule").rules
             try:
-                found = derived(read_text(printed, Path(f"rule{ending}"), "test/rule").rules, facts)
+                found = derived(again, facts)
             except RuleError as error:
-                # Heads with variables of different branches leave one block that reads anything.
-                if error.code != "KG202":
+                # Branches that bind different variables of the head can be read back as one block that reads anything.
+                if error.code != "KG202" or not any(map(reads_anything, again)):
                     raise
                 continue
             assert found == expected, text
+
+
+def reads_anything(rule: Rule) -> bool:
+    """Return whether a rule has a block of SPARQL whose predicates are unknown."""
+    return any(isinstance(element, EngineBlock) and element.reads is None for element in rule.body)
 
 
 def derived(rules: tuple[Rule, ...], facts: list[Fact]) -> set[Fact]:
