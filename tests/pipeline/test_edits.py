@@ -152,7 +152,7 @@ class Site:
 edit = st.sampled_from(sorted(FIELDS)).flatmap(lambda field: st.tuples(st.just(field), st.sampled_from(FIELDS[field])))
 
 
-@settings(max_examples=examples(1, 4), deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
+@settings(max_examples=examples(2, 4), deadline=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
 @given(edits=st.lists(edit, min_size=2, max_size=4))
 @example(edits=[("launch_comment", "<!-- a\n comment -->"), ("others", False), ("space", "right")])
 def test_after_random_edits_the_store_is_that_of_a_build_from_scratch(edits: list[tuple[str, Any]]) -> None:

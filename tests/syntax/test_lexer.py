@@ -67,6 +67,6 @@ def test_long_texts_take_linear_time() -> None:
     """Long texts of pieces that could cause long lookahead are split within seconds each."""
     began = time.process_time()
     for piece in ("<", "'", "(", "a.", "a:b..", "<a", "'''\"", "\\", "1<", "a-"):
-        for text in (piece * 4_000, f"a:b{piece * 4_000}c", f"'''{piece * 4_000}"):
+        for text in (piece * 8_000, f"a:b{piece * 8_000}c", f"'''{piece * 8_000}"):
             assert all(token.kind in Kind for token in tokens(text))
-    assert time.process_time() - began < 10
+    assert time.process_time() - began < 20
