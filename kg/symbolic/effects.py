@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Access, Qos
+from kg.facts import CAMERA_ORIGIN, Access, Qos
 from kg.symbolic import durations, qos
 from kg.symbolic.binding import put
 from kg.symbolic.form import Literal, Name
@@ -87,6 +87,8 @@ class Declared:
     value_type: str | None = None
     written: str | None = None
     """The expression that gives the name."""
+    origin: str | None = None
+    """The framework that makes it beside the one of the call."""
     passed: int = 0
     """How many of the innermost calls have the whole name of a parameter as an argument."""
 
@@ -468,7 +470,9 @@ class Framework:
         node = next((one for one in running if isinstance(one, Object) and one in self.nodes), None)
         for row in combinations(call.arguments.values):
             one = replace(call, arguments=replace(call.arguments, values=list(row)))
-            self.loadings.append(loading(slot, one, node, tuple(self.machine.stack)))
+            module = one.argument(slot.module)
+            if not isinstance(module, Text) or module.exact is None:
+                self.loadings.append(loading(slot, one, node, tuple(self.machine.stack)))
 
     def _options(self, described: CallDescription, call: Invocation) -> Object:
         """Store the name and type of an interface in an options object."""
@@ -542,7 +546,8 @@ class Framework:
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
         if effect.camera:
             info = _shown(camera_info(whole))
-            self._add(Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile, written=written))
+            beside = Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile, written=written)
+            self._add(replace(beside, origin=CAMERA_ORIGIN))
         return None
 
     def _add(self, declared: Declared) -> None:

@@ -345,13 +345,19 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
         return True
     if draft.typed is None and not tool and not draft.tree_nodes:
         return False
-    if any(plugin.typed is None for plugin in draft.plugins):
+    if any(plugin.typed is None for plugin in draft.plugins) or _loads_unknown_code(draft):
         return False
     if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found
     if any(given.name == ANONYMOUS or _names_plugins(name, given) for name, given in draft.set_here):
         return False
     return all(is_known(end.resolved) and end.resolution is not Resolution.PARTIAL for end in interfaces)
+
+
+def _loads_unknown_code(draft: Draft) -> bool:
+    """Return whether the node loads code of which not even the base class is known, such as a computed module."""
+    slots = draft.typed[1].slots if draft.typed is not None else ()
+    return any(slot.base_class is None and slot.parameter is None and slot.reason for slot in slots)
 
 
 def _names_plugins(name: str, given: LaunchParameter) -> bool:
