@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
 from kg.symbolic.binding import assign_member, bind, forget_awaited, hand_back, put, unpack, write_back
-from kg.symbolic.containers import grown, is_unset
+from kg.symbolic.containers import counted_by, grown, is_unset
 from kg.symbolic.operators import (
     chosen,
     compute,
@@ -438,10 +438,20 @@ class Machine:
         if loop.runs_at_least_once:
             ended = once()
             return ended if ended in _OUT else None
+        before = self.framework.progress()
         with self._under(terms):
             written, _ = self._journal.attempt(once)
+            counters = counted_by(written)
+            if counters and self.framework.progress() != before:
+                # Functions that the loop calls count its turns, too: what it creates depends on the turn.
+                written, _ = self._journal.attempt(partial(self._later_turn, counters, once))
         self.merge([grown(written), {}], [terms, ()])
         return None
+
+    def _later_turn(self, counters: list[tuple[Holder, str]], once: Callable[[], str | None]) -> str | None:
+        for holder, name in counters:
+            self.write(holder, name, _COUNTS)
+        return once()
 
     def _forget_counters(self, loop: form.Loop, frame: Frame) -> None:
         for target in self.language.counted(loop):
