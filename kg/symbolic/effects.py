@@ -28,6 +28,7 @@ from kg.symbolic.state import Arguments, Frame, Invocation, Site
 from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
+    OUTSIDE,
     Bound,
     Closure,
     Either,
@@ -463,6 +464,13 @@ class Framework:
             source, target = described.copies
             put(self.machine, given.written[target], given.values[source], given.frame)
         return result(self, described.returns, call, read)
+
+    def leave(self, names: tuple[str, ...], arguments: Iterable[Value]) -> None:
+        """Record that code outside of the sources gets a node or a handle: it can read and create anything there."""
+        node = next((one for one in arguments if isinstance(one, Object) and self.is_node(one)), None)
+        if node is not None:
+            reason = f"{'::'.join(names)} {OUTSIDE}, and gets the node"
+            self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason))
 
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
         """Record that a call loads plugins, or creates an object whose methods do."""
