@@ -192,7 +192,7 @@ class _Growing:
 
 def test_a_fork_that_has_grown_makes_way_for_another() -> None:
     """The next package is read by a new process, which starts with the memory of the first."""
-    fork = extracting._Fork(_Growing())  # type: ignore[arg-type]
+    fork = extracting._Fork(_Growing())  # type: ignore[arg-type]  # it only has to read
     sizes = [1000, 1000, 2 * extracting._MOST_GROWTH, 1000]
     first, second, third, last = (fork.read(Task("s", "p", str(size))).problem for size in sizes)
     assert first == second == third != last
