@@ -222,13 +222,19 @@ def _measured(*arguments: str) -> _Use:
     roles: dict[int, str] = {}
     use = _Use()
     while process.poll() is None:
+        readers: dict[int, float] = {}
         for one in [process.pid, *_descendants(process.pid)]:
             # A process that has ended has no command any more.
             role = roles.setdefault(one, "build" if one == process.pid else "other")
             if role == "other" and _READER in _file(one, "cmdline"):
                 role = roles[one] = "reader"
             spent[one] = max(spent.get(one, 0.0), _processor_seconds(one))
-            use.peaks[role] = max(use.peaks.get(role, 0.0), _megabytes(one))
+            size = _megabytes(one)
+            if role == "reader":  # with the fork of it that reads
+                parent = int((_fields(one) or [b"", b"0"])[1])
+                group = parent if parent in readers else one
+                size = readers[group] = readers.get(group, 0.0) + size
+            use.peaks[role] = max(use.peaks.get(role, 0.0), size)
         time.sleep(_PAUSE_SECONDS)
     said.join()
     if process.returncode:

@@ -192,6 +192,7 @@ def _interface(one: Declared, role: Role, home: Home, ros: int, alone: str) -> I
         written=one.written,
         parameter=parameter,
         implicit=one.effect.implicit,
+        origin=one.origin,
         qos=one.qos if ros == _ROS2 else None,
         reason=reason,
         arguments=_least_arguments(one.guards),

@@ -11,6 +11,7 @@ remappings and parameters applied to its names.
 from __future__ import annotations
 
 from kg.facts.code import (
+    CAMERA_ORIGIN,
     TREE_NODE,
     Access,
     Bound,
@@ -67,6 +68,7 @@ from kg.facts.systems import (
 from kg.facts.texts import Description, DescriptionKind, Phrase, Snippet
 
 __all__ = [
+    "CAMERA_ORIGIN",
     "TREE_NODE",
     "Access",
     "Bound",

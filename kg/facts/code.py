@@ -13,6 +13,8 @@ from kg.facts.texts import Description, Snippet  # noqa: TC001 - see above
 
 TREE_NODE: Final = "BT::TreeNode"
 """Base class of nodes of behavior trees (BehaviorTree.CPP)."""
+CAMERA_ORIGIN: Final = "image_transport.camera"
+"""Origin of the `camera_info` that `image_transport` adds to a camera; its name follows that of the remapped image."""
 
 
 class Resolution(StrEnum):
@@ -177,7 +179,7 @@ class Interface:
     the command line, `argv[--topic|-t]` the value of an option, `port[topic]` a port of a behavior tree node. `~/imu{}`
     means one interface for each matching parameter that is set, `~/topics[].name` one for that member of each element,
     `~/topics[key]` one for each key of a dictionary. `origin` is the framework or table that an `implicit` fact comes
-    from. `reason` explains why something is unresolved.
+    from, or `CAMERA_ORIGIN`. `reason` explains why something is unresolved.
     """
 
     role: Role

@@ -2,10 +2,15 @@
 
 A worker runs several threads and must stay responsive, so packages are read in a separate process. A process that
 crashes or hangs is replaced, and only its current package fails. The process exits with its worker.
+
+The process itself only loads code, the tagger and the description of a build. A fork of it reads the packages; one that
+has grown makes way for a new one, so the memory does not depend on the number of packages.
 """
 
 from __future__ import annotations
 
+import gc
+import multiprocessing
 import os
 import signal
 import socket
@@ -16,8 +21,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from multiprocessing import Pipe
-from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Final, NamedTuple
+from multiprocessing.connection import Connection, wait
+from typing import TYPE_CHECKING, Final, NamedTuple, NoReturn
 
 from kg.corpus.fetching.cache import LIMITS, checkout
 from kg.corpus.fetching.lock import FETCHED, Entry
@@ -25,7 +30,7 @@ from kg.errors import KgError, SourceError
 from kg.language.annotating import prepare
 from kg.pipeline.artifacts import Artifacts
 from kg.pipeline.plan import code_version
-from kg.pipeline.pool import Task, attempt, end_of
+from kg.pipeline.pool import Task, attempt, end_of, own_memory
 from kg.pipeline.recording import RecordingWorkspace
 from kg.store.layout import user_cache
 
@@ -37,6 +42,8 @@ if TYPE_CHECKING:
 
 _START_SECONDS: Final = 120.0
 """Time limit for loading code, the tagger and the description of a build."""
+_MOST_GROWTH: Final = 16 << 20
+"""Bytes by which a fork may grow after its first package before it makes way for a new one, which takes 0.1 s."""
 _END_SECONDS: Final = 0.5
 """Time limit for the exit of a process after closing its connection."""
 
@@ -144,28 +151,98 @@ def corpus_cache() -> Path:
 def main() -> None:
     """Read packages until the connection closes: each `Request` is followed by the tasks of that build."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_worker, daemon=True).start()
+    _end_when_ready(sys.stdin.fileno())  # it closes with the worker
     pipe = Connection(int(sys.argv[1]))
-    request, reader = Request("", "", 0), None
+    request, fork = Request("", "", 0), None
     with suppress(EOFError, OSError):
         while True:
             message = pipe.recv()
             if isinstance(message, Request):
-                request, reader = message, None
+                request, fork = message, None
                 continue
             try:
-                reader = reader or _Reader(request, lambda: pipe.send(None))
-                reading = reader.read(message)
+                fork = fork or _Fork(_Reader(request, lambda: pipe.send(None)))
             except KgError as error:
-                where = f" ({error.place})" if error.place else ""
-                reading = Reading(message, problem=f"{error.message}{where}", code=error.code)
-            pipe.send(reading)
+                pipe.send(_impossible(message, error))
+            else:
+                pipe.send(fork.read(message))
     os._exit(0)
 
 
-def _end_with_worker() -> None:
-    sys.stdin.buffer.read()
-    os._exit(1)
+class _Fork:
+    """A fork of this process that reads packages; a new one replaces it when it has grown."""
+
+    def __init__(self, reader: _Reader) -> None:
+        gc.collect()
+        gc.freeze()
+        self._reader = reader
+        self._context = multiprocessing.get_context("fork")
+        self._pipe: Connection | None = None
+        self._first = 0
+
+    def read(self, task: Task) -> Reading:
+        """Return the outcome of a package. If the fork dies, this process ends in the same way."""
+        pipe = self._pipe = self._pipe or self._start()
+        reading: Reading
+        try:
+            pipe.send(task)
+            reading, memory = pipe.recv()
+        except (EOFError, OSError):
+            self._process.join()
+            _end_as(self._process.exitcode or 0)
+        self._first = self._first or memory
+        if memory > self._first + _MOST_GROWTH:
+            pipe.close()
+            self._process.join()
+            self._pipe, self._first = None, 0
+        return reading
+
+    def _start(self) -> Connection:
+        here, there = self._context.Pipe()
+        self._process = self._context.Process(target=_serve, args=(self._reader, there, here), daemon=True)
+        self._process.start()
+        there.close()
+        return here
+
+
+def _serve(reader: _Reader, pipe: Connection, other: Connection) -> None:
+    """Read packages in a fork until the connection closes."""
+    other.close()
+    if (parent := multiprocessing.parent_process()) is not None:
+        _end_when_ready(parent.sentinel)
+    with suppress(EOFError, OSError):
+        while True:
+            task: Task = pipe.recv()
+            try:
+                reading = reader.read(task)
+            except KgError as error:
+                reading = _impossible(task, error)
+            pipe.send((reading, own_memory()))
+    os._exit(0)
+
+
+def _impossible(task: Task, error: KgError) -> Reading:
+    where = f" ({error.place})" if error.place else ""
+    return Reading(task, problem=f"{error.message}{where}", code=error.code)
+
+
+def _end_as(code: int) -> NoReturn:
+    """End this process as another one ended, by its exit code, which is negative for a signal."""
+    if code < 0:
+        with suppress(OSError):  # SIGKILL cannot be handled
+            signal.signal(-code, signal.SIG_DFL)
+        os.kill(os.getpid(), -code)
+    os._exit(code)
+
+
+def _end_when_ready(end: int) -> None:
+    """End this process when a file descriptor is ready: that of a pipe whose other end closes with a process."""
+
+    def watch() -> None:
+        wait([end])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 class _UnfetchedError(BaseException):

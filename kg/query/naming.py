@@ -40,6 +40,8 @@ _PLACES: Final = (("?t {0} ?any", "?other {0} ?any"), ("?any {0} ?t", "?any {0} 
 """For the subject and the object of a property: what is used there, as `?t` and as `?other`."""
 _KINDS: Final = "SELECT DISTINCT ?kind WHERE {{ {{ SELECT ?other WHERE {{ {0} }} {1} }} ?other a ?kind }}"
 _SAMPLE: Final = "LIMIT 200"
+_CHANNELS: Final = "SELECT DISTINCT ?channel { VALUES ?end { %s } ?end rnkg:connectsTo ?channel }"
+"""What ends connect to, which have the names that the code gives: a topic for `~/odom` of a publisher."""
 _JOINED: Final = ("?t {0} ?end VALUES ?end {{ {1} }}", "?end {0} ?t VALUES ?end {{ {1} }}")
 """The same: what has the property with one of some values at its other end."""
 _NAMES: Final = "SELECT DISTINCT ?name WHERE { ?t rdfs:label ?name }"
@@ -64,7 +66,8 @@ def facts(
 
     A name that several things have means the ones of which the store holds the fact, and of these the ones that
     have exactly this name before those whose name only ends in it; where it holds none, those that the property is used
-    with. Of two names that things have, at least one means one of these.
+    with. Of two names that things have, at least one means one of these. The name of an end in the code also means the
+    topic, service or action that the end connects to.
 
     Raises:
         UnknownNameError: KG001 with suggestions for a word that names nothing.
@@ -74,6 +77,10 @@ def facts(
     words = (subject, value)
     subjects, values = ends = [terms(snapshot, word, among=None, prefixes=prefixes) for word in words]
     stored = _stored(snapshot, _triples(subjects, predicates, values))
+    if not stored and values:
+        listed = " ".join(str(one) for one in values if isinstance(one, NamedNode))
+        channels: Any = snapshot.query(_CHANNELS % listed, prefixes=PREFIXES)
+        stored = _stored(snapshot, _triples(subjects, predicates, [row[0] for row in channels]))
     if not stored and subjects and values:
         # At least one of two names that things have is meant as it is, so the store has few things to look at.
         ended = [

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 _AWAITED: Final = Unknown("a loop waits until other code changes it")
 _ASSIGNING: Final = (form.Assign, form.Unary, form.Loop, form.Try)
+_FIRST: Final = form.Literal(0, 0.0, "0")
 _HANDED: Final = frozenset({Text, Number, Truth, Sequence, Mapping, Either})
 """Values that a function gives back through references; objects are the same ones already."""
 
@@ -94,6 +95,21 @@ def write_back(machine: Machine, loop: form.Loop, index: int, frame: Frame) -> N
     value = frame.variables.get(loop.targets[0])
     if isinstance(over, (form.Name, form.Member)) and isinstance(value, (Text, Number, Truth, Sequence, Mapping)):
         machine.assign(form.Index(loop.line, over, form.Literal(loop.line, float(index), str(index))), value, frame)
+
+
+def bind_targets(machine: Machine, loop: form.Loop, item: Value, frame: Frame) -> None:
+    """Set the variables of a loop over a collection to an element."""
+    if len(loop.targets) == 1:
+        name, kind = loop.targets[0], loop.declared
+        if kind is not None and loop.over is not None:
+            frame.declared[name] = kind
+            item = machine.language.converted(item, kind, form.Index(loop.line, loop.over, _FIRST), frame)
+        machine.write(frame.variables, name, item)
+        return
+    parts = machine.language.elements(item)
+    for index, name in enumerate(loop.targets):
+        value = parts[index] if len(parts) == len(loop.targets) else Unknown("it is a part of an unknown value")
+        machine.write(frame.variables, name, value)
 
 
 def unpack(machine: Machine, targets: tuple[Expression, ...], value: Value, frame: Frame) -> None:

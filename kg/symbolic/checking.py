@@ -230,8 +230,8 @@ def _slot_errors(row: _Row) -> Iterator[SourceError]:
     slot = row.content.get("slot", {})
     if (yield from _form_errors(row, slot, SLOT, "slot")):
         return
-    if not {"base", "class", "parameter"} & set(slot) and "slot" in row.content:
-        hint = "Add `class`, the number of the argument with the class, `parameter` or `base`."
+    if not {"base", "class", "module", "parameter"} & set(slot) and "slot" in row.content:
+        hint = "Add `class`, the number of the argument with the class, `parameter`, `base` or `module`."
         yield _error(row.place("slot"), "`slot` names no plugins", hint)
     for key in ("class", "name"):
         if key in slot:

@@ -121,6 +121,7 @@ SLOT: Final[Mapping[str, Form]] = {
     "name": _INDEX,
     "parameter": _TEXT,
     "names": _TEXT,
+    "module": _INDEX,
     "reason": _TEXT,
 }
 """The keys of `slot`."""

@@ -29,7 +29,7 @@ from kg.symbolic.values import (
 
 if TYPE_CHECKING:
     from kg.symbolic.form import Expression
-    from kg.symbolic.state import Written
+    from kg.symbolic.state import Holder, Written
 
 _NAMESPACES: Final = (OWN_NAMESPACE, PARENT_NAMESPACE)
 """What begins with a slash."""
@@ -184,6 +184,19 @@ def grown(written: Written) -> Written:
         if isinstance(value, Sequence | Either) and lengths:
             result[key] = (holder, name, over((value,), partial(_longer, min(lengths))))
     return result
+
+
+def counted_by(written: Written) -> list[tuple[Holder, str]]:
+    """Return the variables and fields that one turn of a loop counted up or down."""
+    counters: list[tuple[Holder, str]] = []
+    for holder, name, value in written.values():
+        before = holder.get(name)
+        after = value.items if isinstance(value, Either) else (value,)
+        if isinstance(before, Number):
+            steps = {one.value - before.value for one in after if isinstance(one, Number)} - {0}
+            if steps and steps <= {1, -1}:
+                counters.append((holder, name))
+    return counters
 
 
 def _longer(length: int, of: Value) -> Value:

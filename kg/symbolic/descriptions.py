@@ -66,6 +66,8 @@ class SlotDescription:
     """The parameter with the class, with `{id}` for the name of the plugin."""
     names: str | None = None
     """The parameter with the names of the plugins."""
+    module: int | None = None
+    """The argument with the name of a module, which is no plugin if the name is known."""
     reason: str | None = None
     """Why the code does not give the class."""
 

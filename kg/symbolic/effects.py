@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import Access, Qos
+from kg.facts import CAMERA_ORIGIN, Access, Qos
 from kg.symbolic import durations, qos
 from kg.symbolic.binding import put
 from kg.symbolic.form import Literal, Name
@@ -28,6 +28,7 @@ from kg.symbolic.state import Arguments, Frame, Invocation, Site
 from kg.symbolic.trees import Registered, port_value
 from kg.symbolic.values import (
     ABSENT,
+    OUTSIDE,
     Bound,
     Closure,
     Either,
@@ -87,6 +88,8 @@ class Declared:
     value_type: str | None = None
     written: str | None = None
     """The expression that gives the name."""
+    origin: str | None = None
+    """The framework that makes it beside the one of the call."""
     passed: int = 0
     """How many of the innermost calls have the whole name of a parameter as an argument."""
 
@@ -462,13 +465,22 @@ class Framework:
             put(self.machine, given.written[target], given.values[source], given.frame)
         return result(self, described.returns, call, read)
 
+    def leave(self, names: tuple[str, ...], arguments: Iterable[Value]) -> None:
+        """Record that code outside of the sources gets a node or a handle: it can read and create anything there."""
+        node = next((one for one in arguments if isinstance(one, Object) and self.is_node(one)), None)
+        if node is not None:
+            reason = f"{'::'.join(names)} {OUTSIDE}, and gets the node"
+            self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason))
+
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
         """Record that a call loads plugins, or creates an object whose methods do."""
         running = (site.this for site in reversed(self.machine.stack))
         node = next((one for one in running if isinstance(one, Object) and one in self.nodes), None)
         for row in combinations(call.arguments.values):
             one = replace(call, arguments=replace(call.arguments, values=list(row)))
-            self.loadings.append(loading(slot, one, node, tuple(self.machine.stack)))
+            module = one.argument(slot.module)
+            if not isinstance(module, Text) or module.exact is None:
+                self.loadings.append(loading(slot, one, node, tuple(self.machine.stack)))
 
     def _options(self, described: CallDescription, call: Invocation) -> Object:
         """Store the name and type of an interface in an options object."""
@@ -542,7 +554,8 @@ class Framework:
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
         if effect.camera:
             info = _shown(camera_info(whole))
-            self._add(Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile, written=written))
+            beside = Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile, written=written)
+            self._add(replace(beside, origin=CAMERA_ORIGIN))
         return None
 
     def _add(self, declared: Declared) -> None:

@@ -13,8 +13,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.symbolic import form
-from kg.symbolic.binding import assign_member, bind, forget_awaited, hand_back, put, unpack, write_back
-from kg.symbolic.containers import grown, is_unset
+from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
+from kg.symbolic.containers import counted_by, grown, is_unset
 from kg.symbolic.operators import (
     chosen,
     compute,
@@ -69,7 +69,6 @@ MOST_IDLE: Final = 5_000
 """How many steps a loop takes in turns that declare nothing; after that it ends."""
 _MOST_SITES: Final = 12
 """How many calls on the way to its registration a callback keeps."""
-_FIRST: Final = form.Literal(0, 0.0, "0")
 _PLAIN: Final = (Unknown, Number, Truth)
 """Values that are seldom part of a name."""
 _OUT: Final = ("return", "raise")
@@ -429,7 +428,9 @@ class Machine:
         """Run a loop once, on unknown counters; one that tests first may also not run."""
         self._forget_counters(loop, frame)
 
-        def once() -> str | None:
+        def once(counters: Iterable[tuple[Holder, str]] = ()) -> str | None:
+            for holder, name in counters:
+                self.write(holder, name, _COUNTS)
             ended = self._turn(loop, frame)
             if loop.step is not None and ended is None:
                 self.value(loop.step, frame)
@@ -438,8 +439,12 @@ class Machine:
         if loop.runs_at_least_once:
             ended = once()
             return ended if ended in _OUT else None
+        before = self.framework.progress()
         with self._under(terms):
             written, _ = self._journal.attempt(once)
+            if (counters := counted_by(written)) and self.framework.progress() != before:
+                # Functions that the loop calls count its turns, too: what it creates depends on the turn.
+                written, _ = self._journal.attempt(partial(once, counters))
         self.merge([grown(written), {}], [terms, ()])
         return None
 
@@ -463,7 +468,7 @@ class Machine:
             items = items[: self.most_turns]
         before, begun = self.framework.progress(), self.steps
         for index, item in enumerate(items):
-            self._target(loop, item, frame)
+            bind_targets(self, loop, item, frame)
             if finite:
                 ended = self._turn(loop, frame)
                 write_back(self, loop, index, frame)
@@ -474,19 +479,6 @@ class Machine:
                 written, _ = self._journal.attempt(partial(self._turn, loop, frame))
                 self.merge([grown(written), {}], [(), ()])
         return None
-
-    def _target(self, loop: form.Loop, item: Value, frame: Frame) -> None:
-        if len(loop.targets) == 1:
-            name, kind = loop.targets[0], loop.declared
-            if kind is not None and loop.over is not None:
-                frame.declared[name] = kind
-                item = self.language.converted(item, kind, form.Index(loop.line, loop.over, _FIRST), frame)
-            self.write(frame.variables, name, item)
-            return
-        parts = self.language.elements(item)
-        for index, name in enumerate(loop.targets):
-            value = parts[index] if len(parts) == len(loop.targets) else Unknown("it is a part of an unknown value")
-            self.write(frame.variables, name, value)
 
     # Expressions
 

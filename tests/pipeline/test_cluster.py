@@ -9,7 +9,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import pytest
 from patience import patient
@@ -65,11 +65,16 @@ def on_cluster(bench: Bench, address: str, artifacts: Path, told: Told | None = 
     return build([str(bench.source)], bench.store, load(given, environment={}), told, rules=False)
 
 
-def children() -> set[int]:
-    """Return the extractor processes of the workers in this process."""
-    tasks = Path("/proc/self/task").iterdir()
+def children(process: int | None = None) -> set[int]:
+    """Return the extractor processes of the workers in this process, or the forks of one of them."""
+    tasks = Path(f"/proc/{process or 'self'}/task").iterdir()
     found = {int(number) for task in tasks for number in (task / "children").read_text().split()}
     return {number for number in found if b"kg.pipeline.extracting" in _command(number)}
+
+
+def forks() -> set[int]:
+    """Return the forks that read packages."""
+    return {fork for process in children() for fork in children(process)}
 
 
 def _command(process: int) -> bytes:
@@ -152,8 +157,11 @@ def test_damaged_results_are_read_again(bench: Bench, scheduler: str, tmp_path: 
     assert other.content() == bench.content()
 
 
-def test_a_killed_reader_is_replaced(bench: Bench, scheduler: str, tmp_path: Path) -> None:
-    """If the process of a package is killed, another one reads it."""
+@pytest.mark.parametrize("found", [children, forks], ids=["process", "fork"])
+def test_a_killed_reader_is_replaced(
+    bench: Bench, scheduler: str, tmp_path: Path, found: Callable[[], set[int]]
+) -> None:
+    """If the process of a package, or its fork, is killed, another one reads it."""
     bench.build()
     other = bench.sibling("other")
     on_cluster(bench.sibling("warm"), scheduler, tmp_path / "other-artifacts")
@@ -161,15 +169,33 @@ def test_a_killed_reader_is_replaced(bench: Bench, scheduler: str, tmp_path: Pat
 
     def kill(_: str) -> None:
         if not killed:
-            wait_for(children)
-            killed.extend(children())
+            wait_for(found)
+            killed.extend(found())
             for process in killed:
                 os.kill(process, signal.SIGKILL)
 
     on_cluster(other, scheduler, tmp_path / "artifacts", Told(kill))
     assert killed
-    assert not children() & set(killed)
+    assert not found() & set(killed)
     assert other.content() == bench.content()
+
+
+class _Growing:
+    """A reader that keeps memory for each package, and reports its process instead of a result."""
+
+    kept: Final[list[bytes]] = []
+
+    def read(self, task: Task) -> extracting.Reading:
+        self.kept.append(os.urandom(int(task.path)))
+        return extracting.Reading(task, problem=str(os.getpid()))
+
+
+def test_a_fork_that_has_grown_makes_way_for_another() -> None:
+    """The next package is read by a new process, which starts with the memory of the first."""
+    fork = extracting._Fork(_Growing())  # type: ignore[arg-type]  # it only has to read
+    sizes = [1000, 1000, 2 * extracting._MOST_GROWTH, 1000]
+    first, second, third, last = (fork.read(Task("s", "p", str(size))).problem for size in sizes)
+    assert first == second == third != last
 
 
 def test_a_hanging_reader_is_replaced(

@@ -78,6 +78,18 @@ def test_a_fact_that_is_not_held_goes_by_what_the_property_is_used_with() -> Non
     assert [fact.subject for fact in found] == [NamedNode(BASE + "talker")]
 
 
+def test_the_name_of_an_end_means_what_it_connects_to() -> None:
+    """Of the ends with this name, the topic of that of the subject is chosen."""
+    store = Snapshot()
+    store.store.update(f"""PREFIX : <{BASE}> PREFIX rnkg: <{BASE}ns#> INSERT DATA {{
+      <{BASE}talker#out> rnkg:name "~/out" ; rnkg:connectsTo :own .
+      <{BASE}other#out> rnkg:name "~/out" ; rnkg:connectsTo :theirs .
+      :talker rnkg:publishes :own .
+    }}""")
+    (fact,), held = facts(store, "talker", "publishes", "~/out")
+    assert (fact.object, held) == (NamedNode(BASE + "own"), True)
+
+
 def test_unknown_words_get_suggestions() -> None:
     """A name or property that nothing has is refused with suggestions."""
     with pytest.raises(UnknownNameError) as name:

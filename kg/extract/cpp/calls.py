@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard, cast
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
+from kg.extract.cpp.project import COVERED
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
@@ -235,6 +236,8 @@ class Calls:
         ):
             return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
+        if names[0] not in COVERED:
+            language.machine.framework.leave(names, given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)

@@ -436,15 +436,16 @@ class _Nodes:
             name, kind = row[0], row[1]
             shown = kind.exact if isinstance(kind, Text) else None
             home, plugin = self._plugin_of(shown) if shown is not None else (None, None)
-            own = isinstance(name, Text) and name.parts == (NODE_NAME,)
+            private = "~" if isinstance(name, Text) and name.parts == (NODE_NAME,) else None
+            private = name.exact if private is None and isinstance(name, Text) else private
             renamed = dict(_remappings(row[2])) if len(row) > 2 else {}  # noqa: PLR2004 - the third argument
             for extracted in home.plugin(plugin) if home is not None and plugin is not None else ():
-                kept = [i for i in extracted.node.interfaces if own or not (i.name or "").startswith("~")]
-                interfaces += [
-                    replace(i, name=renamed.get(i.name, i.name) if i.name is not None else None, resolved=None)
-                    for i in kept
-                ]
-                parameters += extracted.node.parameters if own else ()
+                for one in extracted.node.interfaces:
+                    if one.name is None or private is not None or not one.name.startswith("~"):
+                        own = renamed.get(one.name, _below(private, one.name)) if one.name is not None else None
+                        interfaces.append(replace(one, name=own, resolved=None))
+                if private is not None:
+                    parameters += [replace(one, name=_below(private, one.name)) for one in extracted.node.parameters]
         return interfaces, parameters
 
     def _plugin_of(self, name: str) -> tuple[_Nodes | None, PluginClass | None]:
@@ -494,6 +495,11 @@ class _Nodes:
         if any(framework.is_a(made, "rclcpp_lifecycle::LifecycleNode") for made in framework.nodes):
             marks.append(Mark("ros2.lifecycle", node.location))
         return [Extracted(whole, tuple(dict.fromkeys(marks)))]
+
+
+def _below(private: str | None, name: str | None) -> str | None:
+    """Return a name of a nodelet in the program that loads it, where `~` is `private`."""
+    return f"{private}{name[1:]}" if private is not None and name is not None and name.startswith("~") else name
 
 
 def _started_by(main: Function) -> form.Type | None:

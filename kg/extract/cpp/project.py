@@ -43,6 +43,8 @@ FRAMEWORKS: Final = frozenset(
     }
 )  # fmt: skip
 """Packages that the descriptions of calls cover; their headers are never read."""
+COVERED: Final = FRAMEWORKS | {"ros", "std", "boost", "auto"}
+"""Namespaces of code outside of the sources that does nothing with a node that no description names."""
 
 _OF_ROS: Final = frozenset(
     {

@@ -21,6 +21,7 @@ from kg.facts import (
     LaunchParameter,
     MissingType,
     NodeInstance,
+    NodeKind,
     NodeReference,
     Remap,
     Resolution,
@@ -102,7 +103,9 @@ def tool_ends(started: StartedNode, ends: Ends, repository: str) -> Iterator[Ins
             resolved, remap = ends.place.resolve(name), None
             partial = is_partial(resolved)
             if not partial:
-                resolved, remap = ends.remapping.apply(resolved, Role(role))
+                above = parts[1].rpartition("/")[0] if "{" not in parts[1] else ""  # a handle of the tool's own code
+                handle = ends.place.resolve(above) if above else None
+                resolved, remap = ends.remapping.apply(resolved, Role(role), handle)
             resolution = Resolution.PARTIAL if partial else Resolution.LAUNCH_ARGUMENT
             reason = _UNKNOWN if partial else None
             declared = Interface(
@@ -263,7 +266,7 @@ def finished(draft: Draft, server: Server | None, host: Draft | None) -> NodeIns
         reads.add_node(owner, node)
         reads.add_of_framework((one.parameter for one in draft.plugins if one.parameter), node, owner, "plugins")
         reads.add_of_framework(overrides.names, node, owner, "qos_overrides")
-    for plugin in draft.plugins:
+    for plugin in _added(draft.plugins):
         reads.add_plugin(plugin)
     parameters = tuple(one for one in reads.resolved(draft.set_here) if one.declared or one.set not in draft.for_many)
     draft.used |= remapping.used
@@ -303,7 +306,7 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
     if draft.typed is not None:
         owner, node = draft.typed
         interfaces += ends.of_node(owner, switched_on(node, ends.settings, draft.place))
-    for plugin in draft.plugins:
+    for plugin in _added(draft.plugins):
         if plugin.typed is not None:
             owner, node = plugin.typed
             node = switched_on(node, ends.settings, draft.place, plugin)
@@ -319,6 +322,11 @@ def _interfaces(draft: Draft, ends: Ends) -> tuple[InstanceInterface, ...]:
     for simulated in draft.simulated:
         interfaces += simulated.ends(draft.place, ends.remapping)
     return tuple(dict.fromkeys(interfaces))
+
+
+def _added(plugins: Iterable[Loaded]) -> Iterator[Loaded]:
+    """Yield the plugins whose facts the node does not have by itself; those of a nodelet are its program's, too."""
+    return (one for one in plugins if one.typed is None or one.typed[1].kind is not NodeKind.NODELET)
 
 
 def _remaps(draft: Draft, interfaces: Sequence[InstanceInterface]) -> tuple[InstanceRemap, ...]:
@@ -345,13 +353,19 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
         return True
     if draft.typed is None and not tool and not draft.tree_nodes:
         return False
-    if any(plugin.typed is None for plugin in draft.plugins):
+    if any(plugin.typed is None for plugin in draft.plugins) or _loads_unknown_code(draft):
         return False
     if (draft.typed is not None and draft.reason is not None) or all(end.declared.implicit for end in interfaces):
         return False  # a node that talks to nobody: more likely nothing of it was found
     if any(given.name == ANONYMOUS or _names_plugins(name, given) for name, given in draft.set_here):
         return False
     return all(is_known(end.resolved) and end.resolution is not Resolution.PARTIAL for end in interfaces)
+
+
+def _loads_unknown_code(draft: Draft) -> bool:
+    """Return whether the node loads code of which not even the base class is known, such as a computed module."""
+    slots = draft.typed[1].slots if draft.typed is not None else ()
+    return any(slot.base_class is None and slot.parameter is None and slot.reason for slot in slots)
 
 
 def _names_plugins(name: str, given: LaunchParameter) -> bool:

@@ -13,7 +13,16 @@ import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
-from kg.facts import InstanceInterface, Interface, LaunchParameter, Location, NodeReference, NodeType, Resolution
+from kg.facts import (
+    CAMERA_ORIGIN,
+    InstanceInterface,
+    Interface,
+    LaunchParameter,
+    Location,
+    NodeReference,
+    NodeType,
+    Resolution,
+)
 from kg.holes import ANONYMOUS, PARENT, hole_of, is_known, is_partial, partition
 from kg.launch.wiring.families import effective, members, switched_on
 from kg.launch.wiring.values import Settings, parsed, shown
@@ -29,7 +38,6 @@ if TYPE_CHECKING:
     from kg.launch.wiring.qos import Overrides
     from kg.launch.wiring.remapping import Remapping
 
-_CAMERA_INFO: Final = "camera_info"
 _PORT: Final = re.compile(r"port\[(\w+)\]")
 """What stands for a parameter where a name is a port of a node of behavior trees."""
 _OF_NODES: Final = ("ros1.node", "ros2.node")
@@ -162,7 +170,7 @@ class Ends:
                 for one in spelled:
                     yield self._placed(declared, owner, Named(one, Resolution.CONSTANT), self.place)
                 continue
-            if declared.name is not None and (declared.implicit or declared.name.endswith(_CAMERA_INFO)):
+            if declared.name is not None and (declared.implicit or declared.origin == CAMERA_ORIGIN):
                 later.append(declared)
                 continue
             for name in self._names(declared, node):
@@ -317,7 +325,7 @@ def _is_derived(declared: Interface, base: InstanceInterface) -> bool:
     if name.startswith(f"{above}/"):
         return declared.implicit
     info = f"{above.rpartition('/')[0]}/camera_info" if "/" in above else "camera_info"
-    return name == info and declared.type == "sensor_msgs/CameraInfo" and base.declared.type != declared.type
+    return name == info and declared.origin == CAMERA_ORIGIN and base.declared.origin is None
 
 
 def _ids_of(framework: Framework, settings: Settings, place: Place) -> list[str]:
