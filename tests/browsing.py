@@ -46,6 +46,11 @@ _IDLE: Final = "new Promise((done) => requestIdleCallback(() => done(), { timeou
 _IDLE_TIMES: Final = 2
 """The page may be idle once between the arrival of a response and its processing."""
 _AXE: Final = ROOT / "frontend" / "node_modules" / "axe-core" / "axe.min.js"
+_EXAMINE: Final = """async () => {
+  const options = { resultTypes: ["violations"], preload: false };
+  const found = await axe.run(document, { ...options, selectors: false });
+  return found.violations.length ? axe.run(document, options) : found;
+}"""
 _WATCHING: Final = """
 window.kgViolations = [];
 document.addEventListener("securitypolicyviolation", (event) =>
@@ -159,11 +164,12 @@ class Visit:
     async def violations(self) -> list[str]:
         """Return the violations that axe reports, each with its first element.
 
-        No rule in use needs style sheets or media loaded in advance.
+        No rule in use needs style sheets or media loaded in advance. Selectors of elements take a quarter of the time,
+        so they are only computed for violations.
         """
         if not await self.page.evaluate("'axe' in window"):
             await self.page.evaluate(_axe_script())
-        found = await self.page.evaluate("axe.run(document, {resultTypes: ['violations'], preload: false})")
+        found = await self.page.evaluate(_EXAMINE)
         return [f"{one['id']} ({one['impact']}): {one['help']}: {json.dumps(one['nodes'][0]['target'])} "
                 f"{one['nodes'][0]['html'][:150]}" for one in found["violations"]]  # fmt: skip
 
