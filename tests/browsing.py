@@ -195,9 +195,14 @@ class Chromium:
         `options` are those of a context, such as `color_scheme`. A `kept` tab is emptied and used again, which takes
         half the processor time of a new one; it is for visits that do not open other tabs.
         """
-        options = {"viewport": {"width": 1200, "height": 800}, "reduced_motion": "reduce", **options}
+        look = {"color_scheme": "light", "reduced_motion": "reduce"}
+        size = {"width": 1200, "height": 800}
+        changeable = {name: options.pop(name, value) for name, value in {**look, "viewport": size}.items()}
         tab = self.tabs.pop(repr(options), None) if kept else None
-        page = tab or await _opened(await self.browser.new_context(**options))
+        page = tab or await _opened(await self.browser.new_context(**options, **changeable))
+        if tab:
+            await page.set_viewport_size(changeable["viewport"])
+            await page.emulate_media(**{name: changeable[name] for name in look})
         try:
             visit = Visit(page, address)
             visit.listen()
@@ -213,7 +218,7 @@ class Chromium:
                 raise
             if kept:
                 visit.leave()
-                await _emptied(visit, options)
+                await _emptied(visit)
                 self.tabs[repr(options)] = page
         finally:
             if page not in self.tabs.values():
@@ -228,15 +233,13 @@ async def _opened(context: BrowserContext) -> Page:
     return await context.new_page()
 
 
-async def _emptied(visit: Visit, options: dict[str, Any]) -> None:
-    """Bring a tab into its first state, on an address of the server that has no scripts."""
+async def _emptied(visit: Visit) -> None:
+    """Empty a tab, on an address of the server that has no scripts."""
     page = visit.page
     await page.unroute_all(behavior="wait")
     await page.goto("/".join([*visit.address.split("/")[:3], "health"]))
     await page.evaluate("localStorage.clear(); sessionStorage.clear()")
     await page.context.clear_cookies()
-    await page.set_viewport_size(options["viewport"])
-    await page.emulate_media(color_scheme=options.get("color_scheme"), reduced_motion=options["reduced_motion"])
 
 
 def axe() -> bool:
