@@ -27,8 +27,11 @@ needs_blocks = pytest.mark.skipif(not libraries(), reason=HELP)
 
 @asynccontextmanager
 async def opened(browser: Chromium, site: str, address: str = "/robot", **options: Any) -> AsyncIterator[Visit]:
-    """Log in and open the page; wait until the robot is connected. The page must report no problem at the end."""
-    async with browser.visit(f"{site}/login", **options) as visit:
+    """Log in and open the page in a kept tab; wait until the robot is connected.
+
+    The page must report no problem at the end.
+    """
+    async with browser.visit(f"{site}/login", **{"kept": True, **options}) as visit:
         await log_in(visit.page, site)
         visit.complaints.clear()
         # A page with an event stream is never idle.

@@ -7,7 +7,6 @@ import os
 import select
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from contextlib import contextmanager
@@ -16,6 +15,7 @@ from typing import IO, TYPE_CHECKING, Any, Final
 from unittest.mock import patch
 from urllib.parse import urlsplit
 
+from forks import start
 from patience import patient
 from starlette.testclient import TestClient
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     import httpx
+    from forks import Forked
 
 __all__ = ["ADDRESS", "EVERYWHERE", "TOKEN", "Serving", "application", "robot_told", "served"]
 
@@ -46,6 +47,8 @@ _SECONDS: Final = 30
 _BEGINNING: Final = 30
 """Time limit in seconds until a server prints its address."""
 
+_MODULES: Final = ("kg.query.readers.pool", "kg.server.app", "kg.server.running")
+"""Modules that a server imports at its start or with its first requests."""
 _PROGRAM: Final = """
 import faulthandler, gc, json, sys
 from pathlib import Path
@@ -84,7 +87,7 @@ class Serving:
 
     address: str
     port: int
-    process: subprocess.Popen[str]
+    process: Forked | subprocess.Popen[str]
     said: IO[str]
 
     def stop(self, seconds: float = 30) -> tuple[int, str]:
@@ -97,16 +100,19 @@ class Serving:
 def served(
     store: Path, *, before: str = "", environment: Mapping[str, str] | None = None, **options: Any
 ) -> Iterator[Serving]:
-    """Run a server on a free port, as `application`; `before` is Python code that its process runs first."""
+    """Run a server on a free port, as `application`; `before` is Python code that its process runs first.
+
+    The process is forked.
+    """
     given = {"port": 0, "seconds": patient(_SECONDS), **options}
     named = {name: str(value) if hasattr(value, "parts") else value for name, value in given.items()}
+    program = _PROGRAM.format(unasked=_UNASKED, before=before)
     # Into a file: an unread pipe fills up and blocks its writer.
-    with tempfile.TemporaryFile("a+", encoding="utf-8") as said, subprocess.Popen(
-        [sys.executable, "-c", _PROGRAM.format(unasked=_UNASKED, before=before), str(store), json.dumps(named)],
-        stdout=subprocess.PIPE,
-        stderr=said,
-        text=True,
-        env={**os.environ, **(environment or {})},
+    with tempfile.TemporaryFile("a+", encoding="utf-8") as said, start(
+        *("-c", program, str(store), json.dumps(named)),
+        environment={**os.environ, **(environment or {})},
+        streams=(subprocess.DEVNULL, subprocess.PIPE, said),
+        modules=_MODULES,
     ) as process:  # fmt: skip
         try:
             address = _address(process, said)
@@ -115,7 +121,7 @@ def served(
             process.kill()
 
 
-def _address(process: subprocess.Popen[str], said: IO[str]) -> str:
+def _address(process: Forked | subprocess.Popen[str], said: IO[str]) -> str:
     """Return the address that a server prints; without one, its output and its state."""
     assert process.stdout is not None
     seconds = patient(_BEGINNING)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 import yaml
-from cli.program import programs
+from forks import programs
 from repository import ROOT
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 import typer.main
-from cli.program import programs
+from forks import programs
 from repository import ROOT, files
 
 from kg.cli.app import app

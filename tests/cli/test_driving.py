@@ -13,7 +13,9 @@ from threading import Timer
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from forks import start
 from patience import patient
+from robot.driving.drivable import MODULES
 from robot.driving.rover import CAPABILITIES, rover, until
 from robot.programs import trolley
 
@@ -40,6 +42,8 @@ EARNEST: dict[str, Any] = {
     "exclusive": False,
     "json": True,
 }
+ROBOT = (subprocess.DEVNULL, subprocess.PIPE, None)
+"""Streams of a robot, whose output is read."""
 ROVER = """
 import asyncio, sys
 from kg.robot.connecting import connect
@@ -275,20 +279,19 @@ def test_the_robot_stops_on_a_signal(tmp_path: Path, command: tuple[str, ...], n
     program = "move at a velocity  forward: 0.5 m/s for 10 min\n"
     (tmp_path / "endless.kgp").write_text(program, encoding="utf-8")
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
-    pipe = subprocess.PIPE
-    with subprocess.Popen([sys.executable, "-c", ROVER], stdout=pipe, text=True, env=clean, cwd=tmp_path) as robot:
+    with start("-c", ROVER, streams=ROBOT, environment=clean, folder=tmp_path, modules=MODULES[1]) as robot:
         patience = Timer(patient(20), robot.kill)
         patience.start()
         try:
             assert robot.stdout is not None
             address = robot.stdout.readline().strip()
-            called = [sys.executable, "-m", "kg", "robot", *command, "--robot", address]
-            started = subprocess.Popen(called, stdout=pipe, stderr=pipe, env=clean, cwd=tmp_path)
+            called = ("-m", "kg", "robot", *command, "--robot", address)
+            started = start(*called, environment=clean, folder=tmp_path)
             assert float(robot.stdout.readline()) == 0.5
             started.send_signal(number)
             out, err = started.communicate(timeout=patient(20))
-            assert (started.returncode, b"cancelled" in out) == (130, command[0] == "run")
-            assert err.strip() == b"interrupted"
+            assert (started.returncode, "cancelled" in out) == (130, command[0] == "run")
+            assert err.strip() == "interrupted"
             while float(robot.stdout.readline()):
                 pass
         finally:
@@ -303,14 +306,13 @@ def test_the_robot_stops_when_its_driver_is_killed(tmp_path: Path, command: tupl
     """If the process is killed, its watchdog stops the robot and prints nothing afterwards."""
     (tmp_path / "endless.kgp").write_text("move at a velocity  forward: 0.5 m/s for 10 min\n", encoding="utf-8")
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
-    pipe = subprocess.PIPE
-    with subprocess.Popen([sys.executable, "-c", ROVER], stdout=pipe, text=True, env=clean, cwd=tmp_path) as robot:
+    with start("-c", ROVER, streams=ROBOT, environment=clean, folder=tmp_path, modules=MODULES[1]) as robot:
         patience = Timer(patient(20), robot.kill)
         patience.start()
         try:
             assert robot.stdout is not None
-            called = [sys.executable, "-m", "kg", "robot", *command, "--robot", robot.stdout.readline().strip()]
-            with subprocess.Popen(called, stdout=pipe, stderr=pipe, env=clean, cwd=tmp_path) as started:
+            called = ("-m", "kg", "robot", *command, "--robot", robot.stdout.readline().strip())
+            with start(*called, environment=clean, folder=tmp_path) as started:
                 assert float(robot.stdout.readline()) == 0.5
                 started.kill()
             while float(robot.stdout.readline()):
@@ -323,28 +325,26 @@ def test_the_robot_stops_when_its_driver_is_killed(tmp_path: Path, command: tupl
 def test_a_dead_node_is_told_once(tmp_path: Path) -> None:
     """A killed but still registered node is reported on standard error, with instructions, and in JSON."""
     clean = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
-    pipe = subprocess.PIPE
     with ExitStack() as stack:
-        master = stack.enter_context(
-            subprocess.Popen([sys.executable, "-c", MASTER], stdout=pipe, text=True, env=clean)
-        )
+        master = start("-c", MASTER, streams=ROBOT, environment=clean, modules=MODULES[1])
+        stack.enter_context(master)
         stack.callback(master.kill)
         assert master.stdout is not None
         address = master.stdout.readline().strip()
-        robot = stack.enter_context(subprocess.Popen([sys.executable, "-c", NODE, address], stdout=pipe, env=clean))
+        robot = start("-c", NODE, address, streams=ROBOT, environment=clean, modules=MODULES[1])
+        stack.enter_context(robot)
         assert robot.stdout is not None
         robot.stdout.readline()
         robot.kill()
         robot.wait()
-        called = [sys.executable, "-m", "kg", "robot", "do", "drivingAtVelocity", "--for", "1", "--json"]
-        found = subprocess.run(
-            [*called, "--robot", address], capture_output=True, text=True, check=False, env=clean, cwd=tmp_path
-        )
-        (told,) = map(json.loads, found.stdout.splitlines())
+        called = ("-m", "kg", "robot", "do", "drivingAtVelocity", "--for", "1", "--json", "--robot", address)
+        with start(*called, environment=clean, folder=tmp_path) as driver:
+            out, err = driver.communicate(timeout=patient(20))
+        (told,) = map(json.loads, out.splitlines())
         assert (told["event"], told["code"], told["name"]) == ("warning", "KG811", "/rover")
-        assert found.stderr.count("warning[KG811]: /rover: it listens to `/cmd_vel`") == 1
-        assert "rosnode cleanup" in found.stderr
-        assert "error[KG824]" in found.stderr
+        assert err.count("warning[KG811]: /rover: it listens to `/cmd_vel`") == 1
+        assert "rosnode cleanup" in err
+        assert "error[KG824]" in err
 
 
 def test_what_outlives_its_terminal_goes_on(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import pytest
+from forks import start
 from patience import patient
 from robot.driving.drivable import BLOCKABLE, clean, drivable
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from forks import Forked
     from robot.driving.drivable import Drivable
 
 PIPE = subprocess.PIPE
@@ -36,11 +37,11 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
 
 
 @contextmanager
-def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[subprocess.Popen[str]]:
+def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[Forked | subprocess.Popen[str]]:
     """Run a command that drives the robot."""
     (folder / "endless.kgp").write_text(PROGRAM, encoding="utf-8")
-    called = [sys.executable, "-c", KG, "robot", *command, "--robot", robot.address]
-    with subprocess.Popen(called, stdout=PIPE, stderr=PIPE, text=True, env=clean(), cwd=folder) as process:
+    called = ("-c", KG, "robot", *command, "--robot", robot.address)
+    with start(*called, environment=clean(), folder=folder) as process:
         try:
             yield process
         finally:

@@ -7,8 +7,8 @@ import subprocess
 from typing import TYPE_CHECKING, Final
 
 import pytest
-from cli.program import programs
 from cli.rover import build
+from forks import programs
 from workspaces import copied, example
 
 from kg.resources import folder

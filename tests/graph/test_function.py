@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
-from rdflib import RDF, RDFS, Graph, Namespace
-
-from kg.resources import folder
+import ontologies
+from rdflib import RDF, RDFS, Namespace
 
 if TYPE_CHECKING:
     from rdflib.term import Node
 
 RNKG: Final = Namespace("https://w3id.org/rnkg/ns#")
-ONTOLOGY: Final = Graph().parse(folder("ontology") / "function.ttl")
+ONTOLOGY: Final = ontologies.named()["function"]
 SIGNS: Final = sorted(set(ONTOLOGY.subjects(RDF.type, RNKG.Sign)), key=str)
 FUNCTIONS: Final = set(ONTOLOGY.subjects(RDF.type, RNKG.Function))
 

@@ -6,15 +6,16 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from forks import start
 from patience import examples, patient
 
 if TYPE_CHECKING:
+    from forks import Forked
     from pipeline.conftest import Bench
 
 BUILD = """
@@ -31,19 +32,21 @@ sys.stdin.read()
 """
 
 
-def _start(bench: Bench, version: str, *, hold: bool = False) -> subprocess.Popen[bytes]:
-    """Start a build that reads everything, in its own process group, and return when it begins.
+def _start(bench: Bench, version: str, *, hold: bool = False) -> Forked | subprocess.Popen[str]:
+    """Fork a build that reads everything, in its own process group, and return when it begins.
 
     With `hold` the process runs until its standard input is closed, so a signal never reaches an interpreter that is
     already shutting down, where it kills silently.
     """
-    command = [sys.executable, "-c", BUILD, str(bench.store.layout.root), str(bench.source), version]
     stdin = subprocess.PIPE if hold else subprocess.DEVNULL
-    process = subprocess.Popen(
-        command, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    process = start(
+        *("-c", BUILD, str(bench.store.layout.root), str(bench.source), version),
+        streams=(stdin, subprocess.PIPE, subprocess.PIPE),
+        builds=True,
+        session=True,
     )
     assert process.stdout is not None
-    assert process.stdout.readline() == b"ready\n"
+    assert process.stdout.readline() == "ready\n"
     return process
 
 
@@ -108,7 +111,7 @@ def test_interrupt_ends_workers_and_keeps_the_store(built: Bench) -> None:
         os.killpg(process.pid, signal.SIGINT)
         _, errors = process.communicate(timeout=patient(20))
         assert process.returncode in {0, 130, -signal.SIGINT}
-        assert process.returncode == 0 or b"KeyboardInterrupt" in errors
+        assert process.returncode == 0 or "KeyboardInterrupt" in errors
         assert _ended(process.pid)
         assert built.content() == before
         assert len(built.store.layout.numbers()) == 1

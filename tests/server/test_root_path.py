@@ -141,7 +141,7 @@ def test_scripts_stay_below_the_root_path(browser: Chromium, published: str, kee
     address = published + PAGES[name].format(**shown(keeping.client))
 
     async def look() -> tuple[list[str], list[str], list[str]]:
-        async with browser.visit(address) as visit:
+        async with browser.visit(address, kept=True) as visit:
             links = await visit.page.evaluate(
                 "[...document.querySelectorAll('a[href], [data-why]')].map((one) => one.href || one.dataset.why)"
             )

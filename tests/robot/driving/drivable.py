@@ -17,6 +17,8 @@ from pathlib import Path
 from threading import Timer
 from typing import TYPE_CHECKING, Final
 
+from forks import start
+
 from kg.robot.connecting import connect
 from kg.robot.ros1 import Master
 from kg.robot.ros2.ends import Ros2Subscription
@@ -24,9 +26,11 @@ from kg.robot.ros2.ends import Ros2Subscription
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from forks import Forked
+
     from kg.robot.connection import Accepted, Value
 
-__all__ = ["BLOCKABLE", "Drivable", "clean", "drivable"]
+__all__ = ["BLOCKABLE", "MODULES", "Drivable", "clean", "drivable"]
 
 BLOCKABLE: Final = """
 import signal
@@ -34,13 +38,18 @@ signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR2])
 signal.signal(signal.SIGUSR1, lambda *_: signal.sigwait([signal.SIGUSR2]))
 """
 """Code run before a process that makes SIGUSR1 block its event loop until SIGUSR2 arrives."""
+MODULES: Final = {
+    1: ("kg.robot.driving.doing", "kg.robot.driving.watchdog", "kg.robot.programs.runner", "kg.robot.ros1"),
+    2: ("kg.robot.driving.doing", "kg.robot.driving.watchdog", "kg.robot.programs.runner", "kg.robot.dds"),
+}
+"""Modules of robots of ROS 1 and 2, and of programs that drive them; they are imported before a fork."""
 _GOALS: Final = {1: ("/move_base", "move_base_msgs/MoveBase"), 2: ("/navigate_to_pose", "nav2_msgs/NavigateToPose")}
 
 
 class Drivable:
     """The robot: its address, and its output."""
 
-    def __init__(self, process: subprocess.Popen[str]) -> None:
+    def __init__(self, process: Forked | subprocess.Popen[str]) -> None:
         self._process = process
         self.address = self._line()
 
@@ -65,9 +74,10 @@ class Drivable:
 @contextmanager
 def drivable(ros: int, seconds: float) -> Iterator[Drivable]:
     """Run a robot of ROS 1 or 2, for at most so many seconds."""
-    with nullcontext("") if ros == 1 else _dds() as address, subprocess.Popen(
-        [sys.executable, __file__, *([address] if address else [])],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=clean(),
+    pipe = subprocess.PIPE
+    with nullcontext("") if ros == 1 else _dds() as address, start(
+        *(__file__, *([address] if address else [])),
+        streams=(pipe, pipe, None), environment=clean(), modules=MODULES[ros],
     ) as process:  # fmt: skip
         patience = Timer(seconds, process.kill)
         patience.start()

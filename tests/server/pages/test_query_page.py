@@ -249,7 +249,7 @@ def test_cancel_ends_the_work(browser: Chromium, site: str) -> None:
         return running, await ran(visit)
 
     async def visit() -> tuple[str, str]:
-        async with browser.visit(f"{site}/query?name=explore/topics") as opened:
+        async with browser.visit(f"{site}/query?name=explore/topics", kept=True) as opened:
             # Opened by its text in the field: a page that runs a query at once is never idle.
             await opened.page.goto(f"{site}/query?{urlencode({'query': RUNAWAY})}", wait_until="load")
             return await stop(opened)
@@ -400,7 +400,7 @@ def test_works_without_libraries(browser: Chromium, site: str) -> None:
     """Without the editor a plain field is used: problems, Ctrl-Enter and results work as usual."""
 
     async def plain() -> tuple[str, str, int]:
-        async with browser.visit(f"{site}/rules") as visit:
+        async with browser.visit(f"{site}/rules", kept=True) as visit:
             await visit.page.route("**/vendor/**", lambda route: route.abort())
             await visit.page.goto(f"{site}/query", wait_until="load")
             await visit.page.wait_for_selector("#tabs [role=tab]")

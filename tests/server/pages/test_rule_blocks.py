@@ -286,7 +286,7 @@ def test_without_libraries_the_text_is_there(browser: Chromium, site: str) -> No
     """Without the libraries, a rule is written as text, checked and tried as usual."""
 
     async def use() -> tuple[bool, str]:
-        async with browser.visit(f"{site}/search") as visit:
+        async with browser.visit(f"{site}/search", kept=True) as visit:
             page = visit.page
             await page.route("**/vendor/**", lambda route: route.abort())
             await page.goto(f"{site}/rule-blocks", wait_until="load")

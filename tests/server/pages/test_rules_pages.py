@@ -171,7 +171,7 @@ def test_without_libraries_the_list_says_it(browser: Chromium, site: str) -> Non
     """Without the libraries, the page reports that and shows the list in place of the picture."""
 
     async def read() -> str:
-        async with browser.visit(f"{site}/search") as visit:
+        async with browser.visit(f"{site}/search", kept=True) as visit:
             await visit.page.route("**/vendor/**", lambda route: route.abort())
             await visit.page.goto(f"{site}/rule?name=feeds", wait_until="load")
             await visit.rest()

@@ -399,7 +399,7 @@ def test_driving_by_hand_shows_values_and_ends_with_the_page(browser: Chromium, 
         return before, after
 
     async def close() -> tuple[str, str]:
-        async with opened(browser, robot_site) as visit:
+        async with opened(browser, robot_site, kept=False) as visit:
             return await drive(visit)
 
     async def look(visit: Visit) -> str:

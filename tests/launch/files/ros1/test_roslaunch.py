@@ -18,10 +18,17 @@ from files.ros1.records import CASES, case_workspace, configuration
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = [pytest.mark.ros, pytest.mark.skipif(reason_to_skip() is not None, reason=str(reason_to_skip()))]
+pytestmark = pytest.mark.ros
 
 TREES = 80
 ENVIRONMENT = {"HOME_OF": "5"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _roslaunch() -> None:
+    """Skip if roslaunch is not installed."""
+    if reason := reason_to_skip():
+        pytest.skip(reason)
 
 
 def test_cases_agree(tmp_path: Path) -> None:

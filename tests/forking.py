@@ -1,11 +1,12 @@
-"""A process that has imported `kg` and forks for each run of it, so a run pays for its work and not for its imports.
+"""A process that has imported `kg` and forks for each run of Python, which then pays for its work, not for its imports.
 
     python -P forking.py 5 6        serve orders received on socket 5, and on connections to socket 6
 
-An order is a working folder, arguments and an environment, as JSON, with files: the output streams of the run, the pipe
-for its process number and then its exit code, and its input, if any. Each run is a process like that of `python -m kg`,
-with streams, folder, environment and exit of its own. This process opens no store and starts no thread, which makes
-forking safe.
+An order is a working folder, the arguments of Python and an environment, as JSON, with files: the output streams of the
+run, the pipe for its process number and then its exit code, and its input, if any. Its further keys are optional:
+`modules` are imported before, for this run and all later ones; with `builds`, so is what builds need; with `session`,
+the run has a session of its own. Each run is a process like that of a new Python, with streams, folder, environment and
+exit of its own. This process opens no store and starts no thread, which makes forking safe.
 """
 
 from __future__ import annotations
@@ -18,12 +19,14 @@ import os
 import pkgutil
 import runpy
 import select
+import signal
 import socket
 import struct
 import sys
 import threading
 from contextlib import suppress
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Final, NoReturn, TextIO
 
 import kg.cli.commands
@@ -59,9 +62,18 @@ _BUILDERS: Final = (
     "kg.rules.running",
 )
 """Modules imported lazily by these commands."""
+_ROBOTS: Final = (
+    "kg.cli.driving",
+    "kg.cli.program_view",
+    "kg.robot.driving.doing",
+    "kg.robot.driving.watchdog",
+    "kg.robot.programs.runner",
+    "kg.robot.ros1",
+)
+"""Modules imported lazily by `kg robot`."""
 _NOT_WRITTEN: Final = 120
 """The exit code of Python if its streams cannot be flushed at exit."""
-_TESTS: Final = str(Path(__file__).parents[1])
+_TESTS: Final = str(Path(__file__).parent)
 
 
 def _serve(orders: socket.socket, callers: socket.socket) -> None:
@@ -88,7 +100,9 @@ def _serve(orders: socket.socket, callers: socket.socket) -> None:
         else:
             continue
         order = json.loads(content)
-        if _BUILDING & set(order["arguments"]):
+        for name in (*order.get("modules", ()), *(_ROBOTS if "robot" in order["python"] else ())):
+            importlib.import_module(name)
+        if order.get("builds") or _BUILDING & set(order["python"]):
             _prepare_builds()
         child = os.fork()
         if not child:
@@ -135,6 +149,8 @@ def _prepare_builds() -> None:
 
 def _attend(order: dict[str, Any], out: int, err: int) -> None:
     """Execute a run in this process, with its streams and exit code."""
+    if order.get("session"):
+        os.setsid()
     sys.stdout, sys.stderr = _stream(out, sys.stdout), _stream(err, sys.stderr)
     _end(_run(order))
 
@@ -149,23 +165,40 @@ def _stream(file: int, like: TextIO) -> TextIO:
 
 
 def _run(order: dict[str, Any]) -> int:
-    """Execute `python -m kg`; return its exit code."""
+    """Execute the module, the text or the file that the arguments of Python name; return the exit code."""
     os.chdir(order["folder"])
     os.environ.clear()
     os.environ.update(order["environment"])
-    sys.argv = ["kg", *order["arguments"]]
-    sys.path.insert(0, order["folder"])
+    given = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    sys.path[:0] = [path for path in given if path and path not in sys.path]
     try:
-        runpy.run_module("kg", run_name="__main__", alter_sys=True)
+        _execute(*order["python"])
     except SystemExit as end:
         if end.code is None or isinstance(end.code, int):
             return end.code or 0
         sys.stderr.write(f"{end.code}\n")
         return 1
-    except BaseException:  # noqa: BLE001 - as the interpreter does
+    except BaseException as error:  # noqa: BLE001 - as the interpreter does
         sys.excepthook(*sys.exc_info())
-        return 1
+        return -signal.SIGINT if isinstance(error, KeyboardInterrupt) else 1
     return 0
+
+
+def _execute(option: str, *arguments: str) -> None:
+    """Execute a module after `-m`, a text after `-c`, or a file, with the arguments that follow."""
+    if option == "-m":
+        sys.argv = list(arguments)
+        sys.path.insert(0, str(Path.cwd()))
+        runpy.run_module(arguments[0], run_name="__main__", alter_sys=True)
+    elif option == "-c":
+        sys.argv = ["-c", *arguments[1:]]
+        sys.path.insert(0, "")
+        sys.modules["__main__"] = ModuleType("__main__")
+        exec(compile(arguments[0], "<string>", "exec"), vars(sys.modules["__main__"]))  # noqa: S102 - the text of a test
+    else:
+        sys.argv = [option, *arguments]
+        sys.path.insert(0, str(Path(option).parent))
+        runpy.run_path(option, run_name="__main__")
 
 
 def _end(code: int) -> NoReturn:
@@ -173,15 +206,16 @@ def _end(code: int) -> NoReturn:
 
     That step visits every object of the parent process, which would copy all its memory.
     """
-    for thread in threading.enumerate():
-        if thread is not threading.current_thread() and not thread.daemon:
-            thread.join()
+    threading._shutdown()  # type: ignore[attr-defined] # as the interpreter does: it ends pools, and waits for threads
     atexit._run_exitfuncs()
     try:
         sys.stdout.flush()
         sys.stderr.flush()
     except OSError:
         code = _NOT_WRITTEN
+    if code == -signal.SIGINT:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        os.kill(os.getpid(), signal.SIGINT)
     os._exit(code)
 
 

@@ -1,0 +1,202 @@
+"""Programs of tests as processes forked from one that has imported `kg`: a new Python takes a second of imports."""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from select import select
+from tempfile import mkdtemp
+from typing import IO, TYPE_CHECKING, Final
+
+import forking
+from forking import ANSWER
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from typing import Self
+
+__all__ = ["Forked", "programs", "start"]
+
+_CALLER: Final = """#!{python} -IS
+import os, socket, sys
+here, there = os.pipe()
+order = {{"python": ["-m", "kg", *sys.argv[1:]], "folder": os.getcwd(), "environment": dict(os.environ)}}
+with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as server:
+    server.connect({address!r})
+    socket.send_fds(server, [__import__("json").dumps(order).encode()], [1, 2, there, 0])
+os.close(there)
+with open(here, "rb") as answers:
+    code = int.from_bytes(answers.read()[4:], "big", signed=True)
+sys.exit(code if code >= 0 else 128 - code)
+"""
+"""Sends its command to the fork server and exits as the forked process does."""
+
+
+@dataclass(slots=True)
+class Forked:
+    """A process of the fork server, with the parts of `subprocess.Popen` that tests use; streams are text."""
+
+    pid: int
+    stdin: IO[str] | None
+    stdout: IO[str] | None
+    stderr: IO[str] | None
+    answers: IO[bytes]
+    """The pipe on which the exit code arrives."""
+    returncode: int | None = None
+
+    def __enter__(self) -> Self:
+        """Return itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the streams, and wait until the process has ended."""
+        for stream in (self.stdin, self.stdout, self.stderr):
+            if stream:
+                stream.close()
+        self.wait()
+        self.answers.close()
+
+    def poll(self) -> int | None:
+        """Return the exit code, or None while the process runs."""
+        if self.returncode is None and select([self.answers], [], [], 0)[0]:
+            (self.returncode,) = ANSWER.unpack(self.answers.read(ANSWER.size))
+        return self.returncode
+
+    def wait(self, timeout: float | None = None) -> int:
+        """Return the exit code once the process has ended; raises TimeoutExpired after some seconds."""
+        if self.returncode is None:
+            select([self.answers], [], [], timeout)
+            if self.poll() is None:
+                raise subprocess.TimeoutExpired("a forked process", timeout or 0)
+        assert self.returncode is not None
+        return self.returncode
+
+    def send_signal(self, number: int) -> None:
+        """Send a signal, if the process still runs."""
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+    def terminate(self) -> None:
+        """Ask the process to end."""
+        self.send_signal(signal.SIGTERM)
+
+    def kill(self) -> None:
+        """Kill the process."""
+        self.send_signal(signal.SIGKILL)
+
+    def communicate(self, timeout: float | None = None) -> tuple[str, str]:
+        """Return what the process writes until it ends; a process that takes longer is killed, with TimeoutExpired."""
+        if self.stdin:
+            self.stdin.close()
+        with ThreadPoolExecutor(2) as readers:
+            said = [readers.submit(stream.read) if stream else None for stream in (self.stdout, self.stderr)]
+            try:
+                self.wait(timeout)
+            except subprocess.TimeoutExpired:
+                self.kill()
+                raise
+            out, err = (each.result() if each else "" for each in said)
+        return out, err
+
+
+@dataclass(frozen=True, slots=True)
+class _Server:
+    """A fork server: its process, the socket for orders, and the folder with the program `kg` that calls it."""
+
+    process: subprocess.Popen[bytes]
+    orders: socket.socket
+    programs: Path
+
+
+_serving: Final[list[_Server]] = []
+"""The current fork server, as the last item; it stops with this process, or when a test stops it."""
+
+
+def start(  # noqa: PLR0913 - as subprocess.Popen
+    *python: str,
+    folder: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+    streams: tuple[int | IO[str] | None, ...] = (subprocess.DEVNULL, subprocess.PIPE, subprocess.PIPE),
+    modules: Iterable[str] = (),
+    builds: bool = False,
+    session: bool = False,
+) -> Forked | subprocess.Popen[str]:
+    """Start Python with arguments, in a folder and with an environment, by default those of this process.
+
+    `streams` are input, output and errors, as `subprocess` takes them. The process is forked from one that has imported
+    `kg` and `modules`, with `builds` also what builds need; outside of Linux it is a new one. With `session` it has a
+    session of its own.
+    """
+    environment = dict(os.environ if environment is None else environment)
+    given, output, errors = streams
+    if sys.platform != "linux":
+        command = [sys.executable, *python]
+        return subprocess.Popen(
+            command, cwd=folder, env=environment, text=True, stdin=given, stdout=output, stderr=errors,
+            start_new_session=session,
+        )  # fmt: skip
+    order = {
+        "python": python,
+        "folder": str(folder or Path.cwd()),
+        "environment": environment,
+        "modules": list(modules),
+        "builds": builds,
+        "session": session,
+    }
+    (stdin, theirs), (stdout, out), (stderr, err) = (_ends(each, number) for number, each in enumerate(streams))
+    answers, answering = os.pipe()
+    socket.send_fds(_server().orders, [json.dumps(order).encode()], [out, err, answering, theirs])
+    for file, each in ((theirs, given), (out, output), (err, errors), (answering, subprocess.PIPE)):
+        if isinstance(each, int):
+            os.close(file)
+    pipe = os.fdopen(answers, "rb", buffering=0)
+    (number,) = ANSWER.unpack(pipe.read(ANSWER.size))
+    return Forked(number, stdin, stdout, stderr, pipe)
+
+
+def _ends(stream: int | IO[str] | None, number: int) -> tuple[IO[str] | None, int]:
+    """Return this end and the other one of a stream, the standard stream `number` of the process."""
+    if stream == subprocess.PIPE:
+        read, write = os.pipe()
+        return (os.fdopen(write, "w"), read) if number == 0 else (os.fdopen(read), write)
+    if stream == subprocess.DEVNULL:
+        return None, os.open(os.devnull, os.O_RDWR)
+    return None, number if stream is None else stream if isinstance(stream, int) else stream.fileno()
+
+
+def programs() -> Path:
+    """Return a folder with a program `kg` for shells and subprocesses, which forks as `start` does.
+
+    Signals to it do not reach the forked process.
+    """
+    return _server().programs
+
+
+def _server() -> _Server:
+    """Return the fork server; start it if it is not running."""
+    if not _serving or _serving[-1].process.poll() is not None:
+        folder = Path(mkdtemp(prefix="kg-forks-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        address = str(folder / "socket")
+        program = folder / "kg"
+        program.write_text(_CALLER.format(python=sys.executable, address=address), encoding="utf-8")
+        program.chmod(0o755)
+        here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
+        with there, socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as callers:
+            callers.bind(address)
+            callers.listen()
+            numbers = [there.fileno(), callers.fileno()]
+            command = [sys.executable, "-P", forking.__file__, *map(str, numbers)]
+            process = subprocess.Popen(command, env=clean | {"COLUMNS": "80"}, pass_fds=numbers)
+        _serving.append(_Server(process, here, folder))
+    return _serving[-1]
