@@ -392,7 +392,7 @@ class _Nodes:
         pending = dict(sorted(listed, key=lambda one: one[0] not in getting))
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
             for name in needed:
-                if id(pending.pop(name)) not in machine.executed:
+                if (id(pending.pop(name)), id(root)) not in machine.executed:
                     language.enter(Bound(name, root))
                     machine.drain()
 
