@@ -132,7 +132,7 @@ def sort_file(name: str, folder: str, *, in_module: bool = False) -> FileKind | 
         return FileKind.BUILD if output == "cmake" else FileKind.CPP if output in {"h", "hpp", "cpp"} else None
     if ending == "idl":
         return _IDL_FOLDERS.get(folder)
-    if folder == "launch" and not in_module and ending in {"py", "xml"}:
+    if folder == "launch" and not in_module and ending in {"py", "xml", "yaml", "yml"}:
         return FileKind.LAUNCH
     if kind is FileKind.CONFIG and ending == "xml" and ("plugin" in stem or "nodelet" in stem):
         return FileKind.PLUGIN

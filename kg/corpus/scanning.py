@@ -223,10 +223,15 @@ def _with_launch_files(
     Such files are started by their path (`roslaunch FILE`), often to start a whole robot.
     """
     files = tuple(entry for entry in _by_path(loose) if entry.kind is FileKind.LAUNCH)
-    if not files or not packages or packages[0].path == ".":
+    if all(_is_settings(entry.path) for entry in files) or not packages or packages[0].path == ".":
         return packages
     taken = any(package.name == name for package in packages)
     return (PackageFolder(f"{name}-root" if taken else name, ".", None, files), *packages)
+
+
+def _is_settings(path: str) -> bool:
+    """Return whether a file of a folder `launch` most likely has parameters: YAML without `launch` in its name."""
+    return path.endswith((".yaml", ".yml")) and "launch" not in path.rpartition("/")[2]
 
 
 def _whole_root(walk: _Walk, name: str) -> tuple[PackageFolder, ...]:

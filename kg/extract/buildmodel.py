@@ -100,7 +100,7 @@ class BuildModel:
     scripts: tuple[Script, ...] = ()
     entry_points: tuple[EntryPoint, ...] = ()
     programs: tuple[str, ...] = ()
-    """Under which names CMake installs files as programs, those in no language that is read among them."""
+    """Under which names CMake and Cargo install programs, those in no language that is read among them."""
     parameter_libraries: tuple[tuple[str, str], ...] = ()
     """Pairs of target name and YAML file of `generate_parameter_library`."""
     reconfigure_files: tuple[str, ...] = ()

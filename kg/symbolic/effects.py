@@ -104,6 +104,8 @@ class Framework:
         self.host = host
         self.declared: list[Declared] = []
         self.marks: list[tuple[str, Object | None, tuple[Site, ...], Value | None]] = []
+        self.called_later: set[tuple[str, int]] = set()
+        """Methods that a framework calls after construction, unless the code does so itself, each with its object."""
         self.parameters = Parameters()
         self.node_names: list[Value] = []
         self.node_sites: list[tuple[Site, ...]] = []
@@ -276,6 +278,7 @@ class Framework:
         for described in self._classes(instance)[0]:
             for name in (one for pattern in described.runs for one in self._matching(instance, pattern)):
                 if language.methods(instance.kind, name):
+                    self.called_later.add((name, id(instance)))
                     language.escape([Bound(name, instance)])
 
     def _matching(self, instance: Object, pattern: str) -> list[str]:

@@ -98,8 +98,8 @@ class Machine:
         self.barren: Counter[int] = Counter()
         self.fruitful: set[int] = set()
         """The functions that declared something in a run, by identity. With other arguments they may do so again."""
-        self.executed: set[int] = set()
-        """The functions that have run, by identity."""
+        self.executed: set[tuple[int, int]] = set()
+        """The functions that have run, and the object of each, by identity."""
         self.steps = 0
         self.counting = False
         """Whether the condition of a loop is evaluated: it counts the default of a list, other tests leave it open."""
@@ -660,7 +660,7 @@ class Machine:
             return self.language.unknown(function.returns, frame, function.name)
         before, steps, writes = self.framework.progress(), self.steps, self._outer_writes
         outer, self._local = self._local, frame.variables
-        with self.entered(function):
+        with self.entered(function, frame.this):
             bind(self, function, frame, arguments, given)
             result = self.result(frame, self.run(function.body, frame))
         written = False
@@ -676,11 +676,11 @@ class Machine:
         return result
 
     @contextmanager
-    def entered(self, function: Function) -> Iterator[None]:
+    def entered(self, function: Function, this: Value | None = None) -> Iterator[None]:
         """Count a function as running; the guards of its body end with it."""
         guards = len(self.guards)
         self.running[id(function)] += 1
-        self.executed.add(id(function))
+        self.executed.add((id(function), id(this)))
         outer, self._left = self._left, []
         try:
             yield

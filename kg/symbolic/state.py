@@ -41,14 +41,15 @@ class _Missing(Enum):
 _RECURSION: Final = 20_000
 _MISSING: Final = _Missing.MISSING
 UNSET: Final = Unknown("it has no value")
+_EMPTY: Final = Text.of("")
 _Result = TypeVar("_Result")
 
 
 def decides(value: object) -> bool:
-    """Check whether a value decides conditions and is not part of a name: a number, null, an empty container."""
+    """Check whether a value decides conditions and is not part of a name: a number, null, something empty."""
     if isinstance(value, (Sequence, Mapping)):
         return not value.items
-    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET)
+    return isinstance(value, (Truth, Number, Enumerator)) or value in (NULL, UNSET, _EMPTY)
 
 
 @final

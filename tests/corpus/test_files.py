@@ -22,6 +22,7 @@ from kg.facts import FileKind
         ("base.launch.py", "anywhere", FileKind.LAUNCH),
         ("bringup_launch.py", "anywhere", FileKind.LAUNCH),
         ("base.xml", "launch", FileKind.LAUNCH),
+        ("base.yaml", "launch", FileKind.LAUNCH),
         ("helper.py", "launch", FileKind.LAUNCH),
         ("hz.test", "test", FileKind.LAUNCH),
         ("package.xml", "pkg", FileKind.MANIFEST),

@@ -198,7 +198,7 @@ class Callbacks:
             ]
             # Of several overloads, a framework calls the one that takes the handles that it passes.
             for function, bound, handles in sorted(overloads, key=lambda one: not one[2])[:1]:
-                if not always and self._is_idle(function, called.of):
+                if not always and (self._is_called(function, called) or self._is_idle(function, called.of)):
                     continue
                 types = {**bound, **dict(zip(function.template, called.template, strict=False))}
                 frame = frame_of(function, types, called.of)
@@ -209,6 +209,11 @@ class Callbacks:
                     continue
                 frame = frame_of(function, dict(zip(function.template, called.template, strict=False)))
                 machine.invoke(function, frame, self._unknown(function.parameters, frame, bound_values))
+
+    def _is_called(self, function: Function, called: Bound) -> bool:
+        """Check whether the code has itself called a method that a framework calls after construction."""
+        machine, of = self._language.machine, id(called.of)
+        return (called.name, of) in machine.framework.called_later and (id(function), of) in machine.executed
 
     def _handed(self, of: Object, function: Function) -> dict[int, Value]:
         """Return the node handles that a framework passes to a method, by the index of the parameter."""

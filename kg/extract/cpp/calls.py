@@ -149,10 +149,25 @@ class Calls:
         if local and isinstance(this, Object):
             if self._kinds.has_field(this, last):
                 return self.value(self._language.member(this, last), replace(given, template=()))
+            if own := [one for one in self._of_own_class(this, last, frame) if fits(one[0], len(values))]:
+                return self._on(this, own, given)
             if self._language.methods(this.kind, last) or machine.framework.describes_method(this, last):
                 return self.method(this, last, given)
         scoped = self._sibling(last, given, frame) if local else self._scoped(function, this, given, frame)
         return scoped if scoped is not None else self._function(function, given, frame)
+
+    def _of_own_class(self, this: Object, name: str, frame: Frame) -> list[Overload]:
+        """Return the methods that a name alone means in a base whose object is of a class with others of the name.
+
+        None where that is no matter, or where they are virtual.
+        """
+        methods = self._language.methods(this.kind, name) if this.created else []
+        if not methods or not frame.scope or frame.scope[-1] == this.kind.name:
+            return []
+        classes = [cls for cls, _ in self._kinds.chain(this.kind)[0]]
+        at = next((index for index, cls in enumerate(classes) if (*cls.scope, cls.name) == frame.scope), 0)
+        own = [one for one in methods if one[0].owner not in classes[:at]]
+        return own if len(own) < len(methods) and not any(one.virtual for one, _ in own) else []
 
     def _sibling(self, name: str, given: Arguments, frame: Frame) -> Value | None:
         """Call a static method by its name alone in another one; return None for other functions."""

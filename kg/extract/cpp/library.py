@@ -74,8 +74,7 @@ _SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
     "find_last_of": lambda text, letters: max((at for at, one in enumerate(text) if one in letters), default=-1),
 }
 _CUT: Final = "it is cut when the program runs"
-_LAST_SLASH: Final = Unknown("it is the place of the last slash")
-"""The place of the last slash in the namespace of the node."""
+_LAST_SLASH: Final = Unknown("it is the place of the last slash in the namespace of the node")
 LISTS: Final = frozenset(
     {
         "V_string", "vector", "array", "list", "set", "deque", "initializer_list", "unordered_set", "tuple", "pair",
@@ -230,7 +229,8 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
             return join(*(stored(kind, item) for item in alternatives(arguments[0])))
         return Unknown("it is given no value in the code that was run")
     if name in ("thread", "jthread"):
-        language.escape(arguments)
+        bound = isinstance(arguments[1:] and arguments[0], Closure | Bound)
+        language.escape([_bind(arguments)] if bound else arguments)
         return Object(kind)
     return None
 
@@ -318,6 +318,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _bind(values)
     if name == "async":
         return _asynchronous(language, values, given)
+    if name == "pthread_create" and isinstance(values[2:] and values[2], Closure | Bound):
+        language.escape([_bind(values[2:])])
     if name in ("to_string", "to_wstring"):
         return join(*(_decimal(item) for item in alternatives(values[0])))
     if name in _TO_TEXT:
@@ -445,9 +447,10 @@ def _bind(arguments: list[Value]) -> Value:
     if isinstance(first, Bound) and first.of is None and first.functions:
         return replace(first, given=tuple(rest))
     if isinstance(first, Bound):
+        if isinstance(first.of, Object):
+            return replace(first, functions=(), given=tuple(rest))
         objects = (one for value in rest for one in alternatives(value) if isinstance(one, Object))
-        target, given = (first.of, rest) if isinstance(first.of, Object) else (next(objects, first.of), rest[1:])
-        return replace(first, of=target, functions=(), given=tuple(given))
+        return replace(first, of=next(objects, first.of), functions=(), given=tuple(rest[1:]))
     if isinstance(first, Closure):
         bound = tuple(value for value in rest if not isinstance(value, Unknown))
         return Closure(first.function, first.frame, bound, captured=first.captured)
@@ -685,14 +688,13 @@ def formatted(pattern: Value, values: list[Value]) -> Value:
         return Text.hole("the format is not known")
     regular = _BRACES if _BRACES.search(pattern.exact) else _PRINTF
     pieces: list[Value] = []
-    position, index = 0, 0
+    position, left = 0, iter(values)
     for match in regular.finditer(pattern.exact):
         pieces.append(Text.of(pattern.exact[position : match.start()]))
         position = match.end()
         if match.group() == "%%":
             pieces.append(Text.of("%"))
             continue
-        pieces.append(values[index] if index < len(values) else Text.hole("a value is put in at run time"))
-        index += 1
+        pieces.append(next(left, Text.hole("a value is put in at run time")))
     pieces.append(Text.of(pattern.exact[position:]))
     return concatenate(*pieces)

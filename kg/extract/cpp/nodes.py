@@ -262,10 +262,11 @@ class _Nodes:
     def _read_plugin(self, plugin: PluginClass) -> list[Extracted]:
         for files in self._libraries(plugin):
             with self._program(files) as language:
-                cls = self._class(language.linker, plugin.type)
-                if cls is None:
+                found = self._class(language.linker, plugin.type)
+                kind = _kind_of(found) if found is not None else self._aliased(language, plugin.type)
+                if kind is None or (cls := kind.cls) is None:
                     continue
-                root, complete = self._started(language, cls, plugin.registration)
+                root, complete = self._started(language, cls, plugin.registration, kind)
                 name = plugin.executable or last_part(plugin.name)
                 place = Location(cls.unit.path, cls.line)
                 node = NodeType(
@@ -344,7 +345,9 @@ class _Nodes:
             nodes = self._extracted(language.machine.framework, node, root)
             return [one for one in nodes if one.node.interfaces]
 
-    def _started(self, language: Cpp, cls: Class, registration: Registration | None = None) -> tuple[Object, bool]:
+    def _started(
+        self, language: Cpp, cls: Class, registration: Registration | None = None, kind: Kind | None = None
+    ) -> tuple[Object, bool]:
         """Create an object of a class, and run the methods that its loader may call.
 
         Return the object, and whether it declared everything while it was created without arguments.
@@ -353,7 +356,7 @@ class _Nodes:
         """
         machine, framework = language.machine, language.machine.framework
         loaded, nodelet = registration is not None, registration is Registration.NODELET
-        kind = Kind((*cls.scope, cls.name), (), cls)
+        kind = kind or _kind_of(cls)
         frame = Frame(cls.unit, (*cls.scope, cls.name))
         constructors = language.linker.methods(cls).get(cls.name, [])
         machine.stack.append(Site(cls.unit, cls.line))
@@ -392,7 +395,7 @@ class _Nodes:
         pending = dict(sorted(listed, key=lambda one: one[0] not in getting))
         while needed := self._needed(language, root.kind, pending):  # what runs may create objects with effects
             for name in needed:
-                if id(pending.pop(name)) not in machine.executed:
+                if (id(pending.pop(name)), id(root)) not in machine.executed:
                     language.enter(Bound(name, root))
                     machine.drain()
 
@@ -427,6 +430,15 @@ class _Nodes:
                 classes += header.classes.get(last, ())
         own = [cls for cls in classes if self._project.is_own(cls.unit.key)]
         return max(own, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
+
+    def _aliased(self, language: Cpp, name: str) -> Kind | None:
+        """Return the class of the package that `name` is another name of: an instance of a template."""
+        names = tuple(part for part in name.replace(" ", "").split("::") if part)
+        for unit in tuple(language.linker.units.values()):
+            kind = language.kind(form.Type(names), Frame(unit, ()))
+            if isinstance(kind, Kind) and kind.cls is not None and self._project.is_own(kind.cls.unit.key):
+                return kind
+        return None
 
     def _loaded(self, framework: Framework) -> tuple[list[Interface], list[Parameter]]:
         """Return the facts of the nodelets that a program loads into itself, with the names that it gives them."""
@@ -527,6 +539,10 @@ def _started_by(main: Function) -> form.Type | None:
         elif not isinstance(one, form.Name | form.Literal):
             return None
     return types[0] if len(types) == 1 else None
+
+
+def _kind_of(cls: Class) -> Kind:
+    return Kind((*cls.scope, cls.name), (), cls)
 
 
 def _as_executable(loaded: NodeType, executable: NodeType) -> NodeType:

@@ -21,6 +21,7 @@ _DECLARATORS: Final = frozenset(
         "parenthesized_declarator", "attributed_declarator",
     }
 )  # fmt: skip
+CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
 PLAIN: Final = frozenset({"identifier", "field_identifier", "type_identifier", "primitive_type"})
 """Names that have no parts."""
 _NO_ARGUMENTS: Final = frozenset({"comment", "preproc_if", "preproc_ifdef", "ERROR"})
@@ -117,6 +118,9 @@ def parts(node: Node) -> list[Part]:
 
 
 def _part(node: Node) -> Part:
+    if node.type in CLASSES:  # a class that is defined where a member of it is declared
+        named = node.child_by_field_name("name")
+        return _part(named) if named is not None else Part("")
     if node.type in ("template_type", "template_function", "template_method"):
         name = node.child_by_field_name("name")
         return Part(text(name) if name is not None else "", node.child_by_field_name("arguments"))

@@ -55,7 +55,6 @@ def assigned_in(code: str) -> frozenset[str]:
 _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
 _INTEGER: Final = re.compile(r"(-?(?:0[xX][0-9a-fA-F]+|0|[1-9]\d*))[uUlL]*")
-_CLASSES: Final = frozenset({"class_specifier", "struct_specifier", "union_specifier", "enum_specifier"})
 _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _POINTERS: Final = frozenset({"SharedPtr", "UniquePtr", "WeakPtr", "ConstSharedPtr", "Ptr", "ConstPtr"})
 """Names of aliases in a class for pointers to it."""
@@ -322,7 +321,7 @@ class CppUnit(Unit):
             inner = tuple(syntax.text(name).split("::")) if name is not None else ()
             if body is not None:
                 self._read(body, (*scope, *(part.strip() for part in inner)))
-        elif kind in _CLASSES:
+        elif kind in syntax.CLASSES:
             self._type(node, scope, template)
         elif kind == "template_declaration":
             names = (*template, *_template_names(node))
@@ -436,7 +435,7 @@ class CppUnit(Unit):
             kind = member.type
             if kind == "field_declaration":
                 inner = member.child_by_field_name("type")
-                if inner is not None and inner.type in _CLASSES:
+                if inner is not None and inner.type in syntax.CLASSES:
                     self._type(inner, scope, ())
             elif kind == "function_definition":
                 name = syntax.declared_name(member.child_by_field_name("declarator"))
@@ -444,7 +443,7 @@ class CppUnit(Unit):
                     self.inline[syntax.text(name)].add(scope[-1])
             elif kind == "template_declaration":
                 self._nested(member, scope, _template_names(member))
-            elif kind in _CLASSES:
+            elif kind in syntax.CLASSES:
                 self._type(member, scope, template)
             elif kind in ("alias_declaration", "type_definition"):
                 self._alias(member, scope, template)

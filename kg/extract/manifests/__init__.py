@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kg.extract.buildmodel import BuildModel, PluginClass
+from kg.extract.manifests.cargo import read_cargo
 from kg.extract.manifests.cmake import read_cmake
 from kg.extract.manifests.package_xml import read_package_xml
 from kg.extract.manifests.plugin_xml import exported_files, read_plugin_file
@@ -45,7 +46,7 @@ def read_build(reader: Reader, package: PackageFolder) -> BuildModel:
         plugins=tuple(plugins),
         scripts=tuple(scripts),
         entry_points=tuple(setup.entry_points.values()),
-        programs=tuple(collected.program_names),
+        programs=(*collected.program_names, *read_cargo(reader, package)),
         parameter_libraries=(*collected.parameter_libraries, *setup.parameter_modules),
         reconfigure_files=tuple(dict.fromkeys([*collected.reconfigure_files, *own])),
         ros=manifest.package.ros,

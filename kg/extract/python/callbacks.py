@@ -19,6 +19,7 @@ WAITING: Final = frozenset(
 )
 """Functions and methods during which callbacks run."""
 _ASSIGNED: Final = re.compile(rb"\b(\w+)\.(\w+)\s*(?:[-+*/|&]|//)?=(?!=)")
+_FILLED: Final = re.compile(rb"\b(\w+)\.(\w+)\.(?:append|appendleft|extend|insert|add|update|put)\(")
 _OUTER: Final = re.compile(rb"\b(?:nonlocal|global)\s+(\w+(?:\s*,\s*\w+)*)")
 _CHANGED: Final = Unknown("a callback changes it")
 
@@ -29,7 +30,7 @@ class Callbacks:
     def __init__(self) -> None:
         self._registered: dict[tuple[int, ...], Closure] = {}
         self._changes: dict[Function, tuple[list[tuple[str, str]], list[str]]] = {}
-        """The attributes and the variables around it that a function assigns."""
+        """The attributes and the variables around it that a function assigns or fills."""
 
     def register(self, called: Closure) -> None:
         """Add a function."""
@@ -47,7 +48,8 @@ class Callbacks:
         function = called.function
         if function not in self._changes:
             text = getattr(function.source, "text", None) or b""
-            attributes = [(of.decode(), name.decode()) for of, name in _ASSIGNED.findall(text)]
+            found = (*_ASSIGNED.findall(text), *_FILLED.findall(text))
+            attributes = [(of.decode(), name.decode()) for of, name in found]
             variables = [name.strip().decode() for names in _OUTER.findall(text) for name in names.split(b",")]
             self._changes[function] = (attributes, variables)
         attributes, variables = self._changes[function]

@@ -295,7 +295,12 @@ class Calls:
         self._callbacks.register(called)
         owners = tuple(id(one) for one in called.bound if isinstance(one, Object))
         key = (id(called.function), owners or id(called.frame.this))
-        self._language.machine.schedule(key, partial(self._invoke, called, Arguments([])))
+        self._language.machine.schedule(key, partial(self._called_back, called))
+
+    def _called_back(self, called: Closure) -> None:
+        """Run a callback after any others, and after itself."""
+        self._callbacks.run(self._language.machine)
+        self._invoke(called, Arguments([]))
 
 
 def _last(function: form.Name | form.Member) -> str:

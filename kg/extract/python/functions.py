@@ -202,6 +202,14 @@ def _product(values: list[Value]) -> Value:
     return Sequence(tuple(Sequence(row) for row in itertools.product(*columns)))
 
 
+def _in_base(values: list[Value], call: Callable[[int], str]) -> Value:
+    """`hex(x)`, `oct(x)` and `bin(x)`."""
+    of = values[0] if values else _COMPUTED
+    if isinstance(of, Number) and of.parameter is None and math.isfinite(of.value):
+        return Text.of(call(int(of.value)))
+    return _COMPUTED
+
+
 FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
     **{f"builtins.{name}": _listed for name in ("list", "tuple", "set", "frozenset", "iter")},
     **dict.fromkeys(
@@ -214,6 +222,7 @@ FUNCTIONS: Final[dict[str, Callable[[list[Value]], Value]]] = {
     "builtins.int": lambda values: _converted(values, lambda value: number(int(value))),
     "builtins.float": lambda values: _converted(values, lambda value: Number(float(value), repr(float(value)))),
     "builtins.bool": _truth,
+    **{f"builtins.{call.__name__}": partial(_in_base, call=call) for call in (hex, oct, bin)},
     "builtins.abs": _absolute,
     "builtins.reversed": _reversed,
     "builtins.sum": _sum,

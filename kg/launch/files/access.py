@@ -82,6 +82,16 @@ class Files:
         exists = workspace.package(package, self._near) or workspace.installed_package(package)
         return f"{SCHEME}{package}" if exists else None
 
+    def launch_file(self, package: str, name: str) -> str:
+        """Return the text that names a launch file of a package, which `ros2 launch` finds in any of its folders."""
+        workspace = self.reader.workspace
+        place = workspace.package(package, self._near)
+        if place is not None:
+            for entry in workspace.files(place, FileKind.LAUNCH):
+                if posixpath.basename(entry.path) == name:
+                    return self.text(FilePath(place.repository, entry.path))
+        return f"{SCHEME}{package}/launch/{name}"
+
     def text(self, file: FilePath) -> str:
         """Return the text that names a file of the build, by its package where one owns it."""
         owner = self.reader.workspace.owner(file)

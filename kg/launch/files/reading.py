@@ -30,6 +30,8 @@ _OF_ROS2: Final = re.compile(
     rb"""|<(let|set_parameter|push[-_]ros[-_]namespace|node_container|load_composable_node)\b"""
 )
 """What only launch files of one version have."""
+_LAUNCH_KEY: Final = re.compile(rb"""^['"]?launch['"]?\s*:""", re.MULTILINE)
+"""What tells a launch file in YAML from parameters in the same folder."""
 
 
 def read_launches(
@@ -109,7 +111,7 @@ def _dialect_of(file: FilePath, text: bytes, ros: int) -> LaunchDialect | None:
             return None
         return dialect if ros == _ROS2 or _is_only(text, _OF_ROS2, _OF_ROS1) else LaunchDialect.ROSLAUNCH
     named = re.search(r"\.launch\.ya?ml$", file.path)
-    return dialect if named or re.search(rb"^['\"]?launch['\"]?\s*:", text, re.MULTILINE) else None
+    return dialect if named or (ros == _ROS2 and _LAUNCH_KEY.search(text)) else None
 
 
 def _is_only(text: bytes, own: re.Pattern[bytes], other: re.Pattern[bytes]) -> bool:

@@ -76,7 +76,8 @@ def named(declared: Interface, node: NodeType, setting: LaunchParameter | None) 
     if value is None:
         unknown = setting.reason or f"the value of the parameter {setting.name} is not known before run time"
         return Named(_put(before, hole_of(declared.parameter or ""), after), Resolution.PARTIAL, setting, unknown)
-    if not value.strip() and not (before + after).strip("/~"):
+    of_handle = before == "~/" and node.ros == 1 and node.language == "cpp"  # an empty name is that of the handle
+    if not value.strip() and not (before + after).strip("/~") and not of_handle:
         empty = f"the parameter {setting.name} is empty"
         return Named(None, Resolution.UNRESOLVED, setting, empty)
     name = _put(before, value.strip(), after)

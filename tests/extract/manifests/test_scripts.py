@@ -62,3 +62,10 @@ def test_a_script_is_listed_once(tmp_path: Path) -> None:
 def test_shebangs(text: bytes | None, expected: bool) -> None:  # noqa: FBT001  (a case)
     """The first line determines the interpreter."""
     assert has_python_shebang(text) is expected
+
+
+def test_programs_of_cargo(tmp_path: Path) -> None:
+    """A crate installs the programs that it lists, and one of its own name; a broken Cargo.toml names none."""
+    crate = '[package]\nname = "ebox"\n[[bin]]\nname = "lights"\npath = "src/lights.rs"\n[lib]\nname = "shared"\n'
+    assert model_of(reader_of(tmp_path / "a", {"Cargo.toml": crate})).programs == ("lights", "ebox")
+    assert model_of(reader_of(tmp_path / "b", {"Cargo.toml": "[package\n"})).programs == ()

@@ -26,7 +26,7 @@ from kg.launch.files.ros2 import actions as kinds
 from kg.launch.files.ros2.actions import Action, DeclareArgument, Include
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile, Scope, find, unreadable
 from kg.launch.files.ros2.frontend import read_xml, read_yaml
-from kg.launch.files.ros2.nodes import execute_process, load_components, start_node
+from kg.launch.files.ros2.nodes import execute_process, launched, load_components, start_node
 from kg.launch.files.ros2.parameters import given_parameter, without_others
 from kg.launch.files.ros2.simulated import managers
 from kg.launch.files.ros2.substitute import described, holds, perform
@@ -242,6 +242,10 @@ def _execute(context: Context, action: Action, depth: int) -> None:
         run(context, action.run(context), depth + 1)
     elif isinstance(action, kinds.Include):
         include(context, action, lambda actions: run(context, actions, 0))
+    elif isinstance(action, kinds.Executable) and (file := launched(context, action)):
+        before, context.scope = context.scope, Scope(environment=dict(context.scope.environment))
+        include(context, file, lambda actions: run(context, actions, 0))
+        context.scope = before
     else:
         _HANDLERS[type(action)](context, action)
 

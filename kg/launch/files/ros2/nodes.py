@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import LaunchParameter, LaunchProblemKind, Remap, StartedNode, StartKind
+from kg.launch.files.ros2.actions import Include
 from kg.launch.files.ros2.context import HOLE, Context, GlobalFile
 from kg.launch.files.ros2.parameters import Owner, node_parameters
 from kg.launch.files.ros2.substitute import holds
@@ -136,8 +137,7 @@ def load_components(context: Context, action: LoadComponents) -> None:
 
 def execute_process(context: Context, action: Executable) -> None:
     """Start the node that a command starts: `ros2 run PACKAGE EXECUTABLE`, a tool, or what is given `--ros-args`."""
-    words = [context.perform(word) for word in action.command]
-    words = words[0].split() if len(words) == 1 else words  # a line for a shell
+    words = _words([context.perform(word) for word in action.command])
     program = [posixpath.basename(word) for word in words[:1]] + words[1:2]
     if tuple(program) == _RUN:
         package, executable, rest = _run_operands(words[2:])
@@ -168,6 +168,28 @@ def execute_process(context: Context, action: Executable) -> None:
             condition=" and ".join(context.conditions) or None,
         ),
     )
+
+
+def launched(context: Context, action: Executable) -> Include | None:
+    """Return the include that `ros2 launch PACKAGE FILE NAME:=VALUE` amounts to; None for other commands."""
+    words = _words([context.quietly(word) for word in action.command])
+    if [posixpath.basename(word) for word in words[:1]] + words[1:2] != ["ros2", "launch"]:
+        return None
+    operands = [word for word in words[2:] if not word.startswith("-")]
+    arguments = [word.partition(":=") for word in operands if ":=" in word]
+    match [word for word in operands if ":=" not in word]:
+        case [path]:
+            file = path
+        case [package, name]:
+            file = context.files.launch_file(package, name)
+        case _:
+            return None
+    pairs = tuple(((name,), (value,)) for name, _, value in arguments)
+    return Include(location=action.location, path=(file,), arguments=pairs)
+
+
+def _words(command: list[str]) -> list[str]:
+    return command[0].split() if len(command) == 1 else command  # a line for a shell
 
 
 def _run_operands(words: Sequence[str]) -> tuple[str | None, str | None, Sequence[str]]:

@@ -195,11 +195,11 @@ class LaunchMachine(Machine):
     # Functions
 
     @contextmanager
-    def entered(self, function: Function) -> Iterator[None]:
+    def entered(self, function: Function, this: Value | None = None) -> Iterator[None]:
         """Count a function as running, and remember the conditions that its call has."""
         self._heights.append(len(self.guards))
         try:
-            with super().entered(function):
+            with super().entered(function, this):
                 yield
         finally:
             self._heights.pop()
