@@ -187,7 +187,7 @@ class BagConnection:
         except RobotError as error:
             self._report(GraphProblem(error.code, source.topic, error.message))
             return
-        inbox.put(Received(value, at, source.node))
+        inbox.put(Received(value, at, source.node, source.latched))
 
     def _report(self, problem: GraphProblem) -> None:
         self._problems[problem] = None
