@@ -30,6 +30,9 @@ Ending: TypeAlias = Literal["taken over", "stopped"] | RobotError
 Result = TypeVar("Result")
 
 _LOOK: Final = 0.02  # wall-clock seconds between checks whether a subscriber is connected
+_SEEN: Final = 0.5  # wall-clock seconds between checks whether a subscriber is back
+_AGAIN: Final = 60.0  # wall-clock seconds for which one that is back gets zero
+_NOTICED: Final = 10.0  # wall-clock seconds within which a lost connection is noticed
 
 
 class Command:
@@ -75,6 +78,8 @@ class Channel:
         self.last_zero: Callable[[], Value] | None = None
         self.lost = False
         """Whether the message that was to end the last movement could not be sent."""
+        self.repeats = False
+        """Whether zero is sent again to subscribers that come back."""
         self._publication = publication
         self._clock = clock
         self._gap = 1 / limit
@@ -102,6 +107,25 @@ class Channel:
         self._count_peers()
         idle = asyncio.get_running_loop().time() - self._used
         return not self._left and idle >= seconds and (self._peers == 0 or self._publication.confirmed)
+
+    @property
+    def missed(self) -> bool:
+        """Whether the robot was lost soon after a movement ended, so that its zero command might not have arrived."""
+        return self.lost and asyncio.get_running_loop().time() - self._used < _NOTICED
+
+    async def repeat(self) -> None:
+        """Send zero again to subscribers that come back, until all have confirmed it or a command owns the channel.
+
+        While a network is cut, what was sent might be lost, and the subscribers with it. Ends after a minute at last.
+        """
+        loop = asyncio.get_running_loop()
+        self.repeats = True
+        while not self.taken and loop.time() - self._used < _AGAIN and (self._left or not self._publication.confirmed):
+            await asyncio.sleep(_SEEN)
+            before = self._peers
+            if self._count_peers() > before and not self.taken:
+                await self.still(again=True)
+        self.repeats = False
 
     def _count_peers(self) -> int:
         """Return the number of subscribers, and record whether one has left."""
@@ -260,6 +284,7 @@ class Doing:
         self._opening = asyncio.Lock()
         self._goals: dict[str, Command] = {}
         self._cancelling = Tasks()
+        self._repeating = Tasks()
 
     async def carry_out(
         self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None
@@ -289,6 +314,8 @@ class Doing:
         finally:
             try:
                 await channel.release(command)
+                if route.moves and not (channel.taken or channel.repeats):
+                    self._repeating.spawn(channel.repeat(), f"stopping `{plan.name}`")
             finally:
                 if self._watchdog is not None and channel.zero is None:
                     await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
@@ -401,11 +428,14 @@ class Doing:
                 await channel.still(again=True)
 
     async def aclose(self) -> None:
-        """Stop publishing all topics."""
+        """Stop publishing all topics; the watchdog is left with those that might still move."""
+        self._repeating.cancel()
         try:
             await asyncio.gather(self._cancelling.done(), *(one.aclose() for one in self.channels.values()))
         finally:
             if self._watchdog is not None:
+                for topic in (one.topic for one in self.channels.values() if one.missed):
+                    await self._watchdog.owe(topic)
                 await self._watchdog.release()
 
 

@@ -183,8 +183,8 @@ async def _watch(address: str, silence: float) -> None:
     try:
         watching = _Watching(connection, silence)
         await watching.run()
-        if watching.owed:  # before this connection is closed, which may take longer than the controller waits
-            _leave_to_another(address, watching.owed)
+        if owed := watching.owed:  # before this connection is closed, which may take longer than the controller waits
+            _leave_to_another(address, owed)
     finally:
         await connection.aclose()
 
@@ -232,8 +232,7 @@ class _Watching:
         self._silence = silence
         self._last_beat = 0.0
         self._released = False
-        self.owed: list[_Order] = []
-        """The orders of the topics that are to be stopped when the robot can be reached again."""
+        self._owed: dict[str, _Order] = {}
         self._moving: dict[str, _Order] = {}
         self._zeros: dict[str, Value] = {}
         self._goals: dict[str, str] = {}
@@ -241,6 +240,11 @@ class _Watching:
         self._stopping: set[str] = set()
         self._tasks = Tasks()
         self._cancellers: dict[str, asyncio.Task[Cancel]] = {}
+
+    @property
+    def owed(self) -> list[_Order]:
+        """The orders of the topics that are to be stopped when the robot can be reached again."""
+        return list(self._owed.values())
 
     async def run(self) -> None:
         """Watch until the controller releases this process, or closes its end of the pipe by dying."""
@@ -287,8 +291,9 @@ class _Watching:
                 if topic not in self._zeros and topic not in self._stopping and topic in self._publications:
                     self._tasks.spawn(_closed(self._publications.pop(topic)), f"closing `{topic}`")
             case ["owe", topic]:  # the zero of a topic that is stopped when the robot is back
-                if self._zeros.pop(topic, None) is not None:
-                    self.owed.append(self._moving[topic])
+                self._zeros.pop(topic, None)
+                if topic in self._moving:
+                    self._owed[topic] = self._moving[topic]
             case ["end"]:
                 self._released = True
 
