@@ -205,9 +205,6 @@ def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str)
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
         process = stack.enter_context(_process(arguments, folder))
         moving(found)
-        if event in CUTS:
-            for _ in range(5):  # about as long as the watchdog takes to start
-                moving(found)
         begun = time.monotonic()
         if event == MASTER_STOPPED:
             end_master()
@@ -237,8 +234,7 @@ def _of_page(how: str, event: str, seconds: float, over: str) -> float | None:
             body = {"listener": listener, "capability": "drivingAtVelocity", "seconds": 60}
             client.post("/robot/do", json={**body, "arguments": {"forward": 0.5}}).raise_for_status()
         beat = page.enter_context(_beat(port, listener))
-        for _ in range(5):  # about as long as the watchdog takes to start
-            moving(found)
+        moving(found)
         begun = time.monotonic()
         if event == "STOP pressed":
             client.post("/robot/stop")
@@ -312,8 +308,8 @@ def _client(port: int) -> Iterator[httpx.Client]:
 
 
 def moving(found: Robot) -> None:
-    """Wait until the robot has moved for a moment; TimeoutError when it does not."""
-    for _ in range(5):
+    """Wait until the robot has moved for as long as the watchdog takes to start; TimeoutError when it does not."""
+    for _ in range(50):  # five seconds
         if found.until(0.5, START) is None:
             raise TimeoutError("the robot does not move")
 
