@@ -179,12 +179,16 @@ CUTS: Final[dict[str, float | None]] = {"network cut": None, "network cut for 3 
 
 @contextmanager
 def cut() -> Iterator[None]:
-    """Take the network away."""
-    subprocess.run(["ip", "link", "set", "lo", "down"], check=True)
+    """Take the network away: nothing has a route, and interfaces stay as they are, as behind a switch that fails."""
+    _rule("add", "pref", "1", "type", "blackhole")
     try:
         yield
     finally:
-        subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+        _rule("del", "pref", "1")
+
+
+def _rule(*arguments: str) -> None:
+    subprocess.run(["ip", "rule", *arguments], check=True)
 
 
 def _cut(found: Robot, begun: float, event: str, seconds: float) -> float | None:
@@ -333,6 +337,9 @@ def main() -> None:
     parser.add_argument("--event", action="append", help="only rows of this event, by its name in the table")
     parser.add_argument("--by", action="append", help="only rows of this driver, by its name in the table")
     given = parser.parse_args()
+    if given.cut:  # make room for a rule before that of local addresses
+        _rule("add", "pref", "100", "lookup", "local")
+        _rule("del", "pref", "0")
     over = given.over or PROTOCOLS
     print(f"| event | driven by | {' | '.join(over)} |\n|---|---|{'---|' * len(over)}")
     events = [*EVENTS, *(CUTS if given.cut else ()), MASTER_STOPPED]
