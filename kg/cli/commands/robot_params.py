@@ -87,7 +87,7 @@ def show_parameters(settings: Settings, node: str | None, name: str | None, *, j
     for one in problems:
         problem(one.code, one.message, one.subject)
     listing(_COLUMNS, map(_row, parameters), objects=map(_object, parameters) if json else None)
-    if not parameters and not json:
+    if not (parameters or problems or json):
         note(f"{node or address} has no parameters")
 
 
