@@ -117,6 +117,17 @@ def robot_beside_master() -> Iterator[tuple[Robot, Callable[[], object]]]:
 
 
 @contextmanager
+def _robot(event: str, over: str) -> Iterator[tuple[Robot, Callable[[], object]]]:
+    """Run the robot of a case, and give what ends its master, if it has one."""
+    if over == ROS1 and (event == MASTER_STOPPED or event in CUTS):
+        with robot_beside_master() as (found, end_master):
+            yield found, end_master
+    else:
+        with robot(over) as found:
+            yield found, lambda: None
+
+
+@contextmanager
 def _process(arguments: list[str], folder: str | None = None, **environment: str) -> Iterator[subprocess.Popen[str]]:
     """Run Python in a group of processes of its own, which is killed at the end."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
@@ -201,10 +212,7 @@ def _cut(found: Robot, begun: float, event: str, seconds: float) -> float | None
 def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str) -> float | None:
     """Return the seconds from an event of a command to zero."""
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        if event == MASTER_STOPPED:
-            found, end_master = stack.enter_context(robot_beside_master())
-        else:
-            found = stack.enter_context(robot(over))
+        found, end_master = stack.enter_context(_robot(event, over))
         (Path(folder) / "endless.kgp").write_text(PROGRAM, "utf-8")
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
         process = stack.enter_context(_process(arguments, folder))
@@ -222,10 +230,7 @@ def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str)
 def _of_page(how: str, event: str, seconds: float, over: str) -> float | None:
     """Return the seconds from an event to zero of a page that drives by hand, or runs a program."""
     with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
-        if event == MASTER_STOPPED:
-            found, end_master = stack.enter_context(robot_beside_master())
-        else:
-            found, end_master = stack.enter_context(robot(over)), None
+        found, end_master = stack.enter_context(_robot(event, over))
         port = stack.enter_context(own_port())
         arguments = ["-m", "kg", "serve", "--robot", found.address, "--port", str(port)]
         server = stack.enter_context(_process(arguments, folder, KG_TOKEN=TOKEN))
@@ -248,7 +253,7 @@ def _of_page(how: str, event: str, seconds: float, over: str) -> float | None:
         elif event == "page closed":
             page.close()
             begun = time.monotonic()
-        elif end_master is not None:
+        elif event == MASTER_STOPPED:
             end_master()
         elif event in CUTS:
             return _cut(found, begun, event, seconds)

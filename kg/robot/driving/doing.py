@@ -32,6 +32,7 @@ Result = TypeVar("Result")
 _LOOK: Final = 0.02  # wall-clock seconds between checks whether a subscriber is connected
 _SEEN: Final = 0.5  # wall-clock seconds between checks whether a subscriber is back
 _AGAIN: Final = 60.0  # wall-clock seconds for which one that is back gets zero
+_CONFIRMATIONS: Final = 15  # how often subscribers are asked whether they have confirmed zero
 _NOTICED: Final = 10.0  # wall-clock seconds within which a lost connection is noticed
 
 
@@ -109,9 +110,17 @@ class Channel:
         return not self._left and idle >= seconds and (self._peers == 0 or self._publication.confirmed)
 
     @property
-    def missed(self) -> bool:
-        """Whether the robot was lost soon after a movement ended, so that its zero command might not have arrived."""
-        return self.lost and asyncio.get_running_loop().time() - self._used < _NOTICED
+    def recent(self) -> bool:
+        """Whether its last movement ended so recently that a loss of the robot since then was noticed only now."""
+        return asyncio.get_running_loop().time() - self._used < _NOTICED
+
+    async def arrived(self) -> bool:
+        """Return whether there are subscribers and all confirm the last zero command, for which they have a moment."""
+        for _ in range(_CONFIRMATIONS):
+            if self.lost or not self._publication.peers or self._publication.confirmed:
+                break
+            await asyncio.sleep(_LOOK)
+        return not self.lost and self._publication.peers > 0 and self._publication.confirmed
 
     async def repeat(self) -> None:
         """Send zero again to subscribers that come back, until all have confirmed it or a command owns the channel.
@@ -275,6 +284,8 @@ class Doing:
         self, connection: Connection, parts: Parts, watchdog: Watchdog | None, *, limit: float, listen: float
     ) -> None:
         self.channels: dict[str, Channel] = {}
+        self.lost = False
+        """Whether the connection is lost, so that what was sent last might not have arrived."""
         self._released: dict[str, Channel] = {}
         self._connection = connection
         self._parts = parts
@@ -318,7 +329,8 @@ class Doing:
                     self._repeating.spawn(channel.repeat(), f"stopping `{plan.name}`")
             finally:
                 if self._watchdog is not None and channel.zero is None:
-                    await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
+                    owed = channel.lost or (route.moves and self.lost and not await channel.arrived())
+                    await (self._watchdog.owe if owed else self._watchdog.forget)(plan.name)
 
     async def _open(self, topic: str, kind: str, *, latch: bool) -> Channel:
         if topic not in self.channels:
@@ -430,11 +442,13 @@ class Doing:
     async def aclose(self) -> None:
         """Stop publishing all topics; the watchdog is left with those that might still move."""
         self._repeating.cancel()
+        moved = [one for one in self.channels.values() if one.recent and (one.lost or self.lost)]
+        doubtful = [one.topic for one in moved if not await one.arrived()]
         try:
             await asyncio.gather(self._cancelling.done(), *(one.aclose() for one in self.channels.values()))
         finally:
             if self._watchdog is not None:
-                for topic in (one.topic for one in self.channels.values() if one.missed):
+                for topic in doubtful:
                     await self._watchdog.owe(topic)
                 await self._watchdog.release()
 

@@ -121,6 +121,7 @@ class Driver:
 
     async def _watch_connection(self) -> None:
         self._lost = await self.connection.wait_lost()
+        self._doing.lost = True
         for command in list(self._commands):
             command.end(self._lost_error("the driver is closed"))
 
