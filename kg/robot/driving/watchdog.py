@@ -211,17 +211,20 @@ def stop_later() -> None:
 async def _stop_later(address: str, owed: list[_Order]) -> None:
     with suppress(TimeoutError):
         async with asyncio.timeout(_AGAIN):
-            while True:
-                try:
-                    connection = await connect(address, name=f"{NODES}{os.getpid()}")
-                except RobotError:
-                    await asyncio.sleep(_LOOK)
-                    continue
-                try:
-                    await _Watching(connection, _SILENCE).stop_all(owed)
-                finally:
-                    await connection.aclose()
-                return
+            while not await _stopped(address, owed):  # noqa: ASYNC110 - no event reports that a robot is back
+                await asyncio.sleep(_LOOK)
+
+
+async def _stopped(address: str, owed: list[_Order]) -> bool:
+    """Try to stop the topics of orders once; return whether that worked, for the robot might be lost again."""
+    try:
+        connection = await connect(address, name=f"{NODES}{os.getpid()}")
+    except (RobotError, OSError):  # a TimeoutError is an OSError
+        return False
+    try:
+        return await _Watching(connection, _SILENCE).stop_all(owed)
+    finally:
+        await connection.aclose()
 
 
 class _Watching:
@@ -297,14 +300,14 @@ class _Watching:
             case ["end"]:
                 self._released = True
 
-    async def stop_all(self, orders: list[_Order]) -> None:
-        """Stop the topics of orders at once."""
+    async def stop_all(self, orders: list[_Order]) -> bool:
+        """Stop the topics of orders at once; return whether all commands were sent."""
         for order in orders:
             self._take(order)
-        await self._stop("the robot was lost while it moved, and is back")
+        return await self._stop("the robot was lost while it moved, and is back")
 
-    async def _stop(self, why: str) -> None:
-        """Stop everything in parallel, so one unreachable peer delays no other."""
+    async def _stop(self, why: str) -> bool:
+        """Stop everything in parallel, so one unreachable peer delays no other; return whether all was sent."""
         zeros, self._zeros = self._zeros, {}
         self._stopping |= zeros.keys()
         goals, self._goals = self._goals, {}
@@ -315,8 +318,9 @@ class _Watching:
             self._connection.log("error", f"[KG828] {why}: {', '.join(done)}")
         work = [self._still(topic, zero) for topic, zero in zeros.items()]
         work += [self._cancelled(identity, action) for identity, action in goals.items()]
-        await asyncio.gather(*work, return_exceptions=True)  # the unreachable were reported, or do not subscribe
+        results = await asyncio.gather(*work, return_exceptions=True)
         self._stopping -= zeros.keys()
+        return not any(isinstance(one, BaseException) for one in results)  # they were reported, or do not subscribe
 
     async def _still(self, topic: str, zero: Value) -> None:
         publication = await self._publications[topic]
