@@ -33,7 +33,7 @@ _LOOK: Final = 0.02  # wall-clock seconds between checks whether a subscriber is
 _SEEN: Final = 0.5  # wall-clock seconds between checks whether a subscriber is back
 _AGAIN: Final = 60.0  # wall-clock seconds for which one that is back gets zero
 _CONFIRMATIONS: Final = 15  # how often subscribers are asked whether they have confirmed zero
-_NOTICED: Final = 10.0  # wall-clock seconds within which a lost connection is noticed
+_NOTICED: Final = 30.0  # wall-clock seconds within which a lost connection is noticed, and closed
 
 
 class Command:
