@@ -70,6 +70,9 @@ PAGES: Final = {
 """Name to path; braces enclose a key of `Shown`."""
 
 _PHONE: Final = 390
+_LAPTOP: Final = 1024
+_CUT: Final = """() => [...document.querySelectorAll(".scrolls:has(> table)")]
+  .filter((one) => one.scrollWidth > one.clientWidth).map((one) => one.getAttribute("aria-label") ?? one.outerHTML)"""
 _MOST: Final = 60
 """Number of elements reached by Tab; longer lists only repeat."""
 _FOCUSABLE: Final = "a[href], button, input:not([type=hidden]), select, textarea, summary, [tabindex='0']"
@@ -107,7 +110,8 @@ class Examined:
     """The findings about a page.
 
     `status`, problems (`Visit.troubles`), axe violations in light, and in dark on a phone, the number of links to the
-    page as JSON, elements unreachable by Tab, elements without a visible focus, the width of the page on a phone.
+    page as JSON, elements unreachable by Tab, elements without a visible focus, tables cut off on a small laptop, the
+    width of the page on a phone.
     """
 
     status: int
@@ -117,6 +121,7 @@ class Examined:
     twins: int
     missed: list[str]
     ringless: list[str]
+    cut: list[str]
     width: int
 
 
@@ -153,11 +158,13 @@ async def inspect(visit: Visit) -> Examined:
     light = await _accessible(visit)
     twins = await visit.page.locator("footer a[type='application/json']").count()
     missed, ringless = await _walked(visit.page)
+    await visit.page.set_viewport_size({"width": _LAPTOP, "height": 800})
+    cut = await visit.page.evaluate(_CUT)
     await visit.page.set_viewport_size({"width": _PHONE, "height": 800})
     width = await visit.page.evaluate("document.documentElement.scrollWidth")
     await visit.page.emulate_media(color_scheme="dark")
     dark = await _accessible(visit)
-    return Examined(visit.status, await visit.troubles(), light, dark, twins, missed, ringless, width)
+    return Examined(visit.status, await visit.troubles(), light, dark, twins, missed, ringless, cut, width)
 
 
 async def _accessible(visit: Visit) -> list[str]:

@@ -1,11 +1,11 @@
 """What stops when: the time from an event to the zero velocity that the robot gets, over ROS 1, DDS and bridges.
 
-    python -m benchmarks.stopping [--repeats N] [--seconds S] [--over PROTOCOL]... [--event EVENT]...
+    python -m benchmarks.stopping [--repeats N] [--seconds S] [--over PROTOCOL]... [--event EVENT]... [--by DRIVER]...
     unshare -n sh -c 'ip link set lo up; python -m benchmarks.stopping --cut'
 
 `--cut` takes the network away in some rows. `unshare` (as root) gives the benchmark a network of its own for that.
 A command line (`kg robot do`), a program (`kg robot run`) or a page (`kg serve`) drives a robot in a process of its
-own; then something happens. A row has the least and the greatest seconds, or `never` if no zero came in `--seconds`.
+own; then something happens. A row has the least and the greatest seconds, or `no zero` if none came in `--seconds`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import sys
 import tempfile
 import threading
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -44,6 +44,9 @@ PROGRAM: Final = "repeat 9 times\n  move at a velocity  forward: 0.5 m/s for 10 
 PROTOCOLS: Final = ("ROS 1", "DDS", "rosbridge", "Foxglove")
 ROS1, DDS, ROSBRIDGE, FOXGLOVE = PROTOCOLS
 MASTER_STOPPED: Final = "master stopped"
+MACHINE_LOST: Final = "machine lost"
+BY_HAND: Final = "page, by hand"
+PROGRAM_OF_PAGE: Final = "page, program"
 SPEED: Final = re.compile(r"(?:speed )?(-?[\d.]+)")
 START: Final = 120.0
 """Seconds until a robot that is driven moves."""
@@ -114,6 +117,17 @@ def robot_beside_master() -> Iterator[tuple[Robot, Callable[[], object]]]:
 
 
 @contextmanager
+def _robot(event: str, over: str) -> Iterator[tuple[Robot, Callable[[], object]]]:
+    """Run the robot of a case, and give what ends its master, if it has one."""
+    if over == ROS1 and (event == MASTER_STOPPED or event in CUTS):
+        with robot_beside_master() as (found, end_master):
+            yield found, end_master
+    else:
+        with robot(over) as found:
+            yield found, lambda: None
+
+
+@contextmanager
 def _process(arguments: list[str], folder: str | None = None, **environment: str) -> Iterator[subprocess.Popen[str]]:
     """Run Python in a group of processes of its own, which is killed at the end."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("KG_", "ROS_"))}
@@ -157,14 +171,16 @@ EVENTS: Final[dict[str, Callable[[subprocess.Popen[str]], None]]] = {
     "Ctrl-Z (SIGTSTP)": lambda process: process.send_signal(signal.SIGTSTP),
     "killed (SIGKILL)": lambda process: process.kill(),
     "suspended (SIGSTOP)": lambda process: process.send_signal(signal.SIGSTOP),
-    "machine lost": lambda process: _with_children(process, signal.SIGSTOP),
+    MACHINE_LOST: lambda process: _with_children(process, signal.SIGSTOP),
 }
 
 
 ON_SERVER: Final[dict[str, signal.Signals]] = {
     "server ended (SIGTERM)": signal.SIGTERM,
     "server's terminal closed (SIGHUP)": signal.SIGHUP,
+    "server, Ctrl-Z (SIGTSTP)": signal.SIGTSTP,
     "server killed (SIGKILL)": signal.SIGKILL,
+    "server suspended (SIGSTOP)": signal.SIGSTOP,
 }
 
 
@@ -174,68 +190,113 @@ CUTS: Final[dict[str, float | None]] = {"network cut": None, "network cut for 3 
 
 @contextmanager
 def cut() -> Iterator[None]:
-    """Take the network away."""
-    subprocess.run(["ip", "link", "set", "lo", "down"], check=True)
+    """Take the network away: nothing has a route, and interfaces stay as they are, as behind a switch that fails."""
+    _rule("add", "pref", "1", "type", "blackhole")
     try:
         yield
     finally:
-        subprocess.run(["ip", "link", "set", "lo", "up"], check=True)
+        _rule("del", "pref", "1")
+
+
+def _rule(*arguments: str) -> None:
+    subprocess.run(["ip", "rule", *arguments], check=True)
+
+
+def _cut(found: Robot, begun: float, event: str, seconds: float) -> float | None:
+    """Cut the network as long as the event says, and return the seconds from `begun` to zero."""
+    with cut():
+        at = found.until(0, CUTS[event] or seconds)
+    return since(found, begun, seconds) if at is None and CUTS[event] else _after(at, begun)
 
 
 def _of_command(command: tuple[str, ...], event: str, seconds: float, over: str) -> float | None:
     """Return the seconds from an event of a command to zero."""
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        if event == MASTER_STOPPED:
-            found, end_master = stack.enter_context(robot_beside_master())
-        else:
-            found = stack.enter_context(robot(over))
+        found, end_master = stack.enter_context(_robot(event, over))
         (Path(folder) / "endless.kgp").write_text(PROGRAM, "utf-8")
         arguments = ["-m", "kg", "robot", *command, "--robot", found.address]
         process = stack.enter_context(_process(arguments, folder))
         moving(found)
-        if event in CUTS:
-            for _ in range(5):  # about as long as the watchdog takes to start
-                moving(found)
         begun = time.monotonic()
         if event == MASTER_STOPPED:
             end_master()
         elif event in CUTS:
-            with cut():
-                at = found.until(0, CUTS[event] or seconds)
-            return since(found, begun, seconds) if at is None and CUTS[event] else _after(at, begun)
+            return _cut(found, begun, event, seconds)
         else:
             EVENTS[event](process)
         return since(found, begun, seconds)
 
 
-def _of_page(event: str, seconds: float, over: str) -> float | None:
-    """Return the seconds from an event of a page that drives by hand to zero."""
-    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder, robot(over) as found:
+def _of_page(how: str, event: str, seconds: float, over: str) -> float | None:
+    """Return the seconds from an event to zero of a page that drives by hand, or runs a program."""
+    with ExitStack() as stack, tempfile.TemporaryDirectory() as folder:
+        found, end_master = stack.enter_context(_robot(event, over))
         port = stack.enter_context(own_port())
         arguments = ["-m", "kg", "serve", "--robot", found.address, "--port", str(port)]
-        with _process(arguments, folder, KG_TOKEN=TOKEN) as server, _client(port) as client:
-            with client.stream("GET", "/robot/events") as events:
-                listener = ""
-                lines = events.iter_lines()  # kept: who lets go of it closes the stream
-                for line in lines:
-                    told = json.loads(line.removeprefix("data: ")) if line.startswith("data: ") else {}
-                    listener = told.get("listener", listener)
-                    if listener and client.get("/api/robot").json()["state"] == "connected":
-                        break
-                body = {"listener": listener, "capability": "drivingAtVelocity", "seconds": 60}
-                client.post("/robot/do", json={**body, "arguments": {"forward": 0.5}}).raise_for_status()
-                moving(found)
-                client.post("/robot/here", json={"listener": listener})
-                begun = time.monotonic()
-                if event == "STOP pressed":
-                    client.post("/robot/stop")
-                elif event == "page silent":
-                    return since(found, begun, seconds)
-                elif event in ON_SERVER:
-                    server.send_signal(ON_SERVER[event])
-                if event != "page closed":
-                    return since(found, begun, seconds)
-            return since(found, begun, seconds)
+        server = stack.enter_context(_process(arguments, folder, KG_TOKEN=TOKEN))
+        client = stack.enter_context(_client(port))
+        page = stack.enter_context(ExitStack())
+        listener = page.enter_context(_listening(client))
+        if how == PROGRAM_OF_PAGE:
+            client.post("/robot/run", json={"text": PROGRAM}).raise_for_status()
+        else:
+            body = {"listener": listener, "capability": "drivingAtVelocity", "seconds": 60}
+            client.post("/robot/do", json={**body, "arguments": {"forward": 0.5}}).raise_for_status()
+        beat = page.enter_context(_beat(port, listener))
+        moving(found)
+        begun = time.monotonic()
+        if event == "STOP pressed":
+            client.post("/robot/stop")
+        elif event == "page silent":
+            beat.set()
+            begun = time.monotonic()
+        elif event == "page closed":
+            page.close()
+            begun = time.monotonic()
+        elif event == MASTER_STOPPED:
+            end_master()
+        elif event in CUTS:
+            return _cut(found, begun, event, seconds)
+        elif event == MACHINE_LOST:
+            _with_children(server, signal.SIGSTOP)
+        else:
+            server.send_signal(ON_SERVER[event])
+        return since(found, begun, seconds)
+
+
+@contextmanager
+def _listening(client: httpx.Client) -> Iterator[str]:
+    """Listen to the events of the robot as a page does; give the identity of the listener once the robot is there."""
+    listener = ""
+    with client.stream("GET", "/robot/events") as events:
+        lines = events.iter_lines()  # kept: who lets go of it closes the stream
+        for line in lines:
+            told = json.loads(line.removeprefix("data: ")) if line.startswith("data: ") else {}
+            listener = told.get("listener", listener)
+            if listener and client.get("/api/robot").json()["state"] == "connected":
+                break
+        yield listener
+
+
+@contextmanager
+def _beat(port: int, listener: str) -> Iterator[threading.Event]:
+    """Send the page's sign of life each second until the event is set."""
+    ended = threading.Event()
+
+    def beat() -> None:
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=1) as client:
+            while not ended.wait(1):
+                with suppress(httpx.HTTPError):
+                    client.post("/robot/here", json={"listener": listener})
+
+    thread = threading.Thread(target=beat)
+    thread.start()
+    try:
+        yield ended
+    finally:
+        ended.set()
+        thread.join()
 
 
 @contextmanager
@@ -256,8 +317,8 @@ def _client(port: int) -> Iterator[httpx.Client]:
 
 
 def moving(found: Robot) -> None:
-    """Wait until the robot has moved for a moment; TimeoutError when it does not."""
-    for _ in range(5):
+    """Wait until the robot has moved for as long as the watchdog takes to start; TimeoutError when it does not."""
+    for _ in range(50):  # five seconds
         if found.until(0.5, START) is None:
             raise TimeoutError("the robot does not move")
 
@@ -278,20 +339,28 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=8.0)
     parser.add_argument("--over", action="append", choices=PROTOCOLS)
     parser.add_argument("--cut", action="store_true", help="cut the network of this process, which has to be its own")
-    parser.add_argument("--event", action="append", help="only this row, by its name in the table")
+    parser.add_argument("--event", action="append", help="only rows of this event, by its name in the table")
+    parser.add_argument("--by", action="append", help="only rows of this driver, by its name in the table")
     given = parser.parse_args()
+    if given.cut:  # make room for a rule before that of local addresses
+        _rule("add", "pref", "100", "lookup", "local")
+        _rule("del", "pref", "0")
     over = given.over or PROTOCOLS
     print(f"| event | driven by | {' | '.join(over)} |\n|---|---|{'---|' * len(over)}")
     events = [*EVENTS, *(CUTS if given.cut else ()), MASTER_STOPPED]
     commands = [(event, command) for event in events for command in (DO, RUN)]
-    pages = ("page closed", "page silent", "STOP pressed", *ON_SERVER)
+    pages = ("page closed", "page silent", "STOP pressed", *ON_SERVER, MACHINE_LOST, *events[len(EVENTS) :])
     cases: list[tuple[str, str, Callable[[str], float | None]]] = [
         (event, f"`kg robot {command[0]}`", partial(_of_command, command, event, given.seconds))
         for event, command in commands
     ]
-    cases += [(event, "page, by hand", partial(_of_page, event, given.seconds)) for event in pages]
+    cases += [
+        (event, how, partial(_of_page, how, event, given.seconds))
+        for event in pages
+        for how in (BY_HAND, PROGRAM_OF_PAGE)
+    ]
     for event, name, measure in cases:
-        if given.event and event not in given.event:
+        if (given.event and event not in given.event) or (given.by and name not in given.by):
             continue
         cells = []
         for one in over:
@@ -300,7 +369,7 @@ def main() -> None:
                 continue
             times = [measure(one) for _ in range(given.repeats)]
             known = sorted(one for one in times if one is not None)
-            cells.append(f"{known[0]:.2f} to {known[-1]:.2f} s" if len(known) == len(times) else "never")
+            cells.append(f"{known[0]:.2f} to {known[-1]:.2f} s" if len(known) == len(times) else "no zero")
         print(f"| {event} | {name} | {' | '.join(cells)} |", flush=True)
 
 

@@ -71,6 +71,15 @@ class Definition:
             parameters = tuple(one for one in parameters if one.name in named)
         return msgspec.structs.replace(self.described, parameters=parameters, ways=ways, implied_by=implied_by)
 
+    def anywhere(self) -> Capability:
+        """Return the capability of a robot that is not known: what some of its messages lack is optional."""
+        of_parameter = {name: {text.partition(" ")[0] for text in texts} for name, texts in self.fields.items()}
+        every = set().union(*of_parameter.values())
+        parameters = tuple(
+            msgspec.structs.replace(one, optional=of_parameter[one.name] != every) for one in self.described.parameters
+        )
+        return msgspec.structs.replace(self.described, parameters=parameters)
+
     def fields_of(self, messages: frozenset[str]) -> dict[str, str]:
         """Return the paths of parameters in messages of these names, by the name of the parameter."""
         parts = _PARTS.get(self.described.modality, frozenset())

@@ -15,7 +15,8 @@ _SERVED_BY: Final = {"service": Role.SERVICES, "action": Role.ACTION_SERVERS}
 class Parameter(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """An input (`write`) or output (`read`) of a capability, under a name that people understand.
 
-    `unit` is a unit of `kg.robot.programs.units` (`m`, `m/s`, `rad`, ...) or None for a plain number or text.
+    `unit` is a unit of `kg.robot.programs.units` (`m`, `m/s`, `rad`, ...) or None for a plain number or text. An
+    `optional` one is missing in some messages, so only a known robot can require it.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Parameter(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     minimum: float | None = None
     maximum: float | None = None
     choices: tuple[str, ...] = ()
+    optional: bool = False
 
 
 class Way(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -122,6 +122,14 @@ def not_commanded(address: str) -> RobotError:
     return RobotError("KG851", f"{address} is a recording: it can be read, not commanded")
 
 
+def lost(address: str, why: str) -> RobotError:
+    """Return the error for a lost robot (KG803), or for a recording that has ended."""
+    if is_recording(address):
+        hint = "Run the command again: each one plays the recording from its beginning."
+        return RobotError("KG803", f"{address}: {why}", hint=hint)
+    return RobotError("KG803", f"the robot at {address} is lost: {why}")
+
+
 def _suggestion(address: str) -> str:
     """Return how to write an address: of a file, in the form of `$ROS_MASTER_URI`, or else in general."""
     if address.endswith((".bag", ".mcap", ".db3")):

@@ -88,11 +88,15 @@ class ComputationGraph:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """A received message, with the time on the connection's clock and the node that sent it, if it is known."""
+    """A received message, with the time on the connection's clock and the node that sent it, if it is known.
+
+    `latched` is whether a publisher of ROS 1 keeps its last message; in ROS 2 the QoS of the end has it.
+    """
 
     value: Value
     at: float
     node: str | None = None
+    latched: bool = False
 
 
 class Subscription(Protocol):

@@ -54,11 +54,12 @@ class Inbox(Generic[Item]):
 
 
 class Raw(NamedTuple):
-    """An encoded message, with the time of its arrival and the node that sent it, if it is known."""
+    """An encoded message, with the fields of `Received`."""
 
     content: bytes
     at: float
     node: str | None
+    latched: bool = False
 
 
 class Messages:
@@ -89,7 +90,7 @@ class Messages:
             except RobotError as error:
                 self._report(error, raw.node)
             else:
-                yield Received(value, raw.at, raw.node)
+                yield Received(value, raw.at, raw.node, raw.latched)
 
 
 class GoalProgress:

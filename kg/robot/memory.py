@@ -13,7 +13,7 @@ import asyncio
 from collections import deque
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self
 from urllib.parse import urlsplit
 
@@ -95,11 +95,12 @@ class MemoryPublication:
         self._owner.present()
         if self not in self._side.publications:
             raise RobotError("KG803", f"`{self._topic}` is not offered any more")
-        sent = Received(self._owner.types.complete(self.kind, value), self._owner.clock.now(), self.node)
+        complete = self._owner.types.complete(self.kind, value)
+        sent = Received(complete, self._owner.clock.now(), self.node, self._latch)
         if self._latch:
             self.last = sent
         for reader in self._side.subscriptions:  # copies, as over a network: a reader may change what it gets
-            reader.put(Received(deepcopy(sent.value), sent.at, sent.node))
+            reader.put(replace(sent, value=deepcopy(sent.value)))
         await asyncio.sleep(0)
 
     async def aclose(self) -> None:
@@ -296,7 +297,7 @@ class MemoryConnection:
         side = self._side(topic, kind or (side.kind if side else ""))
         subscription = MemorySubscription(self, topic, side.kind, queue)
         for latched in (one.last for one in side.publications if one.last is not None):
-            subscription.put(Received(deepcopy(latched.value), latched.at, latched.node))
+            subscription.put(replace(latched, value=deepcopy(latched.value)))
         side.subscriptions.append(subscription)
         self.bus.changes.notify()
         return subscription

@@ -163,15 +163,16 @@ def _joined(node: str, name: str) -> str:
 
 async def _read_server(connection: Any, node: str | None) -> tuple[list[NodeParameter], list[GraphProblem]]:
     names = sorted(await connection.parameter_names())
+    nodes = sorted((one.name for one in (await connection.graph()).nodes), key=len, reverse=True)
     if node is None:
-        nodes = sorted((one.name for one in (await connection.graph()).nodes), key=len, reverse=True)
         owners = {name: next((one for one in nodes if name.startswith(f"{one}/")), "/") for name in names}
     else:
         space = f"/{node.strip('/')}"
         owners = {name: space for name in names if name.startswith(f"{space.rstrip('/')}/")}
-        if not owners:
-            spaces = {name.rpartition("/")[0] for name in names}
-            raise RobotError("KG843", f"no parameter is below `{space}`", hint=did_you_mean(space, spaces))
+        if not owners and space not in nodes:
+            spaces = {*nodes, *(name.rpartition("/")[0] for name in names)}
+            hint = did_you_mean(space, spaces) or "`kg robot nodes` lists the nodes, `kg robot params` all parameters."
+            raise RobotError("KG843", f"no node and no parameter is called `{space}`", hint=hint)
     values = await asyncio.gather(*(connection.parameter(name) for name in owners))
     parameters = [
         NodeParameter(node=owner, name=name[len(owner.rstrip("/")) + 1 :], type=_kind_of(value), value=value)

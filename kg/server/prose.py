@@ -25,11 +25,11 @@ _TOKEN: Final = re.compile(
     r"""|VALUES|GRAPH|GROUP|BY|HAVING|ORDER|LIMIT|OFFSET|DISTINCT|REDUCED|UNDEF|IN|RULE|DATA|IF|THEN|SET|a)\b)""",
     re.IGNORECASE | re.DOTALL | re.VERBOSE,
 )
-_BREAKS: Final = re.compile(r"(?<=[/_])(?=[^/_])|(?<=[a-z])(?=[A-Z])")
+_BREAKS: Final = re.compile(r"(?<=[/_:<(,])(?=[^/_:<(,])|(?<=[a-z])(?=[A-Z])")
 
 
 def breakable(text: str) -> Markup:
-    """Return a name or path with break opportunities: after `/` and `_`, and between joined words."""
+    """Return a name, path or line of code with break opportunities: after `/_:<(,`, and between joined words."""
     return Markup("<wbr>").join(_BREAKS.split(text))
 
 

@@ -42,6 +42,14 @@ def test_a_sound_program_is_told(kg: Program) -> None:
     assert (run.code, run.out, run.err) == (0, "", "note: the program is sound for the ontology\n")
 
 
+def test_what_some_robots_lack_is_not_required(kg: Program) -> None:
+    """Without a robot, only values that each message of a capability has are required."""
+    run = kg("robot", "check", saved(kg.folder, "gripping opening: 8 cm within 10 s\ngo to a pose  y: 1 m\n"))
+    assert run.code == 1
+    assert "`go to a pose` needs its `x`" in run.err
+    assert "gripping" not in run.err
+
+
 def test_problems_stand_at_their_lines(kg: Program) -> None:
     """Each problem has its line with a caret, and instructions; the exit code is 1."""
     run = kg("robot", "check", saved(kg.folder, WRONG))

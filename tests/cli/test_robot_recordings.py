@@ -101,6 +101,15 @@ def test_a_recording_is_not_driven(here: Program) -> None:
     assert "is a recording: it can be read, not commanded" in run.err
 
 
+def test_a_program_longer_than_its_recording_fails(here: Program) -> None:
+    """The error has the recording and how to go on, and nothing about a robot that might be moving."""
+    (here.folder / "long.kgp").write_text("log x of sensingPose\nwait 1 min\n", "utf-8")
+    run = here("robot", "run", "long.kgp", "--robot", write(here.folder, "bag", odometry(3)))
+    assert run.code == Exit.FOUND
+    assert "drive.bag: the recording has ended" in run.err
+    assert "help: Run the command again" in run.err
+
+
 def test_the_wiring_of_a_recording_is_checked(here: Program) -> None:
     """A recording is stored like a running robot, and `kg lint` finds the near miss in it."""
     other = Sent("/odmo", "nav_msgs/Odometry", 0, node="/other")

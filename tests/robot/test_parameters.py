@@ -104,7 +104,7 @@ def test_the_parameters_of_a_master() -> None:
                 label = await find(face, "/base", "label", new=True)
                 await write(face, label, parsed(label, "big"))
                 assert (await find(face, "/base", "label")).value == "big"
-                with pytest.raises(RobotError, match="no parameter is below `/bse`"):
+                with pytest.raises(RobotError, match="no node and no parameter is called `/bse`"):
                     await read(face, "/bse")
             finally:
                 await face.aclose()

@@ -57,6 +57,11 @@ def test_names_break_between_their_parts() -> None:
     assert breakable("src/a__b.cpp") == "src/<wbr>a__<wbr>b.cpp"
 
 
+def test_code_breaks_between_its_tokens() -> None:
+    """Lines of code may break after `::`, brackets and commas."""
+    assert breakable("std::pair<a,b>(c)") == "std::<wbr>pair&lt;<wbr>a,<wbr>b&gt;(<wbr>c)"
+
+
 def test_addresses() -> None:
     """Parameters are quoted, empty ones omitted; only web and editor addresses become links."""
     assert url("/search", q="a b&c", package="", limit=None) == "/search?q=a+b%26c"

@@ -87,6 +87,8 @@ def show_parameters(settings: Settings, node: str | None, name: str | None, *, j
     for one in problems:
         problem(one.code, one.message, one.subject)
     listing(_COLUMNS, map(_row, parameters), objects=map(_object, parameters) if json else None)
+    if not (parameters or problems or json):
+        note(f"{node or address} has no parameters")
 
 
 def set_parameter(  # noqa: PLR0913 - the arguments and options of the command

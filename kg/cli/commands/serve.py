@@ -76,11 +76,13 @@ def announce(
     say("changes: from clients with the token" if options.write else "changes: none; `--write` allows them")
     if options.robot:
         who = (
-            "by clients with the token"
+            "read only"
+            if options.robot.startswith("bag:")
+            else "moved by clients with the token"
             if options.token or options.token_file
-            else "not allowed; set KG_TOKEN to allow it"
+            else "moving it is not allowed; set KG_TOKEN to allow it"
         )
-        say(f"robot {options.robot} at {address}robot (moved {who})")
+        say(f"robot {options.robot} at {address}robot ({who})")
     token = Tokens(options.token, options.token_file).current
     if token and sys.stderr.isatty():  # where this is written to a file, the token stays out of it
         say(f"log in: {address}login#token={quote(token, safe='')}")

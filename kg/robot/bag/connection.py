@@ -11,7 +11,7 @@ from urllib.parse import unquote
 
 from kg.errors import RobotError
 from kg.facts import Role
-from kg.robot.connecting import not_commanded, number, options
+from kg.robot.connecting import lost, not_commanded, number, options
 from kg.robot.connection import ComputationGraph, GraphProblem, LiveEnd, LiveNode, Received, RecordedTopic
 from kg.robot.inbox import Changes, Inbox
 from kg.robot.ros1.graph import fold
@@ -149,7 +149,7 @@ class BagConnection:
                 KG803 the recording is closed or has ended.
         """
         if self._closed or self._lost.done():
-            raise RobotError("KG803", f"{self.address}: {_OVER if self._lost.done() else 'the recording is closed'}")
+            raise lost(self.address, _OVER if self._lost.done() else "the recording is closed")
         sources = [one for one in self._bag.sources if one.topic == topic]
         if not sources and kind is None:
             hint = f"List the recorded topics with `kg robot topics --robot {self.address}`."
@@ -187,7 +187,7 @@ class BagConnection:
         except RobotError as error:
             self._report(GraphProblem(error.code, source.topic, error.message))
             return
-        inbox.put(Received(value, at, source.node))
+        inbox.put(Received(value, at, source.node, source.latched))
 
     def _report(self, problem: GraphProblem) -> None:
         self._problems[problem] = None

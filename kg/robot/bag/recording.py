@@ -173,7 +173,9 @@ class _Bag1:
         if channel is None:
             text, md5 = self._types.definition(kind), self._types.md5(kind)
             full = kind.replace("/", "/msg/")
-            channel = self._writer.add_connection(topic, full, msgdef=text, md5sum=md5, callerid=received.node)
+            channel = self._writer.add_connection(
+                topic, full, msgdef=text, md5sum=md5, callerid=received.node, latching=int(received.latched)
+            )
             self._channels[topic, received.node] = channel
         self._writer.write(channel, round(received.at * 1e9), self._types.encode(kind, received.value))
 

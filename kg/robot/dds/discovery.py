@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 from kg.errors import RobotError
 from kg.robot.connection import GraphProblem, LiveEnd, LiveNode
 from kg.robot.dds.entities import PREFIX
+from kg.robot.ros2.graph import NAMELESS
 from kg.robot.ros2.middleware import Neighbourhood
 from kg.robot.ros2.names import is_name, replies
 
@@ -206,7 +207,7 @@ class Discovery:
                 continue
             name = self._owners.get(key)
             if name is None:
-                name = f"/_participant_{endpoint.participant[:PREFIX].hex()}"
+                name = f"{NAMELESS}{endpoint.participant[:PREFIX].hex()}"
                 nameless[name] = self._participants.get(endpoint.participant[:PREFIX])
             ends.append(LiveEnd(name, *endpoint.end, endpoint.qos))
         nodes += [

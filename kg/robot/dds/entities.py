@@ -232,7 +232,9 @@ class DdsWriter(_End):
         handles = [] if self._closed else _matched(self._entity.get_matched_subscriptions)
         readers = [self._entity.get_matched_subscription_data(handle) for handle in handles]
         reliable = all(one and one.qos[Policy.Reliability] != Policy.Reliability.BestEffort for one in readers)
-        return reliable and not self._closed and self._entity.wait_for_acks(0)
+        with suppress(AttributeError):  # of the library, where it should report that the time is over
+            return reliable and not self._closed and self._entity.wait_for_acks(0)
+        return False
 
     def write(self, content: bytes) -> None:
         """Send a message with its encapsulation; RobotError KG803 if the library refuses it."""

@@ -30,6 +30,10 @@ Ending: TypeAlias = Literal["taken over", "stopped"] | RobotError
 Result = TypeVar("Result")
 
 _LOOK: Final = 0.02  # wall-clock seconds between checks whether a subscriber is connected
+_SEEN: Final = 0.5  # wall-clock seconds between checks whether a subscriber is back
+_AGAIN: Final = 60.0  # wall-clock seconds for which one that is back gets zero
+_CONFIRMATIONS: Final = 15  # how often subscribers are asked whether they have confirmed zero
+_NOTICED: Final = 30.0  # wall-clock seconds within which a lost connection is noticed, and closed
 
 
 class Command:
@@ -75,6 +79,8 @@ class Channel:
         self.last_zero: Callable[[], Value] | None = None
         self.lost = False
         """Whether the message that was to end the last movement could not be sent."""
+        self.repeats = False
+        """Whether zero is sent again to subscribers that come back."""
         self._publication = publication
         self._clock = clock
         self._gap = 1 / limit
@@ -102,6 +108,33 @@ class Channel:
         self._count_peers()
         idle = asyncio.get_running_loop().time() - self._used
         return not self._left and idle >= seconds and (self._peers == 0 or self._publication.confirmed)
+
+    @property
+    def recent(self) -> bool:
+        """Whether its last movement ended so recently that a loss of the robot since then was noticed only now."""
+        return asyncio.get_running_loop().time() - self._used < _NOTICED
+
+    async def arrived(self) -> bool:
+        """Return whether there are subscribers and all confirm the last zero command, for which they have a moment."""
+        for _ in range(_CONFIRMATIONS):
+            if self.lost or not self._publication.peers or self._publication.confirmed:
+                break
+            await asyncio.sleep(_LOOK)
+        return not self.lost and self._publication.peers > 0 and self._publication.confirmed
+
+    async def repeat(self) -> None:
+        """Send zero again to subscribers that come back, until all have confirmed it or a command owns the channel.
+
+        While a network is cut, what was sent might be lost, and the subscribers with it. Ends after a minute at last.
+        """
+        loop = asyncio.get_running_loop()
+        self.repeats = True
+        while not self.taken and loop.time() - self._used < _AGAIN and (self._left or not self._publication.confirmed):
+            await asyncio.sleep(_SEEN)
+            before = self._peers
+            if self._count_peers() > before and not self.taken:
+                await self.still(again=True)
+        self.repeats = False
 
     def _count_peers(self) -> int:
         """Return the number of subscribers, and record whether one has left."""
@@ -251,6 +284,8 @@ class Doing:
         self, connection: Connection, parts: Parts, watchdog: Watchdog | None, *, limit: float, listen: float
     ) -> None:
         self.channels: dict[str, Channel] = {}
+        self.lost = False
+        """Whether the connection is lost, so that what was sent last might not have arrived."""
         self._released: dict[str, Channel] = {}
         self._connection = connection
         self._parts = parts
@@ -260,6 +295,7 @@ class Doing:
         self._opening = asyncio.Lock()
         self._goals: dict[str, Command] = {}
         self._cancelling = Tasks()
+        self._repeating = Tasks()
 
     async def carry_out(
         self, command: Command, route: Route, plan: Plan, on_feedback: Feedback | None
@@ -289,9 +325,12 @@ class Doing:
         finally:
             try:
                 await channel.release(command)
+                if route.moves and not (channel.taken or channel.repeats):
+                    self._repeating.spawn(channel.repeat(), f"stopping `{plan.name}`")
             finally:
                 if self._watchdog is not None and channel.zero is None:
-                    await (self._watchdog.owe if channel.lost else self._watchdog.forget)(plan.name)
+                    owed = channel.lost or (route.moves and self.lost and not await channel.arrived())
+                    await (self._watchdog.owe if owed else self._watchdog.forget)(plan.name)
 
     async def _open(self, topic: str, kind: str, *, latch: bool) -> Channel:
         if topic not in self.channels:
@@ -401,11 +440,16 @@ class Doing:
                 await channel.still(again=True)
 
     async def aclose(self) -> None:
-        """Stop publishing all topics."""
+        """Stop publishing all topics; the watchdog is left with those that might still move."""
+        self._repeating.cancel()
+        moved = [one for one in self.channels.values() if one.recent and (one.lost or self.lost)]
+        doubtful = [one.topic for one in moved if not await one.arrived()]
         try:
             await asyncio.gather(self._cancelling.done(), *(one.aclose() for one in self.channels.values()))
         finally:
             if self._watchdog is not None:
+                for topic in doubtful:
+                    await self._watchdog.owe(topic)
                 await self._watchdog.release()
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
 
 from kg.errors import RobotError
 from kg.robot.capability import Capabilities, Capability, Way, role_of
-from kg.robot.connecting import is_recording, not_commanded, of_robot
+from kg.robot.connecting import is_recording, lost, not_commanded, of_robot
 from kg.robot.driving.arguments import given
 from kg.robot.driving.doing import Command, Doing, Feedback, Parts
 from kg.robot.driving.observing import MEASURED, NewestMessages, Observation, Throttle, other_controllers
@@ -121,6 +121,7 @@ class Driver:
 
     async def _watch_connection(self) -> None:
         self._lost = await self.connection.wait_lost()
+        self._doing.lost = True
         for command in list(self._commands):
             command.end(self._lost_error("the driver is closed"))
 
@@ -128,7 +129,7 @@ class Driver:
         """Return the error KG803 with the reason of the lost connection, or with another one while it is open."""
         if self._lost is None:
             return RobotError("KG803", otherwise)
-        return RobotError("KG803", f"the robot at {self.connection.address} is lost: {self._lost}")
+        return lost(self.connection.address, self._lost)
 
     async def read(
         self, capability: str, *, way: str | None = None, rate: float | None = None

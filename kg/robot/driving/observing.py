@@ -13,6 +13,7 @@ from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.connection import ComputationGraph, Connection, GraphProblem, Received, Subscription
 from kg.robot.driving.watchdog import NODES
+from kg.robot.ros2.graph import NAMELESS
 from kg.robot.tasks import ended, spawn
 
 if TYPE_CHECKING:
@@ -131,8 +132,7 @@ _BEGINS: Final = 0.5  # seconds of the robot's time within which a movement shou
 _SLOWEST: Final = 0.1  # fraction of a commanded speed that counts as moving: a standing robot may slide
 _NOISE: Final = 0.15  # metres or radians by which the measured pose of a standing robot may vary
 _ENOUGH: Final = 2  # number of measurements without speed after which a robot is not moving
-_NO_CONTROLLERS: Final = (NODES, "/_participant_")
-"""Prefixes of the names of watchdogs, and of participants of DDS whose node names are not known yet."""
+_NO_CONTROLLERS: Final = (NODES, NAMELESS)
 
 
 class Observation:

@@ -183,8 +183,8 @@ async def _watch(address: str, silence: float) -> None:
     try:
         watching = _Watching(connection, silence)
         await watching.run()
-        if watching.owed:  # before this connection is closed, which may take longer than the controller waits
-            _leave_to_another(address, watching.owed)
+        if owed := watching.owed:  # before this connection is closed, which may take longer than the controller waits
+            _leave_to_another(address, owed)
     finally:
         await connection.aclose()
 
@@ -211,17 +211,20 @@ def stop_later() -> None:
 async def _stop_later(address: str, owed: list[_Order]) -> None:
     with suppress(TimeoutError):
         async with asyncio.timeout(_AGAIN):
-            while True:
-                try:
-                    connection = await connect(address, name=f"{NODES}{os.getpid()}")
-                except RobotError:
-                    await asyncio.sleep(_LOOK)
-                    continue
-                try:
-                    await _Watching(connection, _SILENCE).stop_all(owed)
-                finally:
-                    await connection.aclose()
-                return
+            while not await _stopped(address, owed):  # noqa: ASYNC110 - no event reports that a robot is back
+                await asyncio.sleep(_LOOK)
+
+
+async def _stopped(address: str, owed: list[_Order]) -> bool:
+    """Try to stop the topics of orders once; return whether that worked, for the robot might be lost again."""
+    try:
+        connection = await connect(address, name=f"{NODES}{os.getpid()}")
+    except (RobotError, OSError):  # a TimeoutError is an OSError
+        return False
+    try:
+        return await _Watching(connection, _SILENCE).stop_all(owed)
+    finally:
+        await connection.aclose()
 
 
 class _Watching:
@@ -232,8 +235,7 @@ class _Watching:
         self._silence = silence
         self._last_beat = 0.0
         self._released = False
-        self.owed: list[_Order] = []
-        """The orders of the topics that are to be stopped when the robot can be reached again."""
+        self._owed: dict[str, _Order] = {}
         self._moving: dict[str, _Order] = {}
         self._zeros: dict[str, Value] = {}
         self._goals: dict[str, str] = {}
@@ -241,6 +243,11 @@ class _Watching:
         self._stopping: set[str] = set()
         self._tasks = Tasks()
         self._cancellers: dict[str, asyncio.Task[Cancel]] = {}
+
+    @property
+    def owed(self) -> list[_Order]:
+        """The orders of the topics that are to be stopped when the robot can be reached again."""
+        return list(self._owed.values())
 
     async def run(self) -> None:
         """Watch until the controller releases this process, or closes its end of the pipe by dying."""
@@ -287,19 +294,20 @@ class _Watching:
                 if topic not in self._zeros and topic not in self._stopping and topic in self._publications:
                     self._tasks.spawn(_closed(self._publications.pop(topic)), f"closing `{topic}`")
             case ["owe", topic]:  # the zero of a topic that is stopped when the robot is back
-                if self._zeros.pop(topic, None) is not None:
-                    self.owed.append(self._moving[topic])
+                self._zeros.pop(topic, None)
+                if topic in self._moving:
+                    self._owed[topic] = self._moving[topic]
             case ["end"]:
                 self._released = True
 
-    async def stop_all(self, orders: list[_Order]) -> None:
-        """Stop the topics of orders at once."""
+    async def stop_all(self, orders: list[_Order]) -> bool:
+        """Stop the topics of orders at once; return whether all commands were sent."""
         for order in orders:
             self._take(order)
-        await self._stop("the robot was lost while it moved, and is back")
+        return await self._stop("the robot was lost while it moved, and is back")
 
-    async def _stop(self, why: str) -> None:
-        """Stop everything in parallel, so one unreachable peer delays no other."""
+    async def _stop(self, why: str) -> bool:
+        """Stop everything in parallel, so one unreachable peer delays no other; return whether all was sent."""
         zeros, self._zeros = self._zeros, {}
         self._stopping |= zeros.keys()
         goals, self._goals = self._goals, {}
@@ -310,8 +318,9 @@ class _Watching:
             self._connection.log("error", f"[KG828] {why}: {', '.join(done)}")
         work = [self._still(topic, zero) for topic, zero in zeros.items()]
         work += [self._cancelled(identity, action) for identity, action in goals.items()]
-        await asyncio.gather(*work, return_exceptions=True)  # the unreachable were reported, or do not subscribe
+        results = await asyncio.gather(*work, return_exceptions=True)
         self._stopping -= zeros.keys()
+        return not any(isinstance(one, BaseException) for one in results)  # they were reported, or do not subscribe
 
     async def _still(self, topic: str, zero: Value) -> None:
         publication = await self._publications[topic]

@@ -218,5 +218,5 @@ _OF: Final = "the ontology"
 
 def general(settings: Settings) -> Capabilities:
     """Return every capability of the ontologies, without interfaces; raises as `knowledge`."""
-    capabilities = [one.capability() for one in knowledge(settings).definitions.values()]
+    capabilities = [one.anywhere() for one in knowledge(settings).definitions.values()]
     return Capabilities(of=_OF, capabilities=tuple(sorted(capabilities, key=lambda each: (each.kinds, each.label))))

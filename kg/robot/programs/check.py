@@ -272,7 +272,7 @@ class _Checker:
                 )
                 suggestion = did_you_mean(value.name, [*self._variables, *self._places])
                 self._wrong(here, f"no place is called `{value.name}`", suggestion or hint)
-                placed = {"x", "y"}
+                placed = {"x", "y", "z"}
                 continue
             kind = self.kinds.of(value, here)
             if takes_place(capability, name):
@@ -292,7 +292,7 @@ class _Checker:
             given.add(parameter.name)
             self._argument(parameter, kind, value, here)
         for parameter in capability.parameters:
-            if parameter.name not in given | placed and parameter.default is None:
+            if parameter.name not in given | placed and parameter.default is None and not parameter.optional:
                 of_place = takes_place(capability, AT) and parameter.name in {"x", "y"}
                 hint = f"Write `{parameter.name}: ...` after it{f', or `{AT}:` and a place' if of_place else ''}."
                 self._wrong(path, f"`{capability.label}` needs its `{parameter.name}`", hint, "KG832")

@@ -78,7 +78,9 @@ def read_places(path: str) -> dict[str, Position]:
 
 
 def offers(graph: ComputationGraph) -> bool:
-    """Return whether a simulated robot publishes places in a graph."""
+    """Return whether a simulated robot publishes places in a graph; not in a recording, which reading would start."""
+    if graph.recorded:
+        return False
     return any(one.role is Role.PUBLISHES and (one.name, one.type) == (TOPIC, _KIND) for one in graph.ends)
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from kg.errors import CATALOGUE, RobotError
-from kg.robot.connecting import connected, inhabited, of_robot
+from kg.robot.connecting import connected, inhabited, lost, of_robot
 from kg.robot.driving import Driver, Watchdog
 from kg.robot.live import infer
 from kg.robot.programs import values
@@ -135,13 +135,14 @@ class Runner:
     async def _until_lost(self) -> None:
         """Run the program until it ends; raise the reason if the robot is lost, or interrupted, before that."""
 
-        async def lost() -> None:
-            raise RobotError("KG803", f"the robot is lost: {await self._driver.connection.wait_lost()}")
+        async def gone() -> None:
+            connection = self._driver.connection
+            raise lost(connection.address, await connection.wait_lost())
 
         async def interrupted() -> None:
             raise await self._driver.wait_interrupted()
 
-        await first(self._within_time(), first(lost(), interrupted()))
+        await first(self._within_time(), first(gone(), interrupted()))
 
     async def _within_time(self) -> None:
         work = self._statements.program(self._program.body)

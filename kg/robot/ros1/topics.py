@@ -233,15 +233,19 @@ class Ros1Subscription(Messages):
             pause = min(2 * pause, _LONGEST_PAUSE)
 
     async def _receive(self, uri: str) -> None:
-        async with open_topic(self._node, uri, self.topic, self.kind) as (reader, publisher):
+        async with open_topic(self._node, uri, self.topic, self.kind) as (reader, publisher, latched):
             self.connected[uri] = publisher
             while (content := await read_message(reader)) is not None:
-                self._inbox.put(Raw(content, self._node.clock.now(), publisher))
+                self._inbox.put(Raw(content, self._node.clock.now(), publisher, latched))
 
 
 @asynccontextmanager
-async def open_topic(node: Node, uri: str, topic: str, kind: str) -> AsyncIterator[tuple[asyncio.StreamReader, str]]:
-    """Connect to a publisher of a topic, and learn the type from it if it is unknown; yield the reader and its name.
+async def open_topic(
+    node: Node, uri: str, topic: str, kind: str
+) -> AsyncIterator[tuple[asyncio.StreamReader, str, bool]]:
+    """Connect to a publisher of a topic, and learn the type from it if it is unknown.
+
+    Yields the reader, the name of the publisher, and whether it is latched.
 
     Raises:
         RobotError: those of `ask`; KG806 type or checksum differ, or the publisher refuses, KG810 it does not support
@@ -263,7 +267,7 @@ async def open_topic(node: Node, uri: str, topic: str, kind: str) -> AsyncIterat
         if "error" in header:
             raise RobotError("KG806", f"the publisher refuses: {shown(header['error'])}")
         _learn(node.types, kind, header)
-        yield reader, shown(header.get("callerid", uri))
+        yield reader, shown(header.get("callerid", uri)), header.get("latching") == "1"
     finally:
         writer.close()
 

@@ -112,6 +112,8 @@ def misfit(offer: Qos, ask: Qos) -> str | None:
     return None
 
 
+NAMELESS: Final = "/_participant_"
+"""Prefix of the names of participants of DDS whose nodes are not known, or not yet."""
 _PAUSE: Final = 0.05  # seconds in which changes are batched: a starting node announces a dozen ends
 _GONE: Final = 2.0  # seconds without any node after which a robot is lost; a restarted node is back sooner
 _MOST_PROBLEMS: Final = 100
@@ -176,8 +178,10 @@ class Watch:
         self._gathering = None
         self._note_loss()
         if self._quiet is not None and self._seen and not self.complete:
-            # Each change begins a new quiet period, which ends at the latest with the time of `settle`.
-            self._settles_at = min(self._latest, self._loop.time() + self._quiet)
+            # Each change begins a new quiet period, which ends at the latest with the time of `settle`. Some
+            # middlewares send the names of nodes long after their ends.
+            nameless = any(one.name.startswith(NAMELESS) for one in self.now().nodes)
+            self._settles_at = self._latest if nameless else min(self._latest, self._loop.time() + self._quiet)
             self._settling.cancel()
             self._settling = self._loop.call_at(self._settles_at, self.changed)
         self._changes.notify()

@@ -23,7 +23,7 @@ _PAUSE: Final = 0.3  # delay in seconds after a wrong token
 
 
 def _page(request: Request, following: str, *, wrong: bool = False) -> Response:
-    """Return the login page, which reveals nothing of the store."""
+    """Return the login page, which reveals nothing of the store; without a token, it has no form."""
     shown = page(
         request,
         "login.html",
@@ -31,10 +31,17 @@ def _page(request: Request, following: str, *, wrong: bool = False) -> Response:
         status=401 if wrong else 200,
         following=following,
         wrong=wrong,
+        guarded=_tokens(request).proof is not None,
         snapshot=None,
     )
     shown.headers["Cache-Control"] = "no-store"
     return shown
+
+
+def _tokens(request: Request) -> Tokens:
+    tokens = request.scope["kg.tokens"]
+    assert isinstance(tokens, Tokens)  # noqa: S101 - `Doors` put it there
+    return tokens
 
 
 def _following(value: object) -> str:
@@ -44,8 +51,7 @@ def _following(value: object) -> str:
 async def _login(request: Request) -> Response:
     if request.method != "POST":
         return _page(request, _following(request.query_params.get("next")))
-    tokens = request.scope["kg.tokens"]
-    assert isinstance(tokens, Tokens)  # noqa: S101 - `Doors` put it there
+    tokens = _tokens(request)
     async with request.form(max_files=0, max_fields=4, max_part_size=8192) as form:
         token, following = form.get("token"), _following(form.get("next"))
     if not isinstance(token, str):

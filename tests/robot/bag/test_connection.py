@@ -12,6 +12,7 @@ from kg.errors import RobotError
 from kg.facts import Qos, Role
 from kg.robot.connecting import connect, not_commanded
 from kg.robot.messages import Types
+from kg.robot.programs.places import TOPIC, offered
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
@@ -168,6 +169,18 @@ def test_it_waits_for_the_first_reader(tmp_path: Path) -> None:
             await one.graph()
             assert one.clock.now() == BEGUN
             assert _xs(await _all(await one.subscribe("/odom"))) == [0.0, 1.0, 2.0]
+
+    asyncio.run(scene())
+
+
+def test_places_leave_it_waiting(tmp_path: Path) -> None:
+    """The places of a recorded simulation are not read, because that would start the time."""
+    places = Sent(TOPIC, "std_msgs/String", 0, {"data": "kitchen = { x = 1, y = 2 }"}, latched=True)
+
+    async def scene() -> None:
+        async with played(write(tmp_path, "mcap", [places, *odometry(1)])) as one:
+            assert await offered(one, await one.graph()) == {}
+            assert one.clock.now() == BEGUN
 
     asyncio.run(scene())
 

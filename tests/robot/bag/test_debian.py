@@ -28,7 +28,8 @@ pytestmark = [
 READ = """
 import json, sys, rosbag
 bag = rosbag.Bag(sys.argv[1])
-print(json.dumps([(topic, message.data, time.to_sec()) for topic, message, time in bag.read_messages()]))
+read = bag.read_messages(return_connection_header=True)
+print(json.dumps([(topic, one.data, at.to_sec(), header["latching"].decode()) for topic, one, at, header in read]))
 """
 WRITE = """
 import sys, rosbag, rospy
@@ -40,7 +41,7 @@ with rosbag.Bag(sys.argv[1], "w", compression=sys.argv[2]) as bag:
 
 
 def test_debian_reads_what_is_recorded(tmp_path: Path) -> None:
-    """Debian reads the topics, types, values and times recorded by kg."""
+    """Debian reads the topics, types, values and times recorded by kg, and which publishers are latched."""
     path = tmp_path / "drive.bag"
 
     async def scene() -> float:
@@ -58,7 +59,7 @@ def test_debian_reads_what_is_recorded(tmp_path: Path) -> None:
 
     at = asyncio.run(scene())
     read = subprocess.run([PYTHON, "-c", READ, path], capture_output=True, text=True, check=True)
-    assert json.loads(read.stdout) == [["/text", "höher", pytest.approx(at, abs=1e-5)]]
+    assert json.loads(read.stdout) == [["/text", "höher", pytest.approx(at, abs=1e-5), "1"]]
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 import subprocess
 import sys
 from contextlib import asynccontextmanager, contextmanager
@@ -88,6 +89,26 @@ async def _seen(connection: Connection, text: str) -> ComputationGraph:
         if text in str(graph):
             return graph
     raise AssertionError
+
+
+def test_a_message_that_a_peer_has_not_received_is_not_confirmed() -> None:
+    """A suspended peer confirms nothing; when it continues, it confirms what it has missed."""
+
+    async def scene() -> None:
+        async with _beside() as (connection, peer):
+            publication = await connection.advertise("/cmd_vel", "geometry_msgs/Twist")
+            await _soon(_matched(publication))
+            peer.send_signal(signal.SIGSTOP)
+            try:
+                await publication.publish({"linear": {"x": 0.5}})
+                assert not publication.confirmed
+            finally:
+                peer.send_signal(signal.SIGCONT)
+            async with asyncio.timeout(patient(10)):
+                while not publication.confirmed:  # noqa: ASYNC110 - a middleware does not report it
+                    await asyncio.sleep(0.01)
+
+    asyncio.run(scene())
 
 
 def test_the_graph_is_that_of_the_peer() -> None:

@@ -9,7 +9,7 @@ from robot.driving.rover import CAPABILITIES, rover, until
 
 from kg.errors import RobotError
 from kg.robot.clock import SimulatedClock
-from kg.robot.driving import Driver, Outcome
+from kg.robot.driving import Driver, Outcome, Watchdog
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable
@@ -223,6 +223,42 @@ def test_a_lost_connection_ends_what_is_done() -> None:
                 assert lost.value.code == "KG803"
 
     asyncio.run(scene())
+
+
+def test_zero_is_sent_again_to_a_robot_that_comes_back() -> None:
+    """A robot that was cut off when a movement ended might have missed its zero, and gets it when it is back."""
+
+    async def scene() -> None:
+        async with rover() as robot:
+            moving = await _move(robot)
+            robot.bus.cut("/rover", "its network was cut")
+            with pytest.raises(RobotError):
+                await moving
+            robot.node = robot.bus.join("/rover")
+            robot.told.clear()
+            received = await robot.node.subscribe("/cmd_vel", "geometry_msgs/Twist")
+            zeros = aiter(received)
+            kept, again = [(await anext(zeros)).value["linear"]["x"] for _ in range(2)]
+            assert kept == again == 0
+
+    asyncio.run(scene())
+
+
+def test_the_zero_of_a_movement_that_just_ended_is_owed() -> None:
+    """If the robot is lost soon after a movement, the watchdog gets its topic: the zero might not have arrived."""
+    owed: list[str] = []
+
+    class Recording(Watchdog):
+        async def owe(self, topic: str) -> None:
+            owed.append(topic)
+
+    async def scene() -> None:
+        async with rover(watchdog=Recording("memory://")) as robot:
+            await robot.driver.do("driving", {"forward": 0.5}, seconds=0.1)
+            robot.bus.cut("/face", "the cable was pulled")
+
+    asyncio.run(scene())
+    assert owed == ["/cmd_vel"]
 
 
 def test_a_movement_that_nobody_hears_any_more_ends() -> None:

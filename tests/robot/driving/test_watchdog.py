@@ -76,8 +76,12 @@ def test_a_broken_pipe_sends_zero(orders: str, expected: int) -> None:
     assert all(stamps)
 
 
-def test_a_robot_that_was_lost_is_stopped_when_it_is_back() -> None:
-    """A process that outlives the watchdog sends zero once the robot responds again, and then exits."""
+@pytest.mark.parametrize("before", ["", LEFT])
+def test_a_robot_that_was_lost_is_stopped_when_it_is_back(before: str) -> None:
+    """A process that outlives the watchdog sends zero once the robot responds again, and then exits.
+
+    This also applies to a movement that had just ended: its zero might have been lost with the connection.
+    """
 
     async def scene() -> None:
         async with asyncio.timeout(patient(20)):
@@ -90,7 +94,7 @@ def test_a_robot_that_was_lost_is_stopped_when_it_is_back() -> None:
                     if any(end.name == TOPIC for end in graph.ends):
                         break
                 await base.aclose()
-            _, said = await process.communicate(f'["owe", "{TOPIC}"]\n["end"]\n'.encode())
+            _, said = await process.communicate(f'{before}["owe", "{TOPIC}"]\n["end"]\n'.encode())
             assert b"was lost while it moved" in said
             async with Master(port=int(master.address.rpartition(":")[2])) as master:
                 base = await connect(master.address, name="/base")

@@ -4,12 +4,14 @@ import asyncio
 from typing import TYPE_CHECKING
 from uuid import uuid4
 
+import pytest
 from robot.connections import types_for_tests
 from robot.live.seen import ADDRESS, ROVER, without
 
+from kg.facts import Role
 from kg.robot.capability import Way
 from kg.robot.connecting import look
-from kg.robot.connection import ComputationGraph
+from kg.robot.connection import ComputationGraph, LiveEnd, LiveNode
 from kg.robot.live import infer
 from kg.robot.memory import Bus
 
@@ -62,6 +64,25 @@ def test_capabilities_are_those_of_the_nodes_that_run(settings: Settings) -> Non
     assert "takingOff" in names
     assert "drivingAtVelocity" not in names
     assert not infer(ComputationGraph(1), settings, address=ADDRESS).capabilities
+
+
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [
+        ("/play_1796025656", {"sensingPose", "sensingVelocity"}),
+        ("/rosbag2_player", {"sensingPose", "sensingVelocity"}),
+        ("/record_1796025656", set()),
+        ("/rosbag2_recorder", set()),
+    ],
+)
+def test_what_a_player_plays_is_read(settings: Settings, name: str, known: set[str]) -> None:
+    """Values of a recording that is played can be read, its player not commanded; a recorder has no capability."""
+    ends = (
+        LiveEnd(name, Role.PUBLISHES, "/odom", "nav_msgs/Odometry"),
+        LiveEnd(name, Role.SUBSCRIBES, "/cmd_vel", "geometry_msgs/Twist"),
+    )
+    found = infer(ComputationGraph(1, (LiveNode(name, ADDRESS),), ends), settings, address=ADDRESS)
+    assert {one.name for one in found.capabilities if one.ways} == known
 
 
 def test_a_robot_in_memory_is_looked_at_as_any_other(settings: Settings) -> None:

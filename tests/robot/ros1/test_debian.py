@@ -174,7 +174,8 @@ def test_messages_and_services_with_rospy(master: int) -> None:
     async def scene() -> None:
         async with joined(master) as kg:
             latched = await kg.subscribe("/latched")
-            assert (await soon(first(latched))).value == {"data": "kept"}
+            kept = await soon(first(latched))
+            assert (kept.value, kept.latched) == ({"data": "kept"}, True)
             there = await kg.advertise("/there", "geometry_msgs/Twist")
             back = await kg.subscribe("/back", "geometry_msgs/Twist", queue=100)
 
@@ -183,9 +184,11 @@ def test_messages_and_services_with_rospy(master: int) -> None:
                 await until(lambda: bool(there.peers and back.connected))  # type: ignore[attr-defined]  # of ROS 1
                 for number in range(20):
                     await there.publish({"linear": {"x": float(number)}})
-                return [(await anext(messages)).value["linear"]["x"] for _ in range(20)]
+                return [await anext(messages) for _ in range(20)]
 
-            assert await soon(around()) == [float(number) for number in range(20)]
+            came = await soon(around())
+            assert [one.value["linear"]["x"] for one in came] == [float(number) for number in range(20)]
+            assert not any(one.latched for one in came)
             answer = await kg.call("/switch", None, {"data": True}, seconds=patient(5))
             assert answer == {"success": True, "message": "on"}
             with pytest.raises(RobotError) as failed:

@@ -12,7 +12,7 @@ from patience import patient
 from kg.facts import Qos, Role
 from kg.robot.connection import LiveEnd, LiveNode
 from kg.robot.ros2.address import QUIET, Address
-from kg.robot.ros2.graph import Watch, computation_graph, misfit
+from kg.robot.ros2.graph import NAMELESS, Watch, computation_graph, misfit
 from kg.robot.ros2.middleware import LATCHED, OFFERED, Neighbourhood
 
 _FULL = Qos("reliable", "transient_local", "keep_last", 1, 0.1, None, "manual_by_topic", 0.1)
@@ -102,6 +102,24 @@ def test_a_quiet_graph_is_complete() -> None:
     complete, seconds = asyncio.run(scene(empty=False))
     assert complete
     assert 0.3 <= seconds < patient(10)
+
+
+def test_a_graph_without_the_names_of_nodes_is_not_complete() -> None:
+    """Some middlewares report ends long before the nodes that own them; a quiet graph then waits for the names."""
+
+    async def scene() -> bool:
+        nodes = [LiveNode(f"{NAMELESS}01")]
+        watch = Watch(lambda: Neighbourhood(tuple(nodes)), settle=3600, quiet=0.1)
+        watch.changed()
+        await asyncio.sleep(0.5)
+        early = watch.complete
+        nodes[:] = [LiveNode("/base")]
+        watch.changed()
+        await asyncio.wait_for(watch.wait_complete(), patient(20))
+        watch.close()
+        return early
+
+    assert asyncio.run(scene()) is False
 
 
 def test_a_graph_that_never_rests_is_complete_in_the_end() -> None:

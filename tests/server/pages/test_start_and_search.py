@@ -132,3 +132,16 @@ def test_a_link_with_the_token_logs_in(browser: Chromium, store: Path) -> None:
 
     with served(store, token=TOKEN, log="off") as server:
         assert browser.run(follow(server.address)) == (f"{server.address}/", 1)
+
+
+def test_a_link_pasted_into_the_login_page_logs_in(browser: Chromium, store: Path) -> None:
+    """The address then differs after `#` only, which loads no page."""
+
+    async def paste(address: str) -> str:
+        async with browser.visit(f"{address}/login") as visit:
+            await visit.page.evaluate(f"location.hash = 'token={TOKEN}'")
+            await visit.page.locator("form[action='/logout']").wait_for()
+            return visit.page.url
+
+    with served(store, token=TOKEN, log="off") as server:
+        assert browser.run(paste(server.address)) == f"{server.address}/"

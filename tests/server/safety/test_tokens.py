@@ -58,6 +58,13 @@ def test_all_needs_the_token_where_others_reach(guarded: TestClient) -> None:
     assert guarded.get("/sparql", headers=bearer()).status_code == 200
 
 
+def test_a_server_without_a_token_has_nothing_to_log_in_to(client: TestClient) -> None:
+    """Its login page reports that instead of asking for a token that does not exist."""
+    page = client.get("/login")
+    assert (page.status_code, 'id="token"' in page.text) == (200, False)
+    assert "This server has no token" in page.text
+
+
 def test_whether_it_lives_is_open(guarded: TestClient) -> None:
     """Health checks need no token, nor does the login page."""
     assert guarded.get("/health").status_code == 200

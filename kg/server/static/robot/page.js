@@ -332,18 +332,19 @@ async function offer(able, names) {
 /** Show whether the robot is connected, and report changes. */
 function connection(before) {
   const { state, problem, address } = robot;
+  const isRecording = address?.startsWith("bag:");
   const words = {
     connecting: problem ? `No robot answers at ${address} yet; it is tried again and again.` : `Connecting to ${address} …`,
     connected: `Connected to ${address}`,
-    lost: `The robot at ${address} does not answer any more; it is tried again until it is back.`,
+    lost: isRecording ? `The recording ${address} was played, and is opened again.` : `The robot at ${address} does not answer any more; it is tried again until it is back.`,
     none: "No robot",
   }[state];
   $("connection").textContent = problem && state !== "connected" ? `${words} (${problem.message})` : words;
   $("connection").classList.toggle("robot-lost", state === "lost");
   if (state === before) return;
-  if (state === "lost") output.log(`The robot does not answer any more: ${problem?.message ?? ""}`, "error");
+  if (state === "lost") output.log(isRecording ? "The recording was played to its end." : `The robot does not answer any more: ${problem?.message ?? ""}`, isRecording ? "" : "error");
   if (before !== "lost" || state !== "connected") return;
-  output.log("The robot is back.");
+  output.log(isRecording ? "The recording begins again with the next value that is read." : "The robot is back.");
   output.clearProblem();
 }
 
