@@ -132,7 +132,7 @@ class Calls:
             called = machine.value(function, frame)
             return self.value(called, Arguments(machine.arguments(expression.arguments, frame), (), expression, frame))
         if local and (last.upper() == last or "_" in last):
-            macro = self._linker.find_macro(last, frame.unit)
+            macro = self._linker.find_macro(last, frame.unit, expression.line)
             if macro is not None and macro.parameters is not None:
                 return self._language.expanded(macro, expression.arguments, frame, expression.line)
         if local and (support := _SUPPORT.fullmatch(last)) is not None:

@@ -13,6 +13,7 @@ from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
+from kg.extract.cpp.macros import calls_in
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
 from kg.symbolic.spelling import spelled
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from kg.extract.cpp.linking import Linker, Variable
-    from kg.extract.cpp.units import Macro
+    from kg.extract.cpp.macros import Macro
     from kg.symbolic.form import Class, Expression, Field, Function, Type
     from kg.symbolic.machine import Machine
 
@@ -130,7 +131,7 @@ class Cpp:
         if enumerator is not None:
             return enumerator
         if len(names) == 1:
-            macro = self.linker.find_macro(last, frame.unit)
+            macro = self.linker.find_macro(last, frame.unit, expression.line)
             if macro is not None and macro.parameters is None:
                 return self.expanded(macro, (), frame, expression.line)
         resolved = self.kinds.kind(form.Type(names, expression.template), frame)
@@ -244,8 +245,20 @@ class Cpp:
 
     def expanded(self, macro: Macro, given: tuple[Expression, ...], frame: Frame, line: int) -> Value:
         """Run the text of a macro in the frame that uses it, at a line there."""
-        texts = tuple(map(spelled, given)) if macro.is_textual else ()
+        texts = tuple(map(spelled, given))
         texts = texts if not any("..." in one for one in texts) else ()
+        listed = calls_in(macro.filled(texts)) if macro.is_list and (texts or not given) else []
+        if len(listed) > 1:
+            for name, arguments in listed:
+                if (entry := self.linker.find_macro(name, frame.unit, line)) is not None:
+                    self._run_macro(entry, (), arguments, frame, line)
+            return Unknown("it returns nothing")
+        return self._run_macro(macro, given, texts if macro.is_textual else (), frame, line)
+
+    def _run_macro(
+        self, macro: Macro, given: tuple[Expression, ...], texts: tuple[str, ...], frame: Frame, line: int
+    ) -> Value:
+        """Run the text of a macro; `texts` are arguments that become a part of it, in place of those that are given."""
         function = macro.unit.expand(macro, line, texts)
         inner = Frame(frame.unit, frame.scope, frame.this, parent=frame)
         if texts:  # what the text declares is where the macro is used

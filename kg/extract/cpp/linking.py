@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from kg.corpus.files import FilePath
+    from kg.extract.cpp.macros import Macro
     from kg.extract.cpp.project import Project
-    from kg.extract.cpp.units import CppUnit, Macro
+    from kg.extract.cpp.units import CppUnit
     from kg.symbolic.form import Class, Declare, Function, Type, Unit
 
 _Item = TypeVar("_Item")
@@ -113,12 +114,15 @@ class Linker:
         defined = (one for one in variables if one[0].name not in one[1].external)
         return next(valued, None) or next(defined, None) or (variables[0] if variables else None)
 
-    def find_macro(self, name: str, unit: Unit) -> Macro | None:
-        """Return a macro that is visible in a file."""
+    def find_macro(self, name: str, unit: Unit, line: int) -> Macro | None:
+        """Return a macro that is visible at a line of a file."""
         key = (name, unit)
         if key not in self._macros:
             self._macros[key] = next((u.macros[name] for u in self._holding(unit, "macro", name)), None)
-        return self._macros[key]
+        macro = self._macros[key]
+        while macro is not None and macro.unit is unit and macro.line > line and macro.earlier is not None:
+            macro = macro.earlier
+        return macro
 
     def find_enumerator(self, name: str, unit: Unit) -> Enumerator | None:
         """Return the constant of a name that an enumeration defines which is visible in a file."""

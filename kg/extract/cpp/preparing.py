@@ -34,6 +34,12 @@ _LAST: Final = re.compile(
     re.MULTILINE,
 )
 """A macro with arguments that ends a block, such as the members of a class, without a semicolon."""
+_LISTED: Final = re.compile(
+    rb"^[ \t]*[A-Z][A-Z0-9_]+(?:\([^;{}()\n]*\))?[ \t]*\r?\n(?P<undef>[ \t]*#[ \t]*undef[ \t]+\w+)", re.MULTILINE
+)
+"""A macro that lists calls of another one, which is defined for it just before and undefined just after."""
+_NO_BLOCK: Final = re.compile(rb"(?:\benum\b[^;{}]*|=\s*|\breturn\s*|[,(]\s*)\{\Z")
+"""The begin of a list in braces."""
 _MACROS_ONLY: Final = re.compile(
     rb"\b(?:class|struct)\s+\w+[^;{}()]*\{(?P<body>\s*(?:[A-Z][A-Z0-9]*_[A-Z0-9_]+\s*\([^(){};]*\)\s*)+)\}"
 )
@@ -75,6 +81,8 @@ def prepared(source: bytes, ros: int, absent: frozenset[str] = frozenset()) -> b
     if any(one.search(source) for one in _EXPORTED):
         source = _CLASS_HEAD.sub(lambda m: m[1] + m[2] + b" " * len(m[3]) + m[4], source)
     source = _VISIBILITY.sub(_unless_directive(_spaces), source)
+    if b"undef" in source:
+        source = _LISTED.sub(_with_semicolon, source)
     source = _ALONE.sub(_if_statement, source)
     source = _MACROS_ONLY.sub(lambda m: m[0].replace(m["body"], _VISIBLE.sub(b" ", m["body"])), source)
     source = _LAST.sub(_unless_directive(lambda m: m[0][:-1] + b";"), source)
@@ -91,6 +99,14 @@ def _if_statement(match: re.Match[bytes]) -> bytes:
     before = _before(match.string, match.start())
     begins = before.endswith((b";", b"}", b":")) or (match["declares"] and (not before or before.endswith(b"{")))
     return _VISIBLE.sub(b" ", match[0]) if begins else match[0]
+
+
+def _with_semicolon(match: re.Match[bytes]) -> bytes:
+    """Return a macro that lists calls with the semicolon of a statement in place of the directive after it."""
+    before = _before(match.string, match.start())
+    if not before.endswith((b";", b"}", b":", b"{")) or _NO_BLOCK.search(before):
+        return match[0]
+    return match[0][: match.start("undef") - match.start()] + b";".ljust(len(match["undef"]))
 
 
 def _joined(match: re.Match[bytes]) -> bytes:

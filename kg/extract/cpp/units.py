@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections import defaultdict
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, cast
 
 from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions
+from kg.extract.cpp.macros import CONTINUED, Macro, add_inner_macros
 from kg.extract.cpp.preparing import prepared
 from kg.extract.cpp.statements import Statements
 from kg.extract.cpp.syntax import line_of
@@ -64,8 +63,6 @@ _ASSIGNED: Final = re.compile(
     r"(?:\.|->)\s*(?:reset|swap|push_\w+|emplace\w*|insert\w*|pop_\w+|erase|clear|resize|assign|store|append)\b)"
     r"|(?:\+\+|--)\s*(?:\w+(?:\.|->))*([A-Za-z_]\w*)"
 )
-_CONTINUED: Final = re.compile(r"\\\r?\n")
-"""The end of a line of a macro that goes on."""
 _COMMENT: Final = re.compile(r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')|//.*|/\*.*?\*/""", re.DOTALL)
 """A comment of the text of a macro, or a literal that may look like one."""
 _QUALIFIER: Final = re.compile(r"[A-Za-z_]\w*(?:\s*::\s*[A-Za-z_]\w*)*")
@@ -75,41 +72,8 @@ _DECLARED: Final = re.compile(rb"\b(?:(?:class|struct)\s+|[A-Z_]+_FORWARD\s*\(\s
 """Declarations of classes without their bodies, also by macros such as `MOVEIT_CLASS_FORWARD`."""
 
 
-@dataclass(slots=True, eq=False)
-class Macro:
-    """A macro; `parameters` is None for one without a parameter list."""
-
-    unit: CppUnit
-    name: str
-    parameters: tuple[str, ...] | None
-    text: str
-    line: int
-    functions: dict[tuple[int, tuple[str, ...]], Function] = field(default_factory=dict)
-    """The macro as a function, by the line at which it was expanded, and the arguments if they became its text."""
-
-    @property
-    def is_textual(self) -> bool:
-        """Whether it makes texts or names of its arguments."""
-        return self.parameters is not None and "#" in self.text
-
-    def filled(self, given: tuple[str, ...]) -> str:
-        """Return the text with arguments in the places of the parameters."""
-        values = dict(zip(self.parameters or (), given, strict=False))
-
-        def place(match: re.Match[str]) -> str:
-            value = values.get(match["name"])
-            if value is None:
-                return match[0]
-            return json.dumps(value) if match["quoted"] else value
-
-        return _PASTED.sub("", _PLACES.sub(place, self.text))
-
-
-_PLACES: Final = re.compile(r"(?:(?<!#)(?P<quoted>#)(?!#)\s*)?\b(?P<name>[A-Za-z_]\w*)")
-"""A name in the text of a macro, which can be made a text."""
 _DECLARES: Final = re.compile(r"(?:const\s+|static\s+)*[\w:]+(?:<[^;=]*>)?[\s*&]+\w+\s*=[^=]")
 """The begin of a declaration with a value."""
-_PASTED: Final = re.compile(r"\s*##\s*")
 _PURE: Final = re.compile(rb"\Avirtual\b[^{]*=\s*0\s*;\Z")
 
 
@@ -254,6 +218,7 @@ class CppUnit(Unit):
         for name, target in _NAMESPACE_ALIAS.findall(self.source):
             if name.decode() not in self.namespaces:  # in the body of a function, which is not read before it runs
                 self._add_namespace(name, target, ())
+        add_inner_macros(self)
         self.includes = included(self.source)
         """The paths that it includes, as written, with their lines."""
         self.names: dict[str, Collection[str]] = {
@@ -365,7 +330,7 @@ class CppUnit(Unit):
     def _macro(self, node: Node, parameters: _Scope | None) -> None:
         name, value = node.child_by_field_name("name"), node.child_by_field_name("value")
         if name is not None and value is not None:
-            joined = _CONTINUED.sub(" ", syntax.text(value))
+            joined = CONTINUED.sub(" ", syntax.text(value))
             text = _COMMENT.sub(lambda match: match[1] or " ", joined).strip() if "/" in joined else joined.strip()
             shown = syntax.text(name)
             self.macros[shown] = Macro(self, shown, parameters, text, line_of(node))

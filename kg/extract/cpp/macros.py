@@ -1,0 +1,96 @@
+"""Macros of a file: what they stand for, and lists of macro calls."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from kg.extract.cpp.units import CppUnit
+    from kg.symbolic.form import Function
+
+CONTINUED: Final = re.compile(r"\\\r?\n")
+"""The end of a line of a macro that goes on."""
+_DEFINED_WITH_PARAMETERS: Final = re.compile(
+    rb"^[ \t]*#[ \t]*define[ \t]+(\w+)\(([\w \t,]*)\)[ \t]+((?:[^\n\\]|\\\r?\n|\\.)*)", re.MULTILINE
+)
+_PLACES: Final = re.compile(r"(?:(?<!#)(?P<quoted>#)(?!#)\s*)?\b(?P<name>[A-Za-z_]\w*)")
+"""A name in the text of a macro, which can be made a text."""
+_PASTED: Final = re.compile(r"\s*##\s*")
+_CALL: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*\(")
+_PART: Final = re.compile(r'"(?:[^"\\]|\\.)*"|[()\[\]{},]')
+
+
+@dataclass(slots=True, eq=False)
+class Macro:
+    """A macro; `parameters` is None for one without a parameter list."""
+
+    unit: CppUnit
+    name: str
+    parameters: tuple[str, ...] | None
+    text: str
+    line: int
+    earlier: Macro | None = None
+    """The macro that the same file defined under the same name before."""
+    functions: dict[tuple[int, tuple[str, ...]], Function] = field(default_factory=dict)
+    """The macro as a function, by the line at which it was expanded, and the arguments if they became its text."""
+
+    @property
+    def is_list(self) -> bool:
+        """Whether it may be calls of another macro in a row."""
+        return self.text.endswith(")") and self.text.count("(") > 1 and ";" not in self.text
+
+    @property
+    def is_textual(self) -> bool:
+        """Whether it makes texts or names of its arguments."""
+        return self.parameters is not None and "#" in self.text
+
+    def filled(self, given: tuple[str, ...]) -> str:
+        """Return the text with arguments in the places of the parameters."""
+        values = dict(zip(self.parameters or (), given, strict=False))
+
+        def place(match: re.Match[str]) -> str:
+            value = values.get(match["name"])
+            if value is None:
+                return match[0]
+            return json.dumps(value) if match["quoted"] else value
+
+        return _PASTED.sub("", _PLACES.sub(place, self.text))
+
+
+def calls_in(text: str) -> list[tuple[str, tuple[str, ...]]]:
+    """Return the calls of a text that consists of calls in a row, each with its arguments; none for other texts."""
+    calls: list[tuple[str, tuple[str, ...]]] = []
+    place = 0
+    while (head := _CALL.match(text, place)) is not None:
+        depth, begin, arguments = 1, head.end(), []
+        for part in _PART.finditer(text, begin):
+            depth += 1 if part[0] in "([{" else -1 if part[0] in ")]}" else 0
+            if depth == 0 or (depth == 1 and part[0] == ","):
+                arguments.append(text[begin : part.start()].strip())
+                begin = part.end()
+            if depth == 0:
+                break
+        else:
+            return []
+        calls.append((head[1], tuple(arguments)))
+        place = begin
+    return calls if not text[place:].strip() else []
+
+
+def add_inner_macros(unit: CppUnit) -> None:
+    """Add macros with parameters that bodies of functions or classes define, often several of one name."""
+    found = list(_DEFINED_WITH_PARAMETERS.finditer(unit.source))
+    often = Counter(match[1] for match in found)
+    for match in found:
+        name = match[1].decode()
+        if often[match[1]] > 1 or name not in unit.macros:
+            parameters = tuple(one.strip() for one in match[2].decode().split(","))
+            text = CONTINUED.sub(" ", match[3].decode()).strip()
+            line = unit.source.count(b"\n", 0, match.start()) + 1
+            earlier = unit.macros.get(name)
+            earlier = earlier if earlier is not None and earlier.line < line else None
+            unit.macros[name] = Macro(unit, name, parameters, text, line, earlier)
