@@ -87,7 +87,7 @@ def lives(identity: int) -> bool:
 def test_what_runs_is_finished(store: Path) -> None:
     """A stopping server rejects new requests, completes running ones, and exits with 0."""
     text = (
-        "SELECT (COUNT(*) AS ?n) { {SELECT * {?a ?b ?c} LIMIT 450} {SELECT * {?d ?e ?f} LIMIT 450} "
+        "SELECT (COUNT(*) AS ?n) { {SELECT * {?a ?b ?c} LIMIT 800} {SELECT * {?d ?e ?f} LIMIT 800} "
         "FILTER(CONTAINS(STR(?c), STR(?f))) }"
     )
     with served(store, log="off", grace=patient(30)) as server:
