@@ -306,6 +306,8 @@ class Calls:
             result = self._call_member(self._language.member(of, name), given)  # `found->second(value)`
         if result is not None:
             return result
+        if isinstance(of, Object) and of.kind.cls is None and of.kind.names[0] not in COVERED:
+            self._language.machine.framework.leave((*of.kind.names, name), given.values)
         self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
 
