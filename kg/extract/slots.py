@@ -30,11 +30,11 @@ def slots_of(loadings: Iterable[Loading], declared: Iterable[Declared], home: Ho
     """
     parameters = [one for one in declared if one.effect.access is not None]
     slots: dict[tuple[str | None, str | None, str | None], PluginSlot] = {}
-    idle: dict[str | None, PluginSlot] = {}
+    idle: dict[tuple[str | None, bool], PluginSlot] = {}
     for one in loadings:
         slot = _slot(one, parameters, home)
         if one.plugin is None and one.parameter is None:
-            idle.setdefault(slot.base_class, slot)
+            idle.setdefault((slot.base_class, slot.fixed), slot)
         elif slot.parameter or slot.defaults or slot.reason:
             key = (slot.base_class, slot.names, slot.parameter)
             slots[key] = _both(slots[key], slot) if key in slots else slot
@@ -45,7 +45,7 @@ def slots_of(loadings: Iterable[Loading], declared: Iterable[Declared], home: Ho
         for slot in slots.values()
         if (slot.base_class, slot.location) not in named or not (slot.parameter or "").endswith(_ELEMENT)
     )
-    return (*used_slots, *(slot for base, slot in idle.items() if base not in used))
+    return (*used_slots, *(slot for (base, _), slot in idle.items() if base not in used))
 
 
 def _both(one: PluginSlot, other: PluginSlot) -> PluginSlot:
@@ -56,7 +56,7 @@ def _both(one: PluginSlot, other: PluginSlot) -> PluginSlot:
 def _slot(one: Loading, parameters: list[Declared], home: Home) -> PluginSlot:
     """Return the slot of one loading; an empty text in place of the class is neither a default nor unknown."""
     place, via = evidence(one.stack, home)
-    empty = PluginSlot(one.base, place, one.names, one.parameter, via=via, reason=one.reason)
+    empty = PluginSlot(one.base, place, one.names, one.parameter, fixed=one.fixed, via=via, reason=one.reason)
     if one.plugin is None:
         return empty if one.reason or one.parameter else replace(empty, reason="no call that loads a plugin was found")
     plugin = one.plugin.exact if isinstance(one.plugin, Text) else None

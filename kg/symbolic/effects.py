@@ -473,7 +473,7 @@ class Framework:
         node = next((one for one in arguments if isinstance(one, Object) and self.is_node(one)), None)
         if node is not None:
             reason = f"{'::'.join(names)} {OUTSIDE}, and gets the node"
-            self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason))
+            self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason, fixed=True))
 
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
         """Record that a call loads plugins, or creates an object whose methods do."""

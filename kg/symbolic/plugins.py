@@ -34,6 +34,8 @@ class Loading:
     parameter: str | None = None
     names: str | None = None
     reason: str | None = None
+    fixed: bool = False
+    """Whether the code names what runs: code outside of the sources that gets the node."""
 
 
 def loading(slot: SlotDescription, call: Invocation, node: Object | None, stack: tuple[Site, ...]) -> Loading:
