@@ -251,7 +251,7 @@ class Calls:
         ):
             return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
-        if names[0] not in COVERED:
+        if not COVERED.issuperset(names[:1]):
             language.machine.framework.leave(names, given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
@@ -306,7 +306,7 @@ class Calls:
             result = self._call_member(self._language.member(of, name), given)  # `found->second(value)`
         if result is not None:
             return result
-        if isinstance(of, Object) and of.kind.cls is None and of.kind.names[0] not in COVERED:
+        if isinstance(of, Object) and of.kind.cls is None and not COVERED.issuperset(of.kind.names[:1]):
             self._language.machine.framework.leave((*of.kind.names, name), given.values)
         self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)

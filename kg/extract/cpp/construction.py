@@ -95,7 +95,7 @@ class Constructions:
         if result is not None:
             return result
         self._language.escape(arguments)
-        if kind.names[0] not in COVERED:
+        if not COVERED.issuperset(kind.names[:1]):
             self._language.machine.framework.leave(kind.names, arguments)
         if not arguments or kind.names[:1] not in (("std",), ("auto",)):
             return Object(kind, line=line)
