@@ -164,7 +164,8 @@ def _after(element: Element, solution: Solution, facts: _Facts) -> Iterable[Solu
         return [solution] if value == Literal(True) else []
     if isinstance(element, Assignment):
         value = _value(element.expression.text, element.expression, solution)
-        return [] if value is None else [{**solution, element.variable.name: value}]
+        joined = _joined(solution, {element.variable.name: value}) if value is not None else None  # as in SPARQL
+        return [joined] if joined is not None else []
     if isinstance(element, Exists):
         found = bool(_solutions(element.body, solution, facts.finished() if element.negated else facts))
         return [solution] if found != element.negated else []
