@@ -557,8 +557,8 @@ class Framework:
         self._add(Declared(effect, _shown(whole), kind, owner, stack, profile, written=written))
         if effect.camera:
             info = _shown(camera_info(whole))
-            beside = Declared(effect, info, "sensor_msgs/CameraInfo", owner, stack, profile, written=written)
-            self._add(replace(beside, origin=CAMERA_ORIGIN))
+            kind = "sensor_msgs/CameraInfo"
+            self._add(Declared(effect, info, kind, owner, stack, profile, written=written, origin=CAMERA_ORIGIN))
         return None
 
     def _add(self, declared: Declared) -> None:

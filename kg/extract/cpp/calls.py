@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard, cast
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
-from kg.extract.cpp.project import COVERED
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
@@ -251,8 +250,7 @@ class Calls:
         ):
             return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
-        if not COVERED.issuperset(names[:1]):
-            language.machine.framework.leave(names, given.values)
+        language.hand_node(names, given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
@@ -306,8 +304,8 @@ class Calls:
             result = self._call_member(self._language.member(of, name), given)  # `found->second(value)`
         if result is not None:
             return result
-        if isinstance(of, Object) and of.kind.cls is None and not COVERED.issuperset(of.kind.names[:1]):
-            self._language.machine.framework.leave((*of.kind.names, name), given.values)
+        if isinstance(of, Object) and of.kind.cls is None and of.kind.names:
+            self._language.hand_node((*of.kind.names, name), given.values)
         self._leave(given, name)
         return outside(name, given.values, of.reason if isinstance(of, Unknown) else None)
 

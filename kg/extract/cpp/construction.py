@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from kg.extract.cpp import library
 from kg.extract.cpp.calls import fits
 from kg.extract.cpp.kinds import frame_of, inside
-from kg.extract.cpp.project import COVERED
 from kg.symbolic import form
 from kg.symbolic.binding import bind
 from kg.symbolic.kinds import is_pointer
@@ -95,8 +94,7 @@ class Constructions:
         if result is not None:
             return result
         self._language.escape(arguments)
-        if not COVERED.issuperset(kind.names[:1]):
-            self._language.machine.framework.leave(kind.names, arguments)
+        self._language.hand_node(kind.names, arguments)
         if not arguments or kind.names[:1] not in (("std",), ("auto",)):
             return Object(kind, line=line)
         return Unknown("it is of a class that is not in the build")

@@ -14,6 +14,7 @@ from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
+from kg.extract.cpp.project import COVERED
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
 from kg.symbolic.spelling import spelled
@@ -245,7 +246,7 @@ class Cpp:
 
     def expanded(self, macro: Macro, given: tuple[Expression, ...], frame: Frame, line: int) -> Value:
         """Run the text of a macro in the frame that uses it, at a line there."""
-        texts = tuple(map(spelled, given))
+        texts = tuple(map(spelled, given)) if macro.is_textual or macro.is_list else ()
         texts = texts if not any("..." in one for one in texts) else ()
         listed = calls_in(macro.filled(texts)) if macro.is_list and (texts or not given) else []
         if len(listed) > 1:
@@ -277,6 +278,11 @@ class Cpp:
         finally:
             running[id(macro)] -= 1
         return join(*inner.returned) if inner.returned else Unknown("it returns nothing")
+
+    def hand_node(self, names: tuple[str, ...], arguments: list[Value]) -> None:
+        """Record a node among the arguments of code outside of the sources that no description covers."""
+        if not COVERED.issuperset(names[:1]):
+            self.machine.framework.leave(names, arguments)
 
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
