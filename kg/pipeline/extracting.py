@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 _START_SECONDS: Final = 120.0
 """Time limit for loading code, the tagger and the description of a build."""
 _MOST_GROWTH: Final = 16 << 20
-"""Bytes by which a fork may grow after its first package before it makes way for a new one, which takes 0.1 s."""
+"""Bytes by which a fork may grow after its first package before it makes way for a new one."""
 _END_SECONDS: Final = 0.5
 """Time limit for the exit of a process after closing its connection."""
 

@@ -365,7 +365,7 @@ def _complete(draft: Draft, interfaces: Iterable[InstanceInterface], *, tool: bo
 def _loads_unknown_code(draft: Draft) -> bool:
     """Return whether the node loads code of which nothing is known, such as a module with a computed name.
 
-    Code outside of the sources that gets the node is named, and rarely has more ends than the node would have alone.
+    Code outside of the sources that gets the node is named. Only rules about remappings and parameters allow for it.
     """
     slots = draft.typed[1].slots if draft.typed is not None else ()
     return any(not (slot.fixed or slot.base_class or slot.parameter) and slot.reason for slot in slots)
