@@ -349,9 +349,9 @@ class _Build:
         ]
         if self._corpus is not None:
             return self._cluster_pool(self._corpus, workspace, plan, tasks, calls)
-        if model or (self._jobs > 1 and not all(task.earlier for task in tasks)):
-            # Once for all workers, which are forked. A single worker loads it with the first text that needs tagging;
-            # if all packages were read before, most texts are already tagged.
+        if model or (len(tasks) > 1 and not all(task.earlier for task in tasks)):
+            # Once for all workers, which are forked, and those that take their places. The worker of a single package
+            # loads it with the first text that needs tagging; if all were read before, most texts are already tagged.
             prepare(model)
         job = Job(workspace, self._settings.base, self._settings.max_file_bytes, model, self._cache, calls)
         return Pool(job, tasks, self._jobs)
