@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard, cast
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
+from kg.extract.cpp.specialising import chosen_functions
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
@@ -164,7 +165,7 @@ class Calls:
         if not methods or not frame.scope or frame.scope[-1] == this.kind.name:
             return []
         classes = [cls for cls, _ in self._kinds.chain(this.kind)[0]]
-        at = next((index for index, cls in enumerate(classes) if (*cls.scope, cls.name) == frame.scope), 0)
+        at = next((index for index, cls in enumerate(classes) if cls.inside == frame.scope), 0)
         own = [one for one in methods if one[0].owner not in classes[:at]]
         return own if len(own) < len(methods) and not any(one.virtual for one, _ in own) else []
 
@@ -180,10 +181,12 @@ class Calls:
     def _scoped(self, function: form.Name, this: Value | None, given: Arguments, frame: Frame) -> Value | None:
         """Call a method that is qualified by its class, `Base::method()`; return None for other functions."""
         *outer, last = function.names
-        template = function.template if last in ("create", "make") else ()
+        template = function.outer or (function.template if last in ("create", "make") else ())
         kind = self._kinds.kind(form.Type(tuple(outer), template), frame)
         if not isinstance(kind, Kind):
             return None
+        if function.outer is function.template and kind.cls is not None:
+            given = replace(given, template=())  # `Singleton<T>::instance()`
         if isinstance(this, Object):
             classes, outside = self._kinds.chain(this.kind)
             bound = next((bound for cls, bound in classes if cls is kind.cls), None)
@@ -192,10 +195,6 @@ class Calls:
                 return self._of_base(this, base, last, given)
         if kind.cls is None:
             return None
-        if kind.cls.template and given.template and not kind.arguments:
-            methods = self._language.methods(kind, last)
-            if not any(method.template for method, _ in methods):  # `Singleton<T>::instance()`
-                kind, given = replace(kind, arguments=given.template), replace(given, template=())
         called = self._static(kind, last, given)
         return called if called is not None else self._single(kind, last, given)
 
@@ -228,6 +227,7 @@ class Calls:
             for one in self._linker.find_functions(names, frame.unit, frame.scope)
             if one.owner is None and not _constructs(one)
         ]
+        defined = chosen_functions(self._kinds, defined, given.template)
         matching = [one for one in defined if fits(one, len(given.values))]
         if defined and not matching:
             given = self._with_defaults(defined, self._linker.find_prototypes(names, frame.unit, frame.scope), given)
@@ -373,7 +373,11 @@ class Calls:
 
     def _fitting(self, kind: Kind, name: str, given: Arguments) -> list[Overload]:
         """Return the methods of a name that can take the arguments of a call."""
-        return [method for method in self._language.methods(kind, name) if fits(method[0], len(given.values))]
+        fitting = [method for method in self._language.methods(kind, name) if fits(method[0], len(given.values))]
+        if not any(method.pattern for method, _ in fitting):
+            return fitting
+        chosen = chosen_functions(self._kinds, [method for method, _ in fitting], given.template)
+        return [one for one in fitting if one[0] in chosen]
 
     def _invoke(self, overloads: list[Overload], given: Arguments, this: Object | None = None) -> Value:
         """Run the best overload of a function."""

@@ -15,6 +15,7 @@ from kg.extract.cpp.copies import Copies
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
 from kg.extract.cpp.project import COVERED
+from kg.extract.cpp.specialising import UNKNOWN
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
 from kg.symbolic.spelling import spelled
@@ -198,10 +199,12 @@ class Cpp:
             return None
         cls = outer.cls
         methods = self.declarations(outer, names[-1])
-        if cls.template and not any(function.template for function, _ in methods):
+        if (cls.template or cls.pattern) and not any(function.template for function, _ in methods):
             # `A<T>::member`, or `A::member` in a method of `A<T>`.
-            outer = replace(outer, arguments=template) if template else self._instance(outer, frame)
+            outer = self.kinds.instance(cls, template) if template else self._instance(outer, frame)
             template = ()
+            if outer.cls is None:
+                return UNKNOWN
         for owner, bound in self.chain(outer)[0]:
             declared = owner.fields.get(names[-1])
             if declared is not None and declared.value is not None and not declared.static:
@@ -209,7 +212,7 @@ class Cpp:
             holder = self._shared(owner, names[-1], bound)
             if holder is not None:
                 return library.as_constant(holder[names[-1]])
-        variable = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
+        variable = self.kinds.own_variable(outer, names[-1])
         if variable is not None:
             return self._global(variable, names[-1])
         return Bound(names[-1], outer, template=template) if methods else None
@@ -333,7 +336,7 @@ class Cpp:
         if holder is not None:
             return holder[name]
         if declared.static:
-            variable = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
+            variable = self.linker.find_variable((cls.inside[-1], name), cls.unit, cls.scope)
             if variable is not None:
                 return self._global(variable, name)
         if not of.created:
@@ -345,7 +348,11 @@ class Cpp:
         cached = self.kinds.methods_of(kind)
         if name not in cached:
             methods = self.linker.methods
-            cached[name] = [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
+            cached[name] = [
+                (one, bound)
+                for cls, bound in self.chain(kind)[0]
+                for one in self.kinds.own_methods(cls, bound, methods(cls).get(name, []))
+            ]
         return cached[name]
 
     def declarations(self, kind: Kind, name: str) -> list[Overload]:
