@@ -150,8 +150,10 @@ class Framework:
         if classes is None:
             outside = self.machine.language.chain(kind)[1]
             classes = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
-            # A described class whose sources are in the build is not among the bases outside of them.
-            if not classes and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
+            # A described class whose sources are in the build is not among the bases outside of them. What a loader
+            # calls is said by its own bases.
+            own = self.descriptions.class_named(kind.names) if kind.cls is not None and not classes else None
+            if own is not None and (own.is_a or not own.runs):
                 classes.append(own)
             self._described[key] = classes
         return classes

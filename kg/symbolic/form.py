@@ -346,6 +346,8 @@ class Function:
     """The template arguments that a specialisation is for."""
     within: tuple[Type | Expression, ...] = ()
     """The template arguments of its class that a method is for, if it is not for all."""
+    defaults: dict[str, Type | Expression] = field(default_factory=dict)
+    """Defaults of its template parameters."""
     returns: Type | None = None
     owner: Class | None = None
     virtual: bool = False

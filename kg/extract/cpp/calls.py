@@ -25,6 +25,7 @@ from kg.symbolic.values import (
     Number,
     Object,
     Sequence,
+    Text,
     Truth,
     TypeValue,
     Unknown,
@@ -275,7 +276,7 @@ class Calls:
     def _leave(self, given: Arguments, function: str) -> None:
         """Pass arguments to code that is not run: it can call functions, write by address, and fill empty containers.
 
-        Texts keep the value that they have, as the default of an option usually is what counts.
+        Texts that are not empty keep their value, as the default of an option usually is what counts.
         """
         self._language.escape(given.values)
         self._language.hand_over(given.values)
@@ -287,6 +288,8 @@ class Calls:
                 put(self._language.machine, written, outside(function, []), given.frame)
             elif isinstance(written, form.Name | form.Member) and _is_empty(value):
                 put(self._language.machine, written, replace(value, open=True), given.frame)
+            elif isinstance(written, form.Name | form.Member) and _is_empty_text(value):
+                put(self._language.machine, written, replace(value, unsure=True), given.frame)
 
     # Methods
 
@@ -404,6 +407,10 @@ class Calls:
 
 def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
     return isinstance(value, Sequence | Mapping) and not value.items and not value.open and value.parameter is None
+
+
+def _is_empty_text(value: Value) -> TypeGuard[Text]:
+    return isinstance(value, Text) and value.exact == "" and value.parameter is None
 
 
 def _supported(kind: str, written: tuple[Expression, ...]) -> Value:

@@ -298,7 +298,7 @@ class Kinds:
         written: tuple[Expression, ...] = (),
         caller: Frame | None = None,
     ) -> None:
-        """Bind the template parameters of a function, in its frame, that the types of its arguments determine."""
+        """Bind the template parameters of a function, in its frame, by its arguments and their own defaults."""
         for index, (parameter, argument) in enumerate(zip(function.parameters, arguments, strict=False)):
             kind = parameter.type
             if kind is None or not function.template:
@@ -311,6 +311,9 @@ class Kinds:
                 deduced = self.type_of(written[index], caller) or deduced
             if deduced is not None:
                 _unify(inner, deduced, function.template, frame.types)
+        for name, default in function.defaults.items() if function.template else ():
+            if name not in frame.types:
+                frame.types[name] = self._argument(default, Frame(function.unit, function.scope, types=frame.types))
 
     # Classes
 

@@ -135,6 +135,8 @@ class CppFunction(Function):
             self.parameters = unit.expressions.parameters(self.declarator)
         elif name == "returns":
             self.returns = unit.returned(self)
+        elif name == "defaults":
+            self.defaults = unit.defaults(self.node.parent) if self.template else {}
         else:
             raise AttributeError(name)
         return getattr(self, name)
