@@ -304,6 +304,8 @@ class Cpp:
         holder = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
         if holder is not None or own is not None:
             self.machine.write(holder if holder is not None else cast("Object", own).fields, last, value)
+        elif isinstance(this, Object) and self.chain(this.kind)[1]:
+            self.hand_over([value])  # the variable may be one of a base that is not in the sources
 
     # Members
 
