@@ -135,9 +135,8 @@ class Callbacks:
             if not isinstance(one, Object) or one.kind.cls is None or id(one) in running:
                 continue
             chain, outside = language.chain(one.kind)
-            if not any(
-                _calls_methods(language, base, one.kind.cls) for base in outside
-            ) or language.machine.framework.is_node(one):
+            unread = any(_calls_methods(language, base, one.kind.cls) for base in outside)
+            if not unread or language.machine.framework.is_node(one):
                 continue
             names = [
                 name
