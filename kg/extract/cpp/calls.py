@@ -87,15 +87,13 @@ class Calls:
         this = this_of(frame)
         if not isinstance(this, Object):
             return of
-        written = function.of
-        if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:
+        name = _name_of_member(function.of, frame)
+        if name is None or self._kinds.has_field(this, name) or not self._kinds.chain(this.kind)[1]:
             return of
-        if self._kinds.has_field(this, written.names[0]) or not self._kinds.chain(this.kind)[1]:
-            return of
-        handle = self._language.machine.framework.given(_HANDLE, written.names[0])
+        handle = self._language.machine.framework.given(_HANDLE, name)
         if handle is None:
             return of
-        self._language.machine.write(this.fields, written.names[0], handle)
+        self._language.machine.write(this.fields, name, handle)
         return handle
 
     def value(self, called: Value, given: Arguments) -> Value:
@@ -407,6 +405,15 @@ class Calls:
 
 def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
     return isinstance(value, Sequence | Mapping) and not value.items and not value.open and value.parameter is None
+
+
+def _name_of_member(written: Expression, frame: Frame) -> str | None:
+    """Return the name in `this->name`, and in `name` if it is no local variable; None for other expressions."""
+    if isinstance(written, form.Member):
+        return written.name if isinstance(written.of, form.Name) and written.of.names == ("this",) else None
+    if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:
+        return None
+    return written.names[0]
 
 
 def _is_empty_text(value: Value) -> TypeGuard[Text]:
