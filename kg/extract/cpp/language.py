@@ -12,6 +12,7 @@ from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
+from kg.extract.cpp.formats import formatted
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
 from kg.extract.cpp.project import COVERED
@@ -440,7 +441,7 @@ class Cpp:
             kind = self.kinds.type_of(target, frame)
             return library.stored(kind, value) if kind is not None else value
         if isinstance(value, Sequence):
-            declared = self.kinds.declared_type(target, frame)
+            declared = self.kinds.written_type(target, frame)
             if declared is not None:
                 return self.converted(value, declared[0], written, declared[1])
         return value
@@ -457,9 +458,7 @@ class Cpp:
     def formatted(self, row: tuple[Value, ...]) -> Value:
         """Return the result of `%` between a format and values."""
         pattern, *values = row
-        return library.formatted(
-            pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values
-        )
+        return formatted(pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values)
 
     def shifted(self, values: list[Value]) -> Value | None:
         """Return a stream after texts were written to it; None if `<<` shifts bits."""
