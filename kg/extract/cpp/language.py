@@ -12,7 +12,7 @@ from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
-from kg.extract.cpp.formats import formatted
+from kg.extract.cpp.formats import formatted, streamed
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
 from kg.extract.cpp.project import COVERED
@@ -36,7 +36,6 @@ from kg.symbolic.values import (
     TypeValue,
     Unknown,
     Value,
-    concatenate,
     join,
 )
 
@@ -464,8 +463,10 @@ class Cpp:
         """Return a stream after texts were written to it; None if `<<` shifts bits."""
         first = values[0]
         if isinstance(first, Object) and first.kind.name in library.STREAMS:
-            text = concatenate(first.native.get("text", Text.of("")), *values[1:])
+            text, manner = streamed(first, values[1:])
             self.machine.write(first.native, "text", text)
+            if manner.items or "manner" in first.native:
+                self.machine.write(first.native, "manner", manner)
         return None if isinstance(first, Number) else first
 
 

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import tokens
-from kg.extract.cpp.formats import formatted
+from kg.extract.cpp.formats import MANIPULATORS, WITH_ARGUMENT, formatted, manipulator
 from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
@@ -65,6 +65,7 @@ CONSTANTS: Final = {
     "M_PI_4": Number(math.pi / 4, repr(math.pi / 4)),
     "INFINITY": Number(math.inf, repr(math.inf)),
     "NAN": Number(math.nan, repr(math.nan)),
+    **MANIPULATORS,
 }
 """Constants of the standard library, by their last name."""
 _SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
@@ -317,6 +318,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _limit(name, given.template)
     if not values:
         return None
+    if name in WITH_ARGUMENT:
+        return manipulator(name, values)
     if name in _SAME:
         return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
