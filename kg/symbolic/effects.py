@@ -472,8 +472,12 @@ class Framework:
         """Record that code outside of the sources gets a node or a handle: it can read and create anything there."""
         node = next((one for one in arguments if isinstance(one, Object) and self.is_node(one)), None)
         if node is not None:
-            reason = f"{'::'.join(names)} {OUTSIDE}, and gets the node"
-            self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason, fixed=True))
+            self.left(names, node, "and gets the node")
+
+    def left(self, names: tuple[str, ...], node: Object | None, what: str) -> None:
+        """Record that code outside of the sources uses a node, or the only one of the program, in a way of its own."""
+        reason = f"{'::'.join(names)} {OUTSIDE}, {what}"
+        self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason, fixed=True))
 
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
         """Record that a call loads plugins, or creates an object whose methods do."""

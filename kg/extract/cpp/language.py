@@ -49,6 +49,10 @@ if TYPE_CHECKING:
 
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
 _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})
+_READER: Final = re.compile(
+    r"(?i:load|get|read|fetch|from|retrieve).*(?:R(?:os|OS)(?:N(?:s|amespace)|Param\w*)?\Z|[pP]aram(?:eter)?s?(?![a-z]))"
+)
+"""The names of functions that read parameters: `loadFromRosNs`, `getParams`."""
 _PAIR: Final = ("first", "second")
 _STORED: Final = frozenset({Either, Object, Text, Number, Sequence})
 """Values that a variable may hold in another form."""
@@ -286,6 +290,12 @@ class Cpp:
         """Record a node among the arguments of code outside of the sources that no description covers."""
         if not COVERED.issuperset(names[:1]):
             self.machine.framework.leave(names, arguments)
+
+    def hand_parameters(self, names: tuple[str, ...], arguments: list[Value]) -> None:
+        """Record a call of code outside of the sources that reads parameters, as all code may do with roscpp."""
+        project = self.linker.project
+        if project.ros == 1 and arguments and not COVERED.issuperset(names[:1]) and _READER.search(names[-1]):
+            self.machine.framework.left(names, None, "and reads parameters")
 
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
