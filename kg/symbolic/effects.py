@@ -70,6 +70,7 @@ _NODES: Final = ("node", "handle")
 _OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
 """Methods that only nodes of ROS 2 have."""
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
+_PLAIN_NODE: Final = Kind(("rcl_node_t",))
 _UNKNOWN_NODE: Final = Unknown("it has no node")
 
 
@@ -431,6 +432,10 @@ class Framework:
         given = call.arguments
         if described.node_name is not None and described.node_name < len(given.values):
             self.node_names.append(given.values[described.node_name])
+            if described.node == 0 and given.frame is not None and given.written:  # a node of C
+                node = call.node if isinstance(call.node, Object) else self.machine.created(Object(_PLAIN_NODE))
+                node.native["name"] = given.values[described.node_name]
+                put(self.machine, given.written[0], node, given.frame)
             self.node_sites.append(tuple(self.machine.stack))
         if described.loads and len(given.values) > 1:
             self.loaded.append(tuple(given.values))
