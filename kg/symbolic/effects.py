@@ -535,9 +535,16 @@ class Framework:
         if call.node is not None and owner is None and effect.role and not isinstance(call.node, Unknown):
             return None
         if effect.listed:
-            single = replace(effect, listed=False, name=0, default=1, descriptor=2, prefix=None)
+            single = replace(effect, listed=False, name=0, default=1, descriptor=2, prefix=None, output=None)
+            held = call.declared(effect.output, self.machine.language)
+            values = held.arguments[-1] if held is not None and held.arguments else None
+            if isinstance(values, TypeValue) and (shown := ros_type(values.kind)) is not None:
+                single = replace(single, types=(shown,))
             for row in listed(effect, call):
                 self._apply(single, Invocation(owner, Arguments(row)))
+            frame, expressions = call.arguments.frame, call.arguments.written
+            if effect.output is not None and frame is not None and effect.output < len(expressions):
+                put(self.machine, expressions[effect.output], Mapping((), open=True), frame)
             return None
         if effect.specification is not None:
             self._specified(effect, owner, call)

@@ -181,6 +181,8 @@ def listed(effect: Effect, call: Invocation) -> list[list[Value]]:
         given = Sequence((given,)) if given is not None else None
     missing = Unknown("no default")
     rows: list[list[Value]] = []
+    if effect.prefix is not None and effect.prefix == effect.name:
+        rows.append([Text.hole("the code reads all parameters below a prefix"), missing])
     if isinstance(given, Mapping):
         rows += map(list, given.items)
     for item in given.items if isinstance(given, Sequence) else ():
