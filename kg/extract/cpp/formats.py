@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _PRINTF: Final = re.compile(r"%([-+ #0]*\d*(?:\.\d+)?)(?:hh|h|ll|l|z|j|t)?([a-zA-Z])|%(\d+)%|%%")
 _BRACES: Final = re.compile(r"\{(\w*)(?::([^{}]*))?\}")
+_LONG: Final = re.compile(r"\d{4}")
+"""A width that no name has."""
 _WHOLE: Final = "diuxXo"
 _LETTERS: Final = {"i": "d", "u": "d"}
 _BASES: Final = {"hex": "x", "oct": "o", "dec": "d"}
@@ -93,6 +95,8 @@ def _with(value: Value, specification: str) -> Value:
     """Return a value as `{:...}` writes it; the syntax is that of Python."""
     if not specification:
         return value
+    if _LONG.search(specification):
+        return _hole(value)
     plain: str | float | None = None
     if isinstance(value, Number) and math.isfinite(value.value):
         plain = value.value if value.floating or specification[-1] not in "dxXobc" + "0123456789" else value.whole
@@ -108,8 +112,8 @@ def _printed(value: Value, flags: str, letter: str) -> Value:
     """Return a value as `%...` writes it."""
     if isinstance(value, Text) and letter in "sc":
         exact = value.exact
-        return value if not flags or exact is None else _of(value, f"%{flags}s" % exact)
-    if isinstance(value, Number) and math.isfinite(value.value) and letter and len(flags) < 6:  # noqa: PLR2004 - a width
+        return value if not flags or exact is None or _LONG.search(flags) else _of(value, f"%{flags}s" % exact)
+    if isinstance(value, Number) and math.isfinite(value.value) and letter and not _LONG.search(flags):
         if letter in _WHOLE:
             return _of(value, f"%{flags}{_LETTERS.get(letter, letter)}" % value.whole)
         if letter in "eEfFgG":
