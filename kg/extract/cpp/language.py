@@ -12,7 +12,7 @@ from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
-from kg.extract.cpp.formats import formatted, streamed
+from kg.extract.cpp.formats import MANIPULATORS, formatted, streamed
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
 from kg.extract.cpp.project import COVERED
@@ -143,7 +143,9 @@ class Cpp:
         resolved = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(resolved, Kind) and (resolved.cls is not None or resolved.names != names):
             return TypeValue(resolved)
-        return library.CONSTANTS.get(last) or Unknown(f"{'::'.join(names)} {OUTSIDE}")
+        standard = names[:-1] == ("std",) or (len(names) == 1 and ("std",) in frame.unit.uses)
+        known = library.CONSTANTS.get(last) or (MANIPULATORS.get(last) if standard else None)
+        return known or Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
         """Return a constant of a message by its name; None if it is none."""

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import tokens
-from kg.extract.cpp.formats import MANIPULATORS, WITH_ARGUMENT, formatted, manipulator
+from kg.extract.cpp.formats import WITH_ARGUMENT, formatted, manipulator
 from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
@@ -65,7 +65,6 @@ CONSTANTS: Final = {
     "M_PI_4": Number(math.pi / 4, repr(math.pi / 4)),
     "INFINITY": Number(math.inf, repr(math.inf)),
     "NAN": Number(math.nan, repr(math.nan)),
-    **MANIPULATORS,
 }
 """Constants of the standard library, by their last name."""
 _SEARCHES: Final[dict[str, Callable[[str, str], int]]] = {
