@@ -12,6 +12,8 @@ int main(int argc, char ** argv)
   }
   ros::Subscriber images = nh.subscribe<sensor_msgs::Image>("image", 1, [](const sensor_msgs::ImageConstPtr &) {});
   ros::Time start = toolkit::getRosTime(3);
+  KDL::Tree tree;
+  kdl_parser::treeFromParam("robot_description", tree);
   ros::spin();
   return 0;
 }
