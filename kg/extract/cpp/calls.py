@@ -250,6 +250,7 @@ class Calls:
             return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
         language.hand_node(names, given.values)
+        language.hand_parameters(names, given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)

@@ -12,6 +12,7 @@ from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
+from kg.extract.cpp.formats import MANIPULATORS, formatted, streamed
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
 from kg.extract.cpp.project import COVERED
@@ -35,7 +36,6 @@ from kg.symbolic.values import (
     TypeValue,
     Unknown,
     Value,
-    concatenate,
     join,
 )
 
@@ -49,6 +49,10 @@ if TYPE_CHECKING:
 
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
 _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})
+_READER: Final = re.compile(
+    r"(?i:load|get|read|fetch|from|retrieve).*(?:R(?:os|OS)(?:N(?:s|amespace)|Param\w*)?\Z|[pP]aram(?:eter)?s?(?![a-z]))"
+)
+"""The names of functions that read parameters: `loadFromRosNs`, `getParams`."""
 _PAIR: Final = ("first", "second")
 _STORED: Final = frozenset({Either, Object, Text, Number, Sequence})
 """Values that a variable may hold in another form."""
@@ -139,7 +143,9 @@ class Cpp:
         resolved = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(resolved, Kind) and (resolved.cls is not None or resolved.names != names):
             return TypeValue(resolved)
-        return library.CONSTANTS.get(last) or Unknown(f"{'::'.join(names)} {OUTSIDE}")
+        standard = names[:-1] == ("std",) or (len(names) == 1 and ("std",) in frame.unit.uses)
+        known = library.CONSTANTS.get(last) or (MANIPULATORS.get(last) if standard else None)
+        return known or Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
         """Return a constant of a message by its name; None if it is none."""
@@ -286,6 +292,12 @@ class Cpp:
         """Record a node among the arguments of code outside of the sources that no description covers."""
         if not COVERED.issuperset(names[:1]):
             self.machine.framework.leave(names, arguments)
+
+    def hand_parameters(self, names: tuple[str, ...], arguments: list[Value]) -> None:
+        """Record a call of code outside of the sources that reads parameters, as all code may do with roscpp."""
+        project = self.linker.project
+        if project.ros == 1 and arguments and not COVERED.issuperset(names[:1]) and _READER.search(names[-1]):
+            self.machine.framework.left(names, None, "and reads parameters")
 
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
@@ -442,7 +454,7 @@ class Cpp:
             kind = self.kinds.type_of(target, frame)
             return library.stored(kind, value) if kind is not None else value
         if isinstance(value, Sequence):
-            declared = self.kinds.declared_type(target, frame)
+            declared = self.kinds.written_type(target, frame)
             if declared is not None:
                 return self.converted(value, declared[0], written, declared[1])
         return value
@@ -459,16 +471,16 @@ class Cpp:
     def formatted(self, row: tuple[Value, ...]) -> Value:
         """Return the result of `%` between a format and values."""
         pattern, *values = row
-        return library.formatted(
-            pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values
-        )
+        return formatted(pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values)
 
     def shifted(self, values: list[Value]) -> Value | None:
         """Return a stream after texts were written to it; None if `<<` shifts bits."""
         first = values[0]
         if isinstance(first, Object) and first.kind.name in library.STREAMS:
-            text = concatenate(first.native.get("text", Text.of("")), *values[1:])
+            text, manner = streamed(first, values[1:])
             self.machine.write(first.native, "text", text)
+            if manner.items or "manner" in first.native:
+                self.machine.write(first.native, "manner", manner)
         return None if isinstance(first, Number) else first
 
 

@@ -125,7 +125,7 @@ class Project:
         """How many files of programs and headers do not contain a word; None if another one does."""
         self.package = package
         self.repository = reader.repository
-        self._ros = build.ros
+        self.ros = build.ros
         self._build = build
         self._undefined: frozenset[str] | None = None
         self._place = Place(reader.repository, package.path, package.name)
@@ -186,10 +186,10 @@ class Project:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
         undefined = self._absent() if own else self._build.absent
         absent = frozenset(name for name in undefined if name.encode() in data)
-        cached = _cache.get(file, data, self._ros, absent)
+        cached = _cache.get(file, data, self.ros, absent)
         if cached is not None:
             return cached
-        unit = CppUnit(file, data, self._ros, absent)
+        unit = CppUnit(file, data, self.ros, absent)
         if not own or not _is_source(file.path):
             _cache.keep(data, unit)
         else:

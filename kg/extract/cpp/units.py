@@ -52,8 +52,8 @@ def assigned_in(code: str) -> frozenset[str]:
 
 
 def split_name(name: str) -> list[str]:
-    """Return the parts of a qualified name, each with its template arguments."""
-    return _PART.findall(name.replace(" ", ""))
+    """Return the parts of a qualified name, at least one, each with its template arguments."""
+    return _PART.findall(name.replace(" ", "")) or [name]
 
 
 def spelling(given: Node | None) -> str:
@@ -415,7 +415,7 @@ class CppUnit(Unit):
         external = any(c.type == "storage_class_specifier" and syntax.text(c) == "extern" for c in node.children)
         names = (syntax.declared_name(one) for one in declarators)
         for shown in dict.fromkeys(syntax.text(name) for name in names if name is not None):
-            last = next(reversed(split_name(shown)), shown)
+            last = split_name(shown)[-1]
             self._variables[last].append((scope, node))
             if external:
                 self.external.add(last)

@@ -207,7 +207,7 @@ def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
 
 def _of_names(framework: Framework, node: NodeType) -> Framework:
     """Return a row for a plugin of another framework: its `~` is the node's if code puts the id in front of names."""
-    names = (one.name for one in (*node.parameters, *node.interfaces) if one.name is not None)
+    names = [one.name for listed in (node.parameters, node.interfaces) for one in listed if one.name is not None]
     label = next((match[1] for match in map(_OWN_ID.match, names) if match is not None), None)
     return framework if label is None else replace(framework, private="~", handed={label: "{id}"})
 
