@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp import library
@@ -13,7 +14,7 @@ from kg.symbolic.state import Frame
 from kg.symbolic.values import Kind, Object, Pack, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.extract.cpp.language import Cpp
     from kg.extract.cpp.linking import Variable
@@ -27,6 +28,8 @@ _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
 _VALUES: Final = frozenset({"ParameterValue"})
 """Classes whose objects have the type of the value that they hold."""
 _MOST_BASES: Final = 40
+_MOST_CHOICES: Final = 3
+"""How many choices of specialisations may depend on each other."""
 _PAIR: Final = 2
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
@@ -63,6 +66,7 @@ class Kinds:
         self._language = language
         self._linker = language.linker
         self._meanings: dict[tuple[object, ...], Kind | Value] = {}
+        self._choices = 0
         """Types by names, template arguments, file, scope and depth of the search."""
         self._plain: dict[tuple[int, Unit, tuple[str, ...], int], tuple[Type, Kind | Value]] = {}
         """The types that mean the same in all frames of a file and scope, by the identity of what is written."""
@@ -265,7 +269,7 @@ class Kinds:
         if not special:
             return Kind(names, arguments, cls)
         given = _flat(self.bound(general, arguments).values()) if general is not None else arguments
-        found = chosen_class(self, special, given)
+        found = chosen_class(self, general, special, given)
         if found is None:
             return Kind(names, arguments, general)
         if isinstance(found, Unknown):
@@ -361,6 +365,15 @@ class Kinds:
         if same or kinds[0].names in {one.names for one in (kinds[1], *outside)}:
             return Truth(kinds[0].names == kinds[1].names or not same)
         return Truth(any(cls is kinds[0].cls for cls, _ in classes))
+
+    @contextmanager
+    def choosing(self) -> Iterator[bool]:
+        """Yield whether a specialisation can be chosen here: what one is for may depend on others, without end."""
+        self._choices += 1
+        try:
+            yield self._choices <= _MOST_CHOICES
+        finally:
+            self._choices -= 1
 
     def own_methods(self, cls: Class, bound: Mapping[str, Value], methods: list[Function]) -> list[Function]:
         """Return those of some methods of a class that its template arguments choose."""

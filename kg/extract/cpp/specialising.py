@@ -43,7 +43,8 @@ def choose(
     unknown = -1
     for item, pattern, names, at in items:
         match = _Match(kinds, names, at)
-        fits = match.all(pattern, arguments)
+        with kinds.choosing() as possible:
+            fits = match.all(pattern, arguments) if possible else None
         weight = sum(_weight(one, names) for one in pattern)
         if fits is None:
             unknown = max(unknown, weight)
@@ -185,10 +186,18 @@ def chosen_methods(kinds: Kinds, methods: list[Function], arguments: tuple[Value
 
 
 def chosen_class(
-    kinds: Kinds, classes: list[Class], arguments: tuple[Value, ...]
+    kinds: Kinds, general: Class | None, classes: list[Class], arguments: tuple[Value, ...]
 ) -> tuple[Class, _Bound] | Unknown | None:
-    """Return the one of some specialisations that template arguments choose, as `choose` does."""
-    return choose(kinds, (_written(one, one.pattern) for one in classes), arguments)
+    """Return the one of some specialisations of a class that template arguments choose, as `choose` does.
+
+    Arguments that a specialisation leaves out are the defaults of the `general` class.
+    """
+
+    def whole(one: Class) -> _Pattern:
+        rest = general.template[len(one.pattern) :] if general is not None else ()
+        return (*one.pattern, *(general.defaults[name] for name in rest if general and name in general.defaults))
+
+    return choose(kinds, (_written(one, whole(one)) for one in classes), arguments)
 
 
 def _written(item: _Template, pattern: _Pattern) -> tuple[_Template, _Pattern, _Scope, Frame]:
