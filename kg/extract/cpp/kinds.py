@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kg.extract.cpp.language import Cpp
-    from kg.extract.cpp.linking import Variable
+    from kg.extract.cpp.linking import Alias, Variable
     from kg.extract.cpp.units import CppUnit
     from kg.symbolic.form import Class, Expression, Function, Type, Unit
 
@@ -70,6 +70,7 @@ class Kinds:
         """Types by names, template arguments, file, scope and depth of the search."""
         self._plain: dict[tuple[int, Unit, tuple[str, ...], int], tuple[Type, Kind | Value]] = {}
         """The types that mean the same in all frames of a file and scope, by the identity of what is written."""
+        self._own_aliases: dict[tuple[str, Unit, tuple[str, ...]], Alias | None] = {}
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
         self._methods: dict[object, dict[str, list[tuple[Function, dict[str, Value]]]]] = {}
 
@@ -121,8 +122,8 @@ class Kinds:
     ) -> Kind | Value | None:
         """Return the type that a member of an instance of a template, or a name in its body, means; None for others."""
         if len(names) == 1:
-            alias = self._linker.find_alias(names, frame.unit, frame.scope) if frame.templated else None
-            if alias is None or not alias[0] or frame.scope[: len(alias[0])] != alias[0] or alias[2]:
+            alias = self._own_alias(names, frame) if frame.templated else None
+            if alias is None:
                 return None
             types = {name: value for one in reversed([*frame.outward()]) for name, value in one.types.items()}
             if not mentions(alias[1], tuple(types)):
@@ -145,6 +146,15 @@ class Kinds:
                 types = bound | dict(zip(alias[2], arguments, strict=False))
                 return self.kind(alias[1], Frame(alias[3], alias[0], types=types), depth + 1)
         return None
+
+    def _own_alias(self, names: tuple[str, ...], frame: Frame) -> Alias | None:
+        """Return the meaning of a name that a class around a frame gives it without parameters of its own."""
+        key = (names[0], frame.unit, frame.scope)
+        if key not in self._own_aliases:
+            alias = self._linker.find_alias(names, frame.unit, frame.scope)
+            own = alias is not None and alias[0] and frame.scope[: len(alias[0])] == alias[0] and not alias[2]
+            self._own_aliases[key] = alias if own else None
+        return self._own_aliases[key]
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""

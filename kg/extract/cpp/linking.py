@@ -23,7 +23,7 @@ _Item = TypeVar("_Item")
 _Scope: TypeAlias = tuple[str, ...]
 Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"
 """The declaration of a variable, with its file and scope."""
-_Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
+Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
 """Another name of a type: its scope, the type, the template parameters, and the file."""
 _IMPLEMENTATION: Final = re.compile(r"(?:^|[/_-])(?:impl|inl|implementation)[/_.-]|\.(?:tpp|ipp|txx|inl|hxx)$")
 """The paths of files with the bodies of templates."""
@@ -119,7 +119,7 @@ class Linker:
         """Return the declarations without body that a qualified name means."""
         return self._named("prototype", _prototypes, names, unit, scope)
 
-    def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> _Alias | None:
+    def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> Alias | None:
         """Return the meaning of the name of a type that `using` or `typedef` declares."""
         aliases = self._named("alias", _aliases, names, unit, scope)
         return aliases[0] if aliases else None
@@ -376,7 +376,7 @@ def _prototypes(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
     return [(one.scope, one) for one in unit.prototypes.get(name, ())]
 
 
-def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, _Alias]]:
+def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, Alias]]:
     return [(at, (at, kind, template, unit)) for at, kind, template in unit.aliases(name)]
 
 
