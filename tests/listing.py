@@ -22,6 +22,7 @@ PAGES: Final = {
     "search, empty": "/search",
     "search": "/search?q=laser+scan",
     "search, filtered": "/search?q=&publishes=LaserScan",
+    "search, a name": "/search?q=scan_filtered",
     "search, nothing": "/search?q=zzzzzz",
     "search, wrong filter": "/search?q=scan&hardware=flux+capacitor",
     "robot, none connected": "/robot",

@@ -79,7 +79,14 @@ LISTS: Final[Mapping[str, List]] = {
     ),
     "parameters": List(
         list_rows.parameters,
-        {"package": "package", "repository": "repository", "node": "node", "type": "type", "access": "access"},
+        {
+            "package": "package",
+            "node": "node",
+            "type": "type",
+            "access": "access",
+            "repository": "repository",
+            "name": "name",
+        },
         ("name", "node", "description"),
     ),
     "findings": List(
@@ -98,7 +105,7 @@ def totals(snapshot: EmbeddedSnapshot, settings: Settings, *, wait: bool = True)
     """
 
     def make() -> dict[str, int]:
-        rows = {of: _rows(snapshot, of, settings.base, "") for of in LISTS if of != "findings"}
+        rows = {of: every_row(snapshot, of, settings.base, "") for of in LISTS if of != "findings"}
         messages = sum(row["kind"] == "message" for row in rows["types"])
         return {**{of: len(each) for of, each in rows.items()}, "message types": messages}
 
@@ -138,7 +145,7 @@ def listing(  # noqa: PLR0913 - what a list can be asked
             hint = did_you_mean(name, kind.facets) or f"Valid filters: {', '.join(kind.facets) or 'none'}."
             raise UsageError("KG003", f"unknown filter `{name}` of {of}", hint=hint)
     allowed = repr(table("lint", Path.cwd())) if of == "findings" else ""
-    rows = _rows(snapshot, of, settings.base, allowed)
+    rows = every_row(snapshot, of, settings.base, allowed)
     selected, counts = _chosen(kind, rows, text.lower().split(), given)
     selected = _sorted(selected, sort, rows)
     start, most = number(offset, 0), number(limit, 0)
@@ -159,7 +166,8 @@ def listing(  # noqa: PLR0913 - what a list can be asked
 
 
 @once
-def _rows(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> Rows:  # noqa: ARG001 - what kg.toml allows is part of what is remembered
+def every_row(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> Rows:  # noqa: ARG001 - what kg.toml allows is part of what is remembered
+    """Return all rows of a list, made once for a snapshot."""
     return LISTS[of].rows(snapshot, base)
 
 

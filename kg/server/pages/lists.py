@@ -201,7 +201,7 @@ LISTS: Final[Mapping[str, Listed]] = {
         "parameter",
         "Parameters of nodes, without those that frameworks create.",
         (
-            Column("Parameter", "name", "mono"),
+            Column("Parameter", "name", "mono", ("/parameters", {"name": "name"})),
             Column("Node", "node", to=_NODE),
             _PACKAGE,
             Column("Type", "type", "mono"),
@@ -280,6 +280,11 @@ async def _list(request: Request) -> Response:
         last=url(address, **parameters, offset=(rows["total"] - 1) // most * most or "") if end < rows["total"] else "",
         exports=[(label, url(address, **parameters, format=key)) for key, label in _EXPORTS.items()],
     )
+
+
+def address_of(name: str, row: Mapping[str, Any]) -> str:
+    """Return the address of a thing of the list `name`, by the first column, of which `row` has all keys."""
+    return _link(LISTS[name].columns[0], row)
 
 
 async def related(request: Request, name: str, most: int, facets: Mapping[str, str]) -> dict[str, Any]:
