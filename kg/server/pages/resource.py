@@ -31,7 +31,13 @@ _TYPE: Final = ("types", {"nodes": ("type",), "topics": ("type",), "services": (
 _KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
     "package": (
         "packages",
-        {"nodes": _OF_PACKAGE, "systems": _OF_PACKAGE, "types": ("package",), "findings": _OF_PACKAGE},
+        {
+            "nodes": _OF_PACKAGE,
+            "topics": ("package",),
+            "systems": _OF_PACKAGE,
+            "types": ("package",),
+            "findings": _OF_PACKAGE,
+        },
     ),
     **dict.fromkeys(("message", "service-type", "action-type"), _TYPE),
     "hardware": ("hardware", {"nodes": ("hardware",)}),
