@@ -56,6 +56,8 @@ PAGES: Final = {
     "systems": "/systems",
     "parameters": "/parameters",
     "findings": "/findings",
+    "classes": "/classes",
+    "properties": "/properties?subject=ros:Publisher",
     "nodes, nothing": "/nodes?q=zzzzzz",
     "system": "/system?name=drone.launch.py",
     "system, with a finding": "/system?name=mission.launch.xml&every=all",

@@ -15,7 +15,7 @@ from kg.errors import UsageError
 from kg.facts import Location
 from kg.settings import Settings, table
 from kg.similar import did_you_mean
-from kg.views import answers, list_rows
+from kg.views import answers, list_rows, vocabulary
 from kg.views.arguments import whole as number
 from kg.views.evidence import places
 from kg.views.remembered import once
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Rows = Sequence[Row]
 
+UNCOUNTED: Final = frozenset({"findings", "classes", "properties"})
+"""Lists without a total: findings depend on kg.toml too, the vocabulary is counted for completions first."""
 _VALUES: Final = 200  # at most so many values of a facet are offered, those of most rows
 
 
@@ -94,18 +96,24 @@ LISTS: Final[Mapping[str, List]] = {
         {"severity": "severity", "code": "code", "package": "package", "system": "system", "repository": "repository"},
         ("message", "system", "rule"),
     ),
+    "classes": List(vocabulary.classes, {"vocabulary": "vocabulary", "parent": "parents"}, ("name", "description")),
+    "properties": List(
+        vocabulary.properties,
+        {"vocabulary": "vocabulary", "subject": "subjects", "value": "values"},
+        ("name", "description"),
+    ),
 }
 """Name to list."""
 
 
 def totals(snapshot: EmbeddedSnapshot, settings: Settings, *, wait: bool = True) -> dict[str, int]:
-    """Return how many rows lists have that do not depend on kg.toml, and `message types` the list of types.
+    """Return how many rows lists have, without those `UNCOUNTED`, and `message types` the list of types.
 
     It makes all lists; without `wait` nothing is returned where they have not been made before.
     """
 
     def make() -> dict[str, int]:
-        rows = {of: every_row(snapshot, of, settings.base, "") for of in LISTS if of != "findings"}
+        rows = {of: every_row(snapshot, of, settings.base, "") for of in LISTS if of not in UNCOUNTED}
         messages = sum(row["kind"] == "message" for row in rows["types"])
         return {**{of: len(each) for of, each in rows.items()}, "message types": messages}
 

@@ -223,9 +223,42 @@ LISTS: Final[Mapping[str, Listed]] = {
             _PLACE,
         ),
     ),
+    "classes": Listed(
+        "Classes",
+        "class",
+        "Classes with instances in this store, and the properties of these, counted in a sample of large classes.",
+        (
+            Column("Class", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Instances", "instances", "number", ("/resource?predicate=rdf:type&direction=in", {"iri": "iri"})),
+            Column("Subclass of", "parents", "mono"),
+            Column("Properties", "properties", "number", ("/properties", {"subject": "name"})),
+            Column("Most used", "first", "mono"),
+            Column("Meaning", "description"),
+        ),
+    ),
+    "properties": Listed(
+        "Properties",
+        "property",
+        "Properties with facts in this store, and the classes that they connect, the most frequent first.",
+        (
+            Column("Property", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Facts", "facts", "number"),
+            Column("From", "first_subjects", "mono"),
+            Column("To", "first_values", "mono"),
+            Column("Meaning", "description"),
+        ),
+    ),
 }
 """Index pages by the name of their list."""
-_LABELS: Final = {"ros": "ROS version", "worst": "Worst finding", "repository": "Source", "system": "Launch file"}
+_LABELS: Final = {
+    "ros": "ROS version",
+    "worst": "Worst finding",
+    "repository": "Source",
+    "system": "Launch file",
+    "parent": "Subclass of",
+    "subject": "From",
+    "value": "To",
+}
 """Labels of facets that differ from their parameter."""
 
 
