@@ -18,6 +18,7 @@ from kg.similar import did_you_mean
 from kg.views import answers, list_rows, vocabulary
 from kg.views.arguments import whole as number
 from kg.views.evidence import places
+from kg.views.list_queries import query_of
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
@@ -138,9 +139,9 @@ def listing(  # noqa: PLR0913 - what a list can be asked
     `limit` (else all rows from `offset` on are there) each row also has `place`, null where it names no file (see
     `kg.views.evidence`). With `whole` (any text) rows are as other programs read them (docs/formats.md).
 
-    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `rows`,
-    and `facets`: for each the objects `{"value", "count"}` of the values that rows have which fit everything else, the
-    most frequent first.
+    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `query`
+    (SPARQL for the chosen rows, None where there is none), `rows`, and `facets`: for each the objects `{"value",
+    "count"}` of the values that rows have which fit everything else, the most frequent first.
 
     Raises UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
     """
@@ -154,7 +155,8 @@ def listing(  # noqa: PLR0913 - what a list can be asked
             raise UsageError("KG003", f"unknown filter `{name}` of {of}", hint=hint)
     allowed = repr(table("lint", Path.cwd())) if of == "findings" else ""
     rows = every_row(snapshot, of, settings.base, allowed)
-    selected, counts = _chosen(kind, rows, text.lower().split(), given)
+    words = text.lower().split()
+    selected, counts = _chosen(kind, rows, words, given)
     selected = _sorted(selected, sort, rows)
     start, most = number(offset, 0), number(limit, 0)
     shown = selected[start : start + most] if most else selected[start:]
@@ -169,6 +171,7 @@ def listing(  # noqa: PLR0913 - what a list can be asked
         "offset": start,
         "sort": sort,
         "facets": {name: _offered(counts[name], given.get(name)) for name in kind.facets},
+        "query": query_of(of, words, given),
         "rows": shown,
     }
 

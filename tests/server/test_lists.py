@@ -7,6 +7,7 @@ import json
 import re
 from html import unescape
 from typing import TYPE_CHECKING
+from urllib.parse import unquote_plus
 
 import pytest
 
@@ -32,6 +33,14 @@ def test_exports_have_all_rows(client: TestClient, name: str) -> None:
     table = list(csv.DictReader(client.get(f"/{name}?format=csv").text.splitlines()))
     assert [json.loads(line) for line in lines] == told["rows"]
     assert len(table) == len(lines) == told["total"] > 0
+
+
+def test_a_list_is_also_a_query(client: TestClient) -> None:
+    """The link leads to the query page with SPARQL for the rows and filters; without a query there is no link."""
+    text = client.get("/nodes?package=rover_robot").text
+    (query,) = re.findall(r'href="/query\?query=([^"]+)">Edit as a query', text)
+    assert 'VALUES ?package { "rover_robot" }' in unquote_plus(query)
+    assert "Edit as a query" not in client.get("/findings").text
 
 
 @_EVERY
