@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _PAGE: Final = 100
 _MOST: Final = 1000
+_FEW: Final = 6  # so many values of a filter are links, each one click; more are in a field for choosing
 _FORMATS: Final = (
     ("text/html", "html"),
     ("application/json", "json"),
@@ -293,7 +294,13 @@ async def _list(request: Request) -> Response:
         text=given.get("q", ""),
         hidden={key: parameters[key] for key in ("sort", "limit") if key in parameters},
         facets=[
-            {"name": key, "label": _label(key), "given": parameters.get(key, ""), "values": values}
+            {
+                "name": key,
+                "label": _label(key),
+                "given": parameters.get(key, ""),
+                "few": len(values) <= _FEW,
+                "values": [{**one, "address": url(address, **{**parameters, key: one["value"]})} for one in values],
+            }
             for key, values in rows["facets"].items()
             if len(values) > 1 or key in parameters
         ],
