@@ -240,6 +240,21 @@ def test_a_picture_calls_things_as_the_store_does(browser: Chromium, site: str) 
 
 
 @editing
+def test_a_stored_query_is_shown_behind_its_documentation(browser: Chromium, site: str) -> None:
+    """The low editor of a stored query that runs at once begins at its first line of SPARQL."""
+
+    async def look(visit: Visit) -> bool:
+        await ran(visit)
+        seen = visit.page.locator(".cm-line", has_text="SELECT ?topic").first
+        box, editor = await seen.bounding_box(), await visit.page.locator("#editor").bounding_box()
+        assert box is not None
+        assert editor is not None
+        return editor["y"] <= box["y"] + 1 < editor["y"] + editor["height"] / 2
+
+    assert visited(browser, site, look, name="explore/who-publishes", topic="/scan_filtered")
+
+
+@editing
 def test_a_picture_grows_by_neighbours(browser: Chromium, site: str, things: Shown) -> None:
     """The page of a thing leads to its relations as a picture, which adds those of a selected thing, twice over."""
 
