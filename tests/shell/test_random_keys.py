@@ -142,7 +142,7 @@ async def test_no_key_and_no_late_answer_ends_the_shell(
             await asyncio.wait_for(press(app, pilot, late, chance, pressed), patient(300))
             late.open()
             await asyncio.wait_for(leave_screens(app, pilot, late), patient(60))
-            await until(pilot, lambda: current(app).editor.focus().has_focus)
+            await until(lambda: current(app).editor.focus().has_focus)
             await run_query(app, pilot, "ASK {}")
             assert not app.failures
         except BaseException as error:
