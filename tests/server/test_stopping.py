@@ -93,6 +93,7 @@ def test_what_runs_is_finished(store: Path) -> None:
     with served(store, forks_readers=False, log="off", grace=patient(30)) as server:
         thread, answers = asked(server, text)
         readers = children(server)
+        assert readers
         server.process.send_signal(signal.SIGTERM)
         until(lambda: refuses(server))
         thread.join()
@@ -107,6 +108,7 @@ def test_what_outlives_its_grace_is_ended(store: Path) -> None:
     with served(store, forks_readers=False, log="off", grace=0.5) as server:
         thread, answers = asked(server, RUNAWAY)
         readers = children(server)
+        assert readers
         began = time.monotonic()
         code, _ = server.stop()
         assert code == 0
@@ -122,6 +124,7 @@ def test_told_twice_it_stops_now(store: Path, again: signal.Signals) -> None:
     with served(store, forks_readers=False, log="off", grace=60) as server:
         thread, _ = asked(server, RUNAWAY)
         readers = children(server)
+        assert readers
         server.process.send_signal(signal.SIGTERM)
         # Two signals of a kind sent before the first is delivered count as one.
         until(lambda: refuses(server))
