@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import pytest
+from _pytest.unraisableexception import gc_collect_iterations_key
 from hypothesis import HealthCheck, settings
 
 if TYPE_CHECKING:
@@ -68,6 +69,11 @@ os.environ.setdefault("JDK_JAVA_OPTIONS", QUICK_JAVA)
 for _number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
     if signal.getsignal(_number) is signal.SIG_IGN:
         signal.signal(_number, lambda *_: None)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Collect garbage once at the end, not five times: a worker that has run thousands of tests has much to visit."""
+    config.stash[gc_collect_iterations_key] = 1
 
 
 def pytest_xdist_auto_num_workers() -> int:

@@ -12,10 +12,12 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from select import select
 from tempfile import mkdtemp
-from typing import IO, TYPE_CHECKING, Final
+from types import SimpleNamespace
+from typing import IO, TYPE_CHECKING, Any, Final
 
 import forking
 from forking import ANSWER
@@ -24,8 +26,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from typing import Self
 
-__all__ = ["Forked", "programs", "start"]
+__all__ = ["READERS", "Forked", "address", "fork_readers", "programs", "start"]
 
+READERS: Final = "kg.query.readers.processes"
+"""The module that starts the fork servers of readers."""
+_FORK_SERVER: Final = "kg.query.readers.forkserver"
+_VIEWS: Final = "kg.views.calls"
+
+_SOCKET: Final = "socket"
+"""The name of the socket of a fork server, in the folder of its programs."""
 _CALLER: Final = """#!{python} -IS
 import os, socket, sys
 here, there = os.pipe()
@@ -69,6 +78,7 @@ class Forked:
         """Return the exit code, or None while the process runs."""
         if self.returncode is None and select([self.answers], [], [], 0)[0]:
             (self.returncode,) = ANSWER.unpack(self.answers.read(ANSWER.size))
+            self.answers.close()
         return self.returncode
 
     def wait(self, timeout: float | None = None) -> int:
@@ -129,12 +139,13 @@ def start(  # noqa: PLR0913 - as subprocess.Popen
     modules: Iterable[str] = (),
     builds: bool = False,
     session: bool = False,
+    server: str = "",
 ) -> Forked | subprocess.Popen[str]:
     """Start Python with arguments, in a folder and with an environment, by default those of this process.
 
     `streams` are input, output and errors, as `subprocess` takes them. The process is forked from one that has imported
     `kg` and `modules`, with `builds` also what builds need; outside of Linux it is a new one. With `session` it has a
-    session of its own.
+    session of its own. `server` is the address of the fork server of another process.
     """
     environment = dict(os.environ if environment is None else environment)
     given, output, errors = streams
@@ -154,7 +165,9 @@ def start(  # noqa: PLR0913 - as subprocess.Popen
     }
     (stdin, theirs), (stdout, out), (stderr, err) = (_ends(each, number) for number, each in enumerate(streams))
     answers, answering = os.pipe()
-    socket.send_fds(_server().orders, [json.dumps(order).encode()], [out, err, answering, theirs])
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as orders:
+        orders.connect(server or address())
+        socket.send_fds(orders, [json.dumps(order).encode()], [out, err, answering, theirs])
     for file, each in ((theirs, given), (out, output), (err, errors), (answering, subprocess.PIPE)):
         if isinstance(each, int):
             os.close(file)
@@ -173,6 +186,32 @@ def _ends(stream: int | IO[str] | None, number: int) -> tuple[IO[str] | None, in
     return None, number if stream is None else stream if isinstance(stream, int) else stream.fileno()
 
 
+def fork_readers(server: str = "") -> Any:
+    """Return what replaces `subprocess` in the module `READERS`: fork servers of readers are forked.
+
+    A new one imports for a second of processor time, most of it while it is idle. `server` as in `start`.
+    """
+    if sys.platform != "linux":
+        return subprocess
+
+    def begin(command: list[str], *, stdin: int, stderr: int, env: dict[str, str], **others: Any) -> Any:
+        usual = [*import_module(READERS).PROGRAM]
+        calls = command[len(usual) :]
+        if command[: len(usual)] != usual or calls not in ([], [_VIEWS]):  # a test has its own
+            return subprocess.Popen(command, stdin=stdin, stderr=stderr, env=env, **others)
+        modules = [_FORK_SERVER, *calls, *(import_module(_VIEWS).MODULES if calls else ())]
+        text = f"import sys; sys.argv[1:] = {calls}; from {_FORK_SERVER} import main; main()"
+        streams = (os.dup(stdin), subprocess.DEVNULL, os.dup(stderr))
+        return start("-c", text, environment=env, streams=streams, modules=modules, session=True, server=server)
+
+    return SimpleNamespace(Popen=begin, DEVNULL=subprocess.DEVNULL)
+
+
+def address() -> str:
+    """Return the address of the fork server, for processes that it forked; outside of Linux, it has none."""
+    return str(programs() / _SOCKET) if sys.platform == "linux" else ""
+
+
 def programs() -> Path:
     """Return a folder with a program `kg` for shells and subprocesses, which forks as `start` does.
 
@@ -186,14 +225,13 @@ def _server() -> _Server:
     if not _serving or _serving[-1].process.poll() is not None:
         folder = Path(mkdtemp(prefix="kg-forks-"))
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        address = str(folder / "socket")
         program = folder / "kg"
-        program.write_text(_CALLER.format(python=sys.executable, address=address), encoding="utf-8")
+        program.write_text(_CALLER.format(python=sys.executable, address=str(folder / _SOCKET)), encoding="utf-8")
         program.chmod(0o755)
         here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         clean = {name: value for name, value in os.environ.items() if not name.startswith("KG_")}
         with there, socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as callers:
-            callers.bind(address)
+            callers.bind(str(folder / _SOCKET))
             callers.listen()
             numbers = [there.fileno(), callers.fileno()]
             command = [sys.executable, "-P", forking.__file__, *map(str, numbers)]

@@ -15,8 +15,9 @@ from typing import IO, TYPE_CHECKING, Any, Final
 from unittest.mock import patch
 from urllib.parse import urlsplit
 
-from forks import start
+from forks import READERS, address, fork_readers, start
 from patience import patient
+from repository import ROOT
 from starlette.testclient import TestClient
 
 from kg.query.readers import pool
@@ -64,10 +65,17 @@ named = json.loads(sys.argv[2])
 named.update((name, Path(named[name])) for name in ("token_file", "slow_log") if named.get(name))
 serve(load({{"store": sys.argv[1]}}), Options(**named), lambda address: print(address, flush=True))
 """
+_FORK_READERS: Final = """
+from kg.query.readers import processes
+sys.path.insert(0, {tests!r})
+from forks import fork_readers
+sys.path.pop(0)
+processes.subprocess = fork_readers({server!r})
+"""
 
 
 @contextmanager
-def application(store: Path | str, address: str = ADDRESS, **options: Any) -> Iterator[TestClient]:
+def application(store: Path | str, base_url: str = ADDRESS, **options: Any) -> Iterator[TestClient]:
     """Yield a client of an application in this process, which serves a folder or the data of another server.
 
     The deadline of queries allows for a busy machine.
@@ -76,7 +84,8 @@ def application(store: Path | str, address: str = ADDRESS, **options: Any) -> It
     app = create_app(load({"store": str(store)}, environment={}), Options(**named))
     with (
         patch.object(pool, "_PREPARE_SECONDS", _UNASKED),
-        TestClient(app, base_url=address, follow_redirects=False, raise_server_exceptions=False) as client,
+        patch(f"{READERS}.subprocess", fork_readers()),
+        TestClient(app, base_url=base_url, follow_redirects=False, raise_server_exceptions=False) as client,
     ):
         yield client
 
@@ -98,14 +107,21 @@ class Serving:
 
 @contextmanager
 def served(
-    store: Path, *, before: str = "", environment: Mapping[str, str] | None = None, **options: Any
+    store: Path,
+    *,
+    before: str = "",
+    environment: Mapping[str, str] | None = None,
+    forks_readers: bool = True,
+    **options: Any,
 ) -> Iterator[Serving]:
     """Run a server on a free port, as `application`; `before` is Python code that its process runs first.
 
-    The process is forked.
+    The process is forked. With `forks_readers` the parent of its readers is too, and is no child of the server.
     """
     given = {"port": 0, "seconds": patient(_SECONDS), **options}
     named = {name: str(value) if hasattr(value, "parts") else value for name, value in given.items()}
+    if forks_readers:
+        before = _FORK_READERS.format(tests=str(ROOT / "tests"), server=address()) + before
     program = _PROGRAM.format(unasked=_UNASKED, before=before)
     # Into a file: an unread pipe fills up and blocks its writer.
     with tempfile.TemporaryFile("a+", encoding="utf-8") as said, start(
@@ -115,8 +131,8 @@ def served(
         modules=_MODULES,
     ) as process:  # fmt: skip
         try:
-            address = _address(process, said)
-            yield Serving(address, urlsplit(address).port or 0, process, said)
+            found = _address(process, said)
+            yield Serving(found, urlsplit(found).port or 0, process, said)
         finally:
             process.kill()
 

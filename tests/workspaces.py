@@ -8,6 +8,7 @@ import os
 import shutil
 from contextlib import chdir
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Final
@@ -17,6 +18,7 @@ from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
 from kg.graph.iris import Iris
 from kg.graph.ontology_files import ontology_triples
 from kg.language.annotating import prepare
+from kg.pipeline import reasoning
 from kg.pipeline.build import build
 from kg.pipeline.reasoning import rules_over
 from kg.resources import folder
@@ -34,10 +36,20 @@ __all__ = ["copied", "example", "prepare_builds", "prepare_rules"]
 
 _READERS: Final = ("kg.extract.cpp", "kg.extract.python.nodes", "kg.launch.files.reading")
 """Modules that build workers import when they read their first package."""
+_SELECTIONS: Final = 8
+_RULES: Final = ("_cut", "_packed", "_read")
+"""Functions whose results a process keeps for one or two selections of rules; tests use several in turn."""
 
 
 def prepare_builds() -> None:
-    """Load the tagger, the readers and the descriptions of calls, which forks of this process inherit."""
+    """Load the tagger, the readers and the descriptions of calls, which forks of this process inherit.
+
+    From then on, this process keeps the rules of more selections.
+    """
+    for name in _RULES:
+        kept = getattr(reasoning, name)
+        if kept.cache_parameters()["maxsize"] < _SELECTIONS:
+            setattr(reasoning, name, lru_cache(_SELECTIONS)(kept.__wrapped__))
     prepare()
     for name in _READERS:
         importlib.import_module(name)

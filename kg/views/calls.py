@@ -60,6 +60,7 @@ _MODULES: Final = {
     "complete": "complete diagnose prefixes",
     "find": "choices find",
     "impact": "impact",
+    "named": "named",
     "node": "node",
     "overview": "overview prepare",
     "parameter": "parameter",

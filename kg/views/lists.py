@@ -15,9 +15,10 @@ from kg.errors import UsageError
 from kg.facts import Location
 from kg.settings import Settings, table
 from kg.similar import did_you_mean
-from kg.views import answers, list_rows
+from kg.views import answers, list_rows, vocabulary
 from kg.views.arguments import whole as number
 from kg.views.evidence import places
+from kg.views.list_queries import query_of
 from kg.views.remembered import once
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     Row = dict[str, Any]
     Rows = Sequence[Row]
 
+UNCOUNTED: Final = frozenset({"findings", "classes", "properties"})
+"""Lists without a total: findings depend on kg.toml too, the vocabulary is counted for completions first."""
 _VALUES: Final = 200  # at most so many values of a facet are offered, those of most rows
 
 
@@ -79,7 +82,14 @@ LISTS: Final[Mapping[str, List]] = {
     ),
     "parameters": List(
         list_rows.parameters,
-        {"package": "package", "repository": "repository", "node": "node", "type": "type", "access": "access"},
+        {
+            "package": "package",
+            "node": "node",
+            "type": "type",
+            "access": "access",
+            "repository": "repository",
+            "name": "name",
+        },
         ("name", "node", "description"),
     ),
     "findings": List(
@@ -87,18 +97,24 @@ LISTS: Final[Mapping[str, List]] = {
         {"severity": "severity", "code": "code", "package": "package", "system": "system", "repository": "repository"},
         ("message", "system", "rule"),
     ),
+    "classes": List(vocabulary.classes, {"vocabulary": "vocabulary", "parent": "parents"}, ("name", "description")),
+    "properties": List(
+        vocabulary.properties,
+        {"vocabulary": "vocabulary", "subject": "subjects", "value": "values"},
+        ("name", "description"),
+    ),
 }
 """Name to list."""
 
 
 def totals(snapshot: EmbeddedSnapshot, settings: Settings, *, wait: bool = True) -> dict[str, int]:
-    """Return how many rows lists have that do not depend on kg.toml, and `message types` the list of types.
+    """Return how many rows lists have, without those `UNCOUNTED`, and `message types` the list of types.
 
     It makes all lists; without `wait` nothing is returned where they have not been made before.
     """
 
     def make() -> dict[str, int]:
-        rows = {of: _rows(snapshot, of, settings.base, "") for of in LISTS if of != "findings"}
+        rows = {of: every_row(snapshot, of, settings.base, "") for of in LISTS if of not in UNCOUNTED}
         messages = sum(row["kind"] == "message" for row in rows["types"])
         return {**{of: len(each) for of, each in rows.items()}, "message types": messages}
 
@@ -123,9 +139,9 @@ def listing(  # noqa: PLR0913 - what a list can be asked
     `limit` (else all rows from `offset` on are there) each row also has `place`, null where it names no file (see
     `kg.views.evidence`). With `whole` (any text) rows are as other programs read them (docs/formats.md).
 
-    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `rows`,
-    and `facets`: for each the objects `{"value", "count"}` of the values that rows have which fit everything else, the
-    most frequent first.
+    The answer has `of`, `all` (how many rows the list has), `total` (how many were chosen), `offset`, `sort`, `query`
+    (SPARQL for the chosen rows, None where there is none), `rows`, and `facets`: for each the objects `{"value",
+    "count"}` of the values that rows have which fit everything else, the most frequent first.
 
     Raises UsageError: KG003 for an unknown list, facet or key; KG002 and KG421 for kg.toml (findings).
     """
@@ -138,8 +154,9 @@ def listing(  # noqa: PLR0913 - what a list can be asked
             hint = did_you_mean(name, kind.facets) or f"Valid filters: {', '.join(kind.facets) or 'none'}."
             raise UsageError("KG003", f"unknown filter `{name}` of {of}", hint=hint)
     allowed = repr(table("lint", Path.cwd())) if of == "findings" else ""
-    rows = _rows(snapshot, of, settings.base, allowed)
-    selected, counts = _chosen(kind, rows, text.lower().split(), given)
+    rows = every_row(snapshot, of, settings.base, allowed)
+    words = text.lower().split()
+    selected, counts = _chosen(kind, rows, words, given)
     selected = _sorted(selected, sort, rows)
     start, most = number(offset, 0), number(limit, 0)
     shown = selected[start : start + most] if most else selected[start:]
@@ -154,12 +171,14 @@ def listing(  # noqa: PLR0913 - what a list can be asked
         "offset": start,
         "sort": sort,
         "facets": {name: _offered(counts[name], given.get(name)) for name in kind.facets},
+        "query": query_of(of, words, given),
         "rows": shown,
     }
 
 
 @once
-def _rows(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> Rows:  # noqa: ARG001 - what kg.toml allows is part of what is remembered
+def every_row(snapshot: EmbeddedSnapshot, of: str, base: str, allowed: str) -> Rows:  # noqa: ARG001 - what kg.toml allows is part of what is remembered
+    """Return all rows of a list, made once for a snapshot."""
     return LISTS[of].rows(snapshot, base)
 
 

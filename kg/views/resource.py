@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from kg.errors import UnknownNameError
-from kg.facts import Location
+from kg.facts import DescriptionKind, Location
 from kg.graph import vocabulary as v
 from kg.graph.fields import one
 from kg.graph.iris import Iris
 from kg.graph.reading.queries import column, grouped, texts, values
+from kg.graph.texts import descriptions_of
 from kg.query.rows import rows
 from kg.similar import did_you_mean
 from kg.syntax.names import PREFIXES, shorten
@@ -219,10 +221,16 @@ _LITERALS: Final = {
     "version": "rnkg:version",
     "licenses": "rnkg:licenseName",
     "maintainers": "rnkg:maintainer/rdfs:label",
+    "authors": "rnkg:author/rdfs:label",
+    "build_types": "rnkg:buildType",
+    "deprecated": "rnkg:deprecated",
 }
-_NEEDS: Final = """SELECT DISTINCT ?label ?other {
-  %s rnkg:dependsOn ?name . ?name rdfs:label ?label OPTIONAL { ?other rnkg:hasPackageName ?name }
-} ORDER BY ?label ?other"""
+_NEEDS: Final = """SELECT DISTINCT ?label ?other ?kind {
+  %s rnkg:hasDependency ?entry . ?entry rnkg:onPackage ?name ; rnkg:dependencyKind ?kind . ?name rdfs:label ?label
+  OPTIONAL { ?other rnkg:hasPackageName ?name }
+} ORDER BY ?label ?other ?kind"""
+_TESTED: Final = frozenset({"test_depend", "doc_depend"})
+_BUILT: Final = _TESTED | {"buildtool_depend", "build_depend", "buildtool_export_depend"}
 _NEEDED: Final = """SELECT DISTINCT ?label ?other {
   %s rnkg:hasPackageName ?name . ?other rnkg:dependsOn ?name ; a rnkg:Package ; rdfs:label ?label
 } ORDER BY ?label ?other"""
@@ -236,14 +244,16 @@ _FIELDS: Final = """SELECT DISTINCT ?section ?type ?name ?value ?comment ?reposi
 
 
 def about(snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str) -> dict[str, Any]:
-    """Return what a package needs and who needs it, and the fields that the store has of a type, by IRI.
+    """Return what a package says of itself, needs and is needed by, and the fields of a type, by IRI.
 
-    A package has `repository`, `version`, `licenses`, `maintainers` (lists of texts), `requires` and `required_by`:
-    objects with `label` and `iri`, None for packages that are not in the store. A type has `fields`: objects with
-    `section`, `type`, `name`, `value` (of a constant, or the default), `comment` and `evidence`. Anything else has an
-    empty object.
+    A package has `repository`, `version`, `licenses`, `maintainers`, `authors`, `build_types`, `deprecated` (lists of
+    texts), `descriptions` (`text`, `heading` and `evidence` of the paragraphs of its README and manual), `requires` and
+    `required_by`: objects with `label` and `iri`, None for packages that are not in the store; those of `requires` also
+    have `only`: `tests` or `build` if the package needs them for nothing else, else empty. A type has `fields`: objects
+    with `section`, `type`, `name`, `value` (of a constant, or the default), `comment` and `evidence`. Anything else has
+    an empty object.
     """
-    node, thing = named_node(iri), Iris(settings.base).parse(iri)
+    node, thing, where = named_node(iri), Iris(settings.base).parse(iri), places(snapshot)
     if thing and thing.kind == "package" and "#" not in iri:
         return {
             "repository": thing.parts[0],
@@ -251,13 +261,17 @@ def about(snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str) -> dict[s
                 key: sorted(column(snapshot, f"SELECT DISTINCT ?value {{ {node} {path} ?value }}"))
                 for key, path in _LITERALS.items()
             },
-            "requires": _named(snapshot, _NEEDS % node),
-            "required_by": _named(snapshot, _NEEDED % node),
+            "descriptions": [
+                {"text": one.text, "heading": one.heading, "evidence": where.evidence(thing.parts[0], one.location)}
+                for one in descriptions_of(snapshot, f"VALUES ?node {{ {node} }}").get(iri, ())
+                if one.kind is not DescriptionKind.MANIFEST
+            ],
+            "requires": _required(snapshot, node),
+            "required_by": [{"label": label, "iri": other} for label, other in texts(snapshot, _NEEDED % node)],
         }
     fields = list(texts(snapshot, _FIELDS % node))
     if not fields:
         return {}
-    where = places(snapshot)
     keys = ("section", "type", "name", "value", "comment")
     return {
         "fields": [
@@ -270,5 +284,11 @@ def about(snapshot: EmbeddedSnapshot, settings: Settings, *, iri: str) -> dict[s
     }
 
 
-def _named(snapshot: EmbeddedSnapshot, query: str) -> list[dict[str, str | None]]:
-    return [{"label": label, "iri": iri} for label, iri in texts(snapshot, query)]
+def _required(snapshot: EmbeddedSnapshot, node: NamedNode) -> list[dict[str, str | None]]:
+    kinds: defaultdict[tuple[str, str | None], set[str]] = defaultdict(set)
+    for label, other, kind in texts(snapshot, _NEEDS % node):
+        kinds[label, other].add(kind)
+    return [
+        {"label": label, "iri": other, "only": "tests" if those <= _TESTED else "build" if those <= _BUILT else ""}
+        for (label, other), those in kinds.items()
+    ]

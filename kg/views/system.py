@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from kg.codes import CATALOGUE
-from kg.facts import LaunchArgument, LaunchInclude, Location, NodeInstance, System
+from kg.facts import LaunchArgument, LaunchConfiguration, LaunchInclude, Location, NodeInstance, System
 from kg.graph import vocabulary as v
 from kg.graph.iris import Iris
 from kg.graph.reading.systems import SystemName
@@ -289,9 +289,10 @@ def system(
     `name` is its name, the end of it by whole segments, or its IRI; `repository` distinguishes several of one name.
     With `every` (any text) the table has what frameworks make, too. The keys:
 
-    * `name`, `iri`, `repository`, `path`, `package`, `ros`, `dialect`, `evidence` (the launch file), `arguments`
-      (`name`, `default`, `value`, `description`, `fixed`, `choices`, `evidence`), `includes` (`name`, `iri`, `path`),
-      `settings` (parameters that are no instance's), `problems` (`kind`, `message`, `subject`, `evidence`).
+    * `name`, `iri`, `repository`, `path`, `package`, `ros`, `dialect`, `start` (the command), `evidence` (the launch
+      file), `arguments` (`name`, `default`, `value`, `description`, `fixed`, `choices`, `evidence`), `includes`
+      (`name`, `iri`, `path`), `settings` (parameters that are no instance's), `problems` (`kind`, `message`,
+      `subject`, `evidence`).
     * `instances`: what is started, see `kg.views.system_rows`; with their ends this is the table of the system.
     * `picture`: the same as a graph, see `kg.views.system`.
     * `findings` and `allowed`: as the view `lint` has them.
@@ -317,6 +318,7 @@ def system(
         "package": own.package,
         "ros": configuration.ros,
         "dialect": str(own.dialect),
+        "start": _start(configuration, own),
         "evidence": where.evidence(source, Location(configuration.path, 0)),
         "arguments": [_argument(one, source, where) for one in own.arguments],
         "includes": _includes(own.includes, snapshot, iris),
@@ -347,6 +349,13 @@ def _read(snapshot: EmbeddedSnapshot, name: SystemName, base: str) -> System:
     """Read a system, the parts of whose page may each ask for it."""
     (wired,) = read_systems(snapshot, [name], base)
     return wired
+
+
+def _start(name: SystemName, own: LaunchConfiguration) -> str:
+    """Return the command that starts a configuration, with the arguments that it requires."""
+    what = f"{own.package} {name.path.rpartition('/')[2]}" if own.package else name.path
+    required = [f"{one.name}:=..." for one in own.arguments if one.default is None and not one.fixed]
+    return " ".join(["roslaunch" if name.ros == 1 else "ros2 launch", what, *required])
 
 
 def _argument(one: LaunchArgument, source: str, where: Places) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from forks import READERS, fork_readers
 from workspaces import example
 
 from kg.settings import load
@@ -20,6 +21,12 @@ if TYPE_CHECKING:
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a store of the example workspace."""
     return example(tmp_path_factory) / ".kg"
+
+
+@pytest.fixture(autouse=True)
+def _forked_readers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fork the readers of each server from a process that has imported what they need."""
+    monkeypatch.setattr(f"{READERS}.subprocess", fork_readers())
 
 
 @pytest.fixture

@@ -88,13 +88,15 @@ def _mirror(folder: Path) -> str:
 
 
 def test_the_server_has_what_was_built(kg: Program, server: Server, build: Callable[..., Run]) -> None:
-    """Digests are equal after the first build, and after one that changes a graph."""
+    """Digests are equal after the first build, and after one that changes a graph; without a change, none is sent."""
     wrote = []
-    for number, topic in enumerate(["chatter", "chatter", "news"]):
+    for topic in ("chatter", "chatter", "news"):
         run = build(topic)
         assert run.code == 0, run.err
         wrote.append(int(re.findall(r"wrote (\d+) graph", run.err)[0]))
-        assert _digest(kg, server.query, f"a{number}") == _digest(kg, _mirror(kg.folder), f"b{number}")
+        if wrote[-1]:
+            number = len(wrote)
+            assert _digest(kg, server.query, f"a{number}") == _digest(kg, _mirror(kg.folder), f"b{number}")
     assert wrote[1] == 0
     assert 0 < wrote[2] < wrote[0]
     assert "news" in kg("node", "talker", "--store", server.query).out

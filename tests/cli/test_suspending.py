@@ -32,18 +32,26 @@ def robot(request: pytest.FixtureRequest) -> Iterator[Drivable]:
     """A robot over ROS 1 or DDS."""
     if request.param == 2:
         pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
-    with drivable(request.param, patient(15)) as found:
+    with drivable(request.param, patient(60)) as found:
         yield found
 
 
 @contextmanager
 def kg(robot: Drivable, folder: Path, *command: str) -> Iterator[Forked | subprocess.Popen[str]]:
-    """Run a command that drives the robot."""
+    """Run a command that drives the robot; on a busy machine, its own pauses do not count as silence.
+
+    If the robot does not do what a test waits for, the error has the output of the command.
+    """
     (folder / "endless.kgp").write_text(PROGRAM, encoding="utf-8")
-    called = ("-c", KG, "robot", *command, "--robot", robot.address)
+    silence = () if "--watchdog" in command else ("--watchdog", str(patient(0.5)))
+    called = ("-c", KG, "robot", *command, *silence, "--robot", robot.address)
     with start(*called, environment=clean(), folder=folder) as process:
         try:
             yield process
+        except AssertionError as error:
+            process.kill()
+            error.add_note("\n".join(process.communicate()))
+            raise
         finally:
             process.kill()
 

@@ -3,28 +3,34 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from subprocess import PIPE
+from typing import TYPE_CHECKING, Any, Final
 from urllib.parse import unquote, urlsplit
 
+from forks import start
 from patience import patient
 
 if TYPE_CHECKING:
+    import subprocess
     from collections.abc import Callable, Iterator
+
+    from forks import Forked
 
 __all__ = ["Editor", "editing"]
 
+_MODULES: Final = ("kg.editors.server", "kg.lint.running")
+"""Modules that a server imports at its start."""
 CAPABILITIES = {"workspace": {"workspaceEdit": {"documentChanges": True, "resourceOperations": ["rename"]}}}
 
 
 class Editor:
     """The client's side of the protocol; `texts` are the open documents by address."""
 
-    def __init__(self, process: subprocess.Popen[bytes]) -> None:
-        self._process = process
+    def __init__(self, process: Forked | subprocess.Popen[str]) -> None:
+        streams: tuple[Any, Any] = process.stdin, process.stdout
+        self._input, self._output = (stream.buffer for stream in streams)
         self._number = 0
         self.texts: dict[str, str] = {}
         self._versions: dict[str, int] = {}
@@ -35,18 +41,16 @@ class Editor:
 
     def _send(self, message: dict[str, Any]) -> None:
         body = json.dumps({"jsonrpc": "2.0", **message}).encode()
-        assert self._process.stdin
-        self._process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
-        self._process.stdin.flush()
+        self._input.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
+        self._input.flush()
 
     def _receive(self) -> dict[str, Any]:
-        assert self._process.stdout
         length = 0
-        while (line := self._process.stdout.readline().strip()) or not length:
+        while (line := self._output.readline().strip()) or not length:
             if line.lower().startswith(b"content-length:"):
                 length = int(line.split(b":")[1])
             assert line, "the server ended"
-        found: dict[str, Any] = json.loads(self._process.stdout.read(length))
+        found: dict[str, Any] = json.loads(self._output.read(length))
         return found
 
     def notify(self, method: str, **params: Any) -> None:
@@ -168,8 +172,8 @@ def _edited(text: str, edits: list[dict[str, Any]]) -> str:
         (*(starts[each["range"][end]["line"]] + each["range"][end]["character"] for end in ("start", "end")), each)
         for each in edits
     ]
-    for start, end, each in sorted(spans, key=lambda one: -one[0]):
-        text = text[:start] + each["newText"] + text[end:]
+    for begin, end, each in sorted(spans, key=lambda one: -one[0]):
+        text = text[:begin] + each["newText"] + text[end:]
     return text
 
 
@@ -180,8 +184,9 @@ def _path(uri: str) -> Path:
 @contextmanager
 def editing(folder: Path, options: dict[str, Any] | None = None) -> Iterator[Editor]:
     """Start the server like an editor with an open folder, and initialise it with the given options."""
-    command = [sys.executable, "-m", "kg", "rules", "lsp"]
-    with subprocess.Popen(command, cwd="/", stdin=subprocess.PIPE, stdout=subprocess.PIPE) as process:
+    with start(
+        *("-m", "kg", "rules", "lsp"), folder=Path("/"), streams=(PIPE, PIPE, None), modules=_MODULES, builds=True
+    ) as process:
         editor = Editor(process)
         try:
             editor.ask(

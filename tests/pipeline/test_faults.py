@@ -88,7 +88,7 @@ def test_kill_at_any_moment(built: Bench) -> None:
     whole = time.perf_counter() - began
     before = built.content()
     generator = random.Random(7)  # noqa: S311 - moments, not secrets
-    for number in range(examples(6, 12)):
+    for number in range(examples(4, 12)):
         process = _start(built, f"version {number}")
         time.sleep(whole * generator.uniform(0.02, 0.9))
         process.kill()

@@ -87,7 +87,7 @@ READERS: Final[Mapping[str, tuple[str, Callable[[bytes], object]]]] = {
 @pytest.fixture(scope="module")
 def unbounded(store: Path) -> Iterator[Serving]:
     """A server whose row limit exceeds the rows a query finds in its time."""
-    with served(store, rows=1 << 40, seconds=patient(20), cache=0, log="off") as found:
+    with served(store, forks_readers=False, rows=1 << 40, seconds=patient(20), cache=0, log="off") as found:
         yield found
 
 

@@ -7,6 +7,7 @@ import json
 import re
 from html import unescape
 from typing import TYPE_CHECKING
+from urllib.parse import unquote_plus
 
 import pytest
 
@@ -32,6 +33,29 @@ def test_exports_have_all_rows(client: TestClient, name: str) -> None:
     table = list(csv.DictReader(client.get(f"/{name}?format=csv").text.splitlines()))
     assert [json.loads(line) for line in lines] == told["rows"]
     assert len(table) == len(lines) == told["total"] > 0
+
+
+def test_few_values_of_a_filter_are_links(client: TestClient) -> None:
+    """Each value has its number of rows, the chosen one is marked, and other filters and words stay."""
+    text = client.get("/nodes?kind=script&q=rover&package=rover_robot").text
+    found = re.findall(
+        r'<a href="([^"]+)"( aria-current="true")?>([^<]+) <span class="quiet-text">(\d+)</span></a>', text
+    )
+    links = {value: (unescape(address), mark) for address, mark, value, _ in found}
+    assert links["script"][1]
+    for address, _ in links.values():
+        assert "q=rover" in address
+    assert 'type="hidden" name="kind" value="script"' in text
+    for address, _, _, number in found:
+        assert client.get(unescape(address) + "&format=json").json()["total"] == int(number)
+
+
+def test_a_list_is_also_a_query(client: TestClient) -> None:
+    """The link leads to the query page with SPARQL for the rows and filters; without a query there is no link."""
+    text = client.get("/nodes?package=rover_robot").text
+    (query,) = re.findall(r'href="/query\?query=([^"]+)">Edit as a query', text)
+    assert 'VALUES ?package { "rover_robot" }' in unquote_plus(query)
+    assert "Edit as a query" not in client.get("/findings").text
 
 
 @_EVERY

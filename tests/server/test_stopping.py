@@ -90,9 +90,10 @@ def test_what_runs_is_finished(store: Path) -> None:
         "SELECT (COUNT(*) AS ?n) { {SELECT * {?a ?b ?c} LIMIT 800} {SELECT * {?d ?e ?f} LIMIT 800} "
         "FILTER(CONTAINS(STR(?c), STR(?f))) }"
     )
-    with served(store, log="off", grace=patient(30)) as server:
+    with served(store, forks_readers=False, log="off", grace=patient(30)) as server:
         thread, answers = asked(server, text)
         readers = children(server)
+        assert readers
         server.process.send_signal(signal.SIGTERM)
         until(lambda: refuses(server))
         thread.join()
@@ -104,9 +105,10 @@ def test_what_runs_is_finished(store: Path) -> None:
 
 def test_what_outlives_its_grace_is_ended(store: Path) -> None:
     """A query running past the grace period is ended: its client gets an error, its reader is killed."""
-    with served(store, log="off", grace=0.5) as server:
+    with served(store, forks_readers=False, log="off", grace=0.5) as server:
         thread, answers = asked(server, RUNAWAY)
         readers = children(server)
+        assert readers
         began = time.monotonic()
         code, _ = server.stop()
         assert code == 0
@@ -119,9 +121,10 @@ def test_what_outlives_its_grace_is_ended(store: Path) -> None:
 @pytest.mark.parametrize("again", [signal.SIGTERM, signal.SIGINT])
 def test_told_twice_it_stops_now(store: Path, again: signal.Signals) -> None:
     """A second signal skips the grace period."""
-    with served(store, log="off", grace=60) as server:
+    with served(store, forks_readers=False, log="off", grace=60) as server:
         thread, _ = asked(server, RUNAWAY)
         readers = children(server)
+        assert readers
         server.process.send_signal(signal.SIGTERM)
         # Two signals of a kind sent before the first is delivered count as one.
         until(lambda: refuses(server))
@@ -135,7 +138,7 @@ def test_told_twice_it_stops_now(store: Path, again: signal.Signals) -> None:
 
 def test_idle_it_stops_at_once(store: Path) -> None:
     """Without work, Ctrl-C ends a server within moments, even with an idle open connection."""
-    with served(store, log="off", grace=60) as server:
+    with served(store, forks_readers=False, log="off", grace=60) as server:
         idle = socket.create_connection(("127.0.0.1", server.port))
         server.process.send_signal(signal.SIGINT)
         assert server.process.wait(patient(10)) == 0
@@ -144,7 +147,7 @@ def test_idle_it_stops_at_once(store: Path) -> None:
 
 def test_a_closed_terminal_stops_gracefully(store: Path) -> None:
     """SIGHUP stops a server like SIGTERM; the second one, from kernel and shell, does not skip the grace period."""
-    with served(store, log="off", grace=1.5) as server:
+    with served(store, forks_readers=False, log="off", grace=1.5) as server:
         thread, answers = asked(server, RUNAWAY)
         began = time.monotonic()
         for _ in range(2):
@@ -159,7 +162,7 @@ def test_a_closed_terminal_stops_gracefully(store: Path) -> None:
 def test_a_server_outlives_its_terminal_where_it_is_to(store: Path) -> None:
     """With nohup, a server continues when its terminal is closed."""
     before = "import signal; signal.signal(signal.SIGHUP, signal.SIG_IGN)"
-    with served(store, before=before, log="off") as server:
+    with served(store, forks_readers=False, before=before, log="off") as server:
         server.process.send_signal(signal.SIGHUP)
         time.sleep(0.5)
         assert health(server).status_code == 200
@@ -168,7 +171,7 @@ def test_a_server_outlives_its_terminal_where_it_is_to(store: Path) -> None:
 
 def test_readers_end_with_a_server_that_is_killed(store: Path) -> None:
     """Even SIGKILL of the server leaves no waiting reader."""
-    with served(store, log="off") as server:
+    with served(store, forks_readers=False, log="off") as server:
         httpx.get(server.address + "/sparql", params={"query": "ASK{}"}, timeout=patient(30))
         readers = children(server)
         assert readers
@@ -183,7 +186,7 @@ def test_systemd_is_told(store: Path, tmp_path: Path) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listening:
         listening.bind(str(address))
         listening.settimeout(patient(20))
-        with served(store, log="off", environment={"NOTIFY_SOCKET": str(address)}) as server:
+        with served(store, forks_readers=False, log="off", environment={"NOTIFY_SOCKET": str(address)}) as server:
             assert listening.recv(100) == b"READY=1"
             server.stop()
             assert listening.recv(100) == b"STOPPING=1"
@@ -191,7 +194,7 @@ def test_systemd_is_told(store: Path, tmp_path: Path) -> None:
 
 def test_a_reader_that_is_killed_costs_one_answer(store: Path) -> None:
     """If a reader is killed, its query gets an error, and the next is answered."""
-    with served(store, log="off", readers=1) as server:
+    with served(store, forks_readers=False, log="off", readers=1) as server:
         thread, answers = asked(server, RUNAWAY)
         # A reader that is only starting would be replaced, and the query restarted.
         until(lambda: works(server))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, Final
@@ -55,13 +56,13 @@ async def running(
     """Yield a running shell, and the pilot that presses its keys."""
     app = make(store, folder, **flags)
     async with app.run_test(size=size, notifications=True) as pilot:
-        await until(pilot, lambda: current(app).editor.has_focus)
+        await until(lambda: current(app).editor.has_focus)
         yield app, pilot
         assert not app.failures
         app.exit()
 
 
-async def until(pilot: Pilot[Any], condition: Callable[[], object]) -> None:
+async def until(condition: Callable[[], object]) -> None:
     """Wait until a condition holds, with a long time limit; a condition on a missing widget does not hold.
 
     Keys have been sent when `press` returns, but on a busy machine not always processed.
@@ -69,7 +70,7 @@ async def until(pilot: Pilot[Any], condition: Callable[[], object]) -> None:
     end = time.monotonic() + patient(_SECONDS)
     while not _holds(condition):
         assert time.monotonic() < end, "it did not come about"
-        await pilot.pause(0.02)
+        await asyncio.sleep(0.02)
 
 
 def _holds(condition: Callable[[], object]) -> object:
@@ -87,10 +88,9 @@ def current(app: Shell) -> Buffer:
     return buffer
 
 
-async def opened(app: Shell, pilot: Pilot[Any], kind: type[Screen[Any]]) -> None:
+async def opened(app: Shell, kind: type[Screen[Any]]) -> None:
     """Wait until a screen of a kind is on top and accepts keys: earlier keys would go elsewhere."""
     await until(
-        pilot,
         lambda: isinstance(app.screen, kind) and app.screen.is_mounted and (app.focused or not app.screen.focus_chain),
     )
 
@@ -99,7 +99,7 @@ async def ended(app: Shell, pilot: Pilot[Any], *keys: str) -> None:
     """Press keys that run a query, and wait for its end."""
     before = len(app.state._lines())
     await pilot.press(*keys)
-    await until(pilot, lambda: len(app.state._lines()) > before)
+    await until(lambda: len(app.state._lines()) > before)
 
 
 async def run_query(app: Shell, pilot: Pilot[Any], text: str) -> Buffer:
@@ -109,7 +109,7 @@ async def run_query(app: Shell, pilot: Pilot[Any], text: str) -> Buffer:
     await ended(app, pilot, "f5")
     view = buffer.results
     empty = isinstance(view.result, Solutions | Graph) and not rows_of(view.result)
-    await until(pilot, lambda: view.result is None or empty or view.table.has_focus)
+    await until(lambda: view.result is None or empty or view.table.has_focus)
     return buffer
 
 

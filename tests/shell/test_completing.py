@@ -28,17 +28,17 @@ async def test_what_fits_is_offered_while_typing(store: Path, tmp_path: Path) ->
         offered = app.main.completions
         await typed(pilot, "SELECT * { ?node rnkg:pub")
         # The list of the text before the last letter may be there before the awaited one.
-        await until(pilot, lambda: offered.display and offered._text == current(app).text)
+        await until(lambda: offered.display and offered._text == current(app).text)
         assert "rnkg:publishes" in str(offered.get_option_at_index(0).prompt)
         await pilot.press("escape")
-        await until(pilot, lambda: not offered.display)
+        await until(lambda: not offered.display)
         assert current(app).editor.has_focus
         await pilot.press("ctrl+space")
-        await until(pilot, lambda: offered.display)
+        await until(lambda: offered.display)
         await pilot.press("down", "up", "tab")
-        await until(pilot, lambda: current(app).text.endswith("SELECT * { ?node rnkg:publishes"))
+        await until(lambda: current(app).text.endswith("SELECT * { ?node rnkg:publishes"))
         await typed(pilot, " ")
-        await until(pilot, lambda: not offered.display)
+        await until(lambda: not offered.display)
 
 
 async def test_the_second_query_of_a_buffer_is_completed(store: Path, tmp_path: Path) -> None:
@@ -48,9 +48,9 @@ async def test_the_second_query_of_a_buffer_is_completed(store: Path, tmp_path: 
         editor.text = "ASK { ?x ?y 'é' }\n\nSELECT * { ?node rnkg:pub }"
         editor.move_cursor((2, 25))
         await pilot.press("ctrl+space")
-        await until(pilot, lambda: app.main.completions.display)
+        await until(lambda: app.main.completions.display)
         await pilot.press("enter")
-        await until(pilot, lambda: editor.text.splitlines()[-1] == "SELECT * { ?node rnkg:publishes }")
+        await until(lambda: editor.text.splitlines()[-1] == "SELECT * { ?node rnkg:publishes }")
         assert editor.text.startswith("ASK { ?x ?y 'é' }\n")
 
 
@@ -60,19 +60,19 @@ async def test_problems_are_marked_while_typing(store: Path, tmp_path: Path) -> 
         buffer = current(app)
         editor = buffer.editor
         editor.text = "ASK {}\nSELECT * { ?s rnkgg:name ?name }"
-        await until(pilot, lambda: editor.problems)
+        await until(lambda: editor.problems)
         assert "rnkgg:name" in editor.text[editor.problems[0].start : editor.problems[0].end]
         editor.move_cursor((0, 0))
         await pilot.press("ctrl+g")
-        await until(pilot, lambda: editor.cursor_location == (1, 14))
+        await until(lambda: editor.cursor_location == (1, 14))
         await pilot.press("ctrl+f")
-        await until(pilot, lambda: not editor.problems)
+        await until(lambda: not editor.problems)
         assert editor.text.endswith("SELECT * { ?s rnkg:name ?name }")
         editor.select_all()
         await pilot.press("ctrl+slash")
-        await until(pilot, lambda: editor.text == "# ASK {}\n# SELECT * { ?s rnkg:name ?name }")
+        await until(lambda: editor.text == "# ASK {}\n# SELECT * { ?s rnkg:name ?name }")
         await pilot.press("ctrl+slash")
-        await until(pilot, lambda: editor.text.startswith("ASK {}\nSELECT"))
+        await until(lambda: editor.text.startswith("ASK {}\nSELECT"))
 
 
 @pytest.mark.parametrize(("name", "sent"), [("next_problem", "\x07"), ("fix", "\x06")])
@@ -91,14 +91,14 @@ async def test_a_buffer_closes_while_it_is_checked(store: Path, tmp_path: Path) 
         await typed(pilot, "ASK {}")
         for pause in (0.0, 0.3):
             await pilot.press("ctrl+n")
-            await until(pilot, lambda: len(app.main.buffers.all) == 2 and current(app).text == "")
-            await until(pilot, lambda: current(app).editor.has_focus)
+            await until(lambda: len(app.main.buffers.all) == 2 and current(app).text == "")
+            await until(lambda: current(app).editor.has_focus)
             await typed(pilot, "SELECT * { ?s rnkgg:na")
             await pilot.pause(pause)
             await pilot.press("ctrl+slash", "f8")
-            await until(pilot, lambda: len(app.main.buffers.all) == 1)
+            await until(lambda: len(app.main.buffers.all) == 1)
             await pilot.pause(0.5)
-        await until(pilot, lambda: current(app).text == "ASK {}")
+        await until(lambda: current(app).text == "ASK {}")
 
 
 async def test_a_buffer_that_is_being_closed_is_left_alone(store: Path, tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ async def test_a_buffer_that_is_being_closed_is_left_alone(store: Path, tmp_path
         closing = current(app)
         closing.editor.text = "ASK {}"
         await pilot.press("ctrl+n")
-        await until(pilot, lambda: current(app).number == 2)
+        await until(lambda: current(app).number == 2)
         current(app).editor.text = "SELECT"
         await closing.query("*").remove()
         app.main.check_text(closing)
@@ -118,4 +118,4 @@ async def test_what_is_typed_is_kept_soon(store: Path, tmp_path: Path) -> None:
     """After a pause the text is on disk, so closing the terminal loses nothing."""
     async with running(store, tmp_path) as (_, pilot):
         await typed(pilot, "ASK {}")
-        await until(pilot, lambda: State(tmp_path, str(store)).buffers() == ["ASK {}"])
+        await until(lambda: State(tmp_path, str(store)).buffers() == ["ASK {}"])

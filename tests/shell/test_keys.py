@@ -67,11 +67,11 @@ def test_chosen_keys_hold(store: Path, tmp_path: Path) -> None:
         made = make(store, tmp_path / "state")
         app = Shell(made.settings, made.link.layout, made.state, chosen_actions(path))
         async with app.run_test() as pilot:
-            await until(pilot, lambda: current(app).editor.has_focus)
+            await until(lambda: current(app).editor.has_focus)
             await pilot.press("f1")
             before = type(app.screen).__name__
             await pilot.press("f6")
-            await until(pilot, lambda: isinstance(app.screen, HelpScreen))
+            await until(lambda: isinstance(app.screen, HelpScreen))
             told = [command.help for command in app.get_system_commands(app.main) if command.title == "Help"]
             shown = [
                 app.get_key_display(one.binding) for one in app.screen_stack[0].active_bindings.values()

@@ -32,12 +32,12 @@ def anyio_backend() -> str:
 async def filled_form(app: Shell, pilot: Pilot[Any]) -> None:
     """Open the form of a stored query and type a value."""
     await pilot.press("f3")
-    await opened(app, pilot, StoredScreen)
-    await until(pilot, lambda: app.screen.query_one(OptionList).option_count > 1)
+    await opened(app, StoredScreen)
+    await until(lambda: app.screen.query_one(OptionList).option_count > 1)
     await typed(pilot, "who publishes")
-    await until(pilot, lambda: app.screen.query_one(OptionList).option_count == 1)
+    await until(lambda: app.screen.query_one(OptionList).option_count == 1)
     await pilot.press("enter")
-    await opened(app, pilot, FormScreen)
+    await opened(app, FormScreen)
     await typed(pilot, "scan_filtered")
 
 
@@ -63,9 +63,9 @@ async def test_a_form_is_sent_twice(store: Path, tmp_path: Path, monkeypatch: py
         await filled_form(app, pilot)
         held = Held(app, monkeypatch)
         await pilot.press("enter", "enter")
-        await until(pilot, lambda: held.asked == 2)
+        await until(lambda: held.asked == 2)
         held.go_on.set()
-        await until(pilot, lambda: app.screen is app.main and '"/scan_filtered"' in current(app).text)
+        await until(lambda: app.screen is app.main and '"/scan_filtered"' in current(app).text)
         assert len(app.main.buffers.all) == 1
 
 
@@ -75,9 +75,9 @@ async def test_a_form_is_left_while_it_is_sent(store: Path, tmp_path: Path, monk
         await filled_form(app, pilot)
         held = Held(app, monkeypatch)
         await pilot.press("enter")
-        await until(pilot, lambda: held.asked)
+        await until(lambda: held.asked)
         await pilot.press("escape")
-        await opened(app, pilot, StoredScreen)
+        await opened(app, StoredScreen)
         held.go_on.set()
         await pilot.pause()
         assert isinstance(app.screen, StoredScreen)
@@ -98,8 +98,8 @@ async def test_an_export_is_left_while_it_is_written(
     async with running(store, tmp_path) as (app, pilot):
         await run_query(app, pilot, "ASK {}")
         await pilot.press("e")
-        await opened(app, pilot, ExportScreen)
+        await opened(app, ExportScreen)
         app.screen.query_one(Input).value = str(tmp_path / "answer.json")
         await pilot.press("enter")
-        await until(pilot, lambda: app.screen is app.main)
+        await until(lambda: app.screen is app.main)
         await run_query(app, pilot, "ASK {}")

@@ -75,11 +75,11 @@ async def test_columns_leave_room_for_the_bar(store: Path, tmp_path: Path) -> No
     async with running(store, tmp_path, size=(80, 24)) as (app, pilot):
         buffer = await run_query(app, pilot, "SELECT ?node ?topic { ?node rnkg:publishes ?topic }")
         table = buffer.results.table
-        await until(pilot, lambda: _fitted(buffer) and table.max_scroll_y > 0 and table.max_scroll_x == 0)
+        await until(lambda: _fitted(buffer) and table.max_scroll_y > 0 and table.max_scroll_x == 0)
         narrow = table.virtual_size.width
         await pilot.resize_terminal(120, 40)
-        await until(pilot, lambda: _fitted(buffer) and table.virtual_size.width > narrow)
-        await until(pilot, lambda: table.max_scroll_y > 0 and table.max_scroll_x == 0)
+        await until(lambda: _fitted(buffer) and table.virtual_size.width > narrow)
+        await until(lambda: table.max_scroll_y > 0 and table.max_scroll_x == 0)
 
 
 def _fitted(buffer: Buffer) -> bool:
@@ -108,9 +108,9 @@ async def test_an_error_is_marked_where_it_is(store: Path, tmp_path: Path) -> No
         assert buffer.editor.text[slice(*_span(buffer.editor.problems[0]))] == "rnkgg:name"
         assert "line 5, column 6" in words(app, ".remark")
         assert "Did you mean" in words(app, ".problem")
-        await until(pilot, lambda: buffer.editor.has_focus)
+        await until(lambda: buffer.editor.has_focus)
         # Positions of lines are computed when they are painted.
-        await until(pilot, lambda: any("underline" in str(span.style) for span in buffer.editor.get_line(4).spans))
+        await until(lambda: any("underline" in str(span.style) for span in buffer.editor.get_line(4).spans))
 
 
 async def test_an_empty_answer_keeps_what_was_probably_meant(store: Path, tmp_path: Path) -> None:
@@ -118,14 +118,14 @@ async def test_an_empty_answer_keeps_what_was_probably_meant(store: Path, tmp_pa
     async with running(store, tmp_path) as (app, pilot):
         buffer = await run_query(app, pilot, "SELECT ?s { ?s rnkg:publishs ?o }")
         assert buffer.results.table.row_count == 0
-        await until(pilot, lambda: "Did you mean" in words(app, ".problem"))
+        await until(lambda: "Did you mean" in words(app, ".problem"))
         assert buffer.editor.has_focus
         buffer.results.table.focus()
         await pilot.press("ctrl+g")
-        await until(pilot, lambda: buffer.editor.cursor_location == (0, 15))
+        await until(lambda: buffer.editor.cursor_location == (0, 15))
         buffer.results.table.focus()
         await pilot.press("ctrl+f")
-        await until(pilot, lambda: "rnkg:publishes " in buffer.text)
+        await until(lambda: "rnkg:publishes " in buffer.text)
         assert buffer.editor.has_focus
 
 
@@ -134,7 +134,7 @@ async def test_esc_in_the_editor_leaves_the_keys_there(store: Path, tmp_path: Pa
     async with running(store, tmp_path) as (app, pilot):
         await run_query(app, pilot, "ASK {}")
         await pilot.press("escape", "escape", "escape", "e", "y")
-        await until(pilot, lambda: "ey" in current(app).text)
+        await until(lambda: "ey" in current(app).text)
         assert app.screen is app.main
 
 
@@ -154,9 +154,9 @@ async def test_an_answer_does_not_take_keys_from_who_types(
         buffer.editor.text = "ASK {}"
         await pilot.press("f5", "#")
         held.set()
-        await until(pilot, lambda: buffer.results.result is not None)
+        await until(lambda: buffer.results.result is not None)
         await pilot.press("x")
-        await until(pilot, lambda: buffer.text == "#xASK {}")
+        await until(lambda: buffer.text == "#xASK {}")
 
 
 async def test_undo_shortens_a_text_above_its_cursor(store: Path, tmp_path: Path) -> None:
@@ -164,9 +164,9 @@ async def test_undo_shortens_a_text_above_its_cursor(store: Path, tmp_path: Path
     async with running(store, tmp_path / "state") as (app, pilot):
         editor = current(app).editor
         editor.insert("ASK {}" + "\n" * 60)
-        await until(pilot, lambda: editor.show_vertical_scrollbar and editor.cursor_location == (60, 0))
+        await until(lambda: editor.show_vertical_scrollbar and editor.cursor_location == (60, 0))
         await pilot.press("ctrl+z")
-        await until(pilot, lambda: not editor.show_vertical_scrollbar)
+        await until(lambda: not editor.show_vertical_scrollbar)
         assert (editor.text, editor.cursor_location) == ("", (0, 0))
 
 
@@ -201,7 +201,7 @@ async def test_an_unexpected_error_is_shown_and_the_shell_goes_on(
         await pilot.press("f9")
         current(app).editor.call_later(fail)
         app.main.run_worker(fail_late())
-        await until(pilot, lambda: len(app.failures) == 3)
+        await until(lambda: len(app.failures) == 3)
         assert "KG900" in {one.title for one in app._notifications}
         assert "a defect" in (tmp_path / "failure.txt").read_text()
         await run_query(app, pilot, "ASK {}")
@@ -218,16 +218,16 @@ async def test_a_query_is_stopped(store: Path, tmp_path: Path) -> None:
         buffer = current(app)
         buffer.editor.text = ENDLESS
         await pilot.press("f5")
-        await until(pilot, lambda: "running" in words(app, "Status"))
+        await until(lambda: "running" in words(app, "Status"))
         await pilot.press("f5")
         await ended(app, pilot, "escape")
         assert "KG510" in words(app, ".remark")
-        await until(pilot, lambda: "running" not in words(app, "Status"))
+        await until(lambda: "running" not in words(app, "Status"))
         await run_query(app, pilot, "ASK {}")
         assert isinstance(buffer.results.result, Boolean)
         buffer.editor.text = ENDLESS
         await pilot.press("f5")
-        await until(pilot, lambda: buffer.job and app.link.job(buffer.job))
+        await until(lambda: buffer.job and app.link.job(buffer.job))
         await ended(app, pilot, "ctrl+c")
         assert "KG510" in words(app, ".remark")
         assert [one.outcome for one in app.state.history()] == ["KG510", "ok"]
@@ -241,14 +241,14 @@ async def test_long_answers_come_in_pages(store: Path, tmp_path: Path) -> None:
         assert table.row_count == PAGE_ROWS
         assert "only the first 250 rows" in words(app, ".remark")
         await pilot.press("n")
-        await until(pilot, lambda: table.row_count == 50)
+        await until(lambda: table.row_count == 50)
         assert "page 2 of 2" in words(app, ".remark")
         assert buffer.results.row_number() == PAGE_ROWS + 1
         await pilot.press("b")
-        await until(pilot, lambda: table.row_count == PAGE_ROWS)
+        await until(lambda: table.row_count == PAGE_ROWS)
         table.move_cursor(row=PAGE_ROWS - 1)
         await pilot.press("down")
-        await until(pilot, lambda: table.row_count == 50)
+        await until(lambda: table.row_count == 50)
         await ended(app, pilot, "a")
         assert buffer.results.result is not None
         assert buffer.results.result.limit is None
@@ -283,26 +283,26 @@ async def test_buffers_come_and_go_and_are_kept(store: Path, tmp_path: Path) -> 
     async with running(store, tmp_path) as (app, pilot):
         current(app).editor.text = "ASK { <urn:a> a <urn:b> }"
         await pilot.press("ctrl+n")
-        await until(pilot, lambda: current(app).number == 2)
+        await until(lambda: current(app).number == 2)
         assert current(app).text == ""
         current(app).editor.text = "# second\nASK {}"
         await pilot.press("ctrl+n")
-        await until(pilot, lambda: current(app).number == 3)
+        await until(lambda: current(app).number == 3)
         await pilot.press("f8")
-        await until(pilot, lambda: len(app.main.buffers.all) == 2 and current(app).number == 1)
+        await until(lambda: len(app.main.buffers.all) == 2 and current(app).number == 1)
         await pilot.press("ctrl+pageup")
-        await until(pilot, lambda: current(app).number == 2)
+        await until(lambda: current(app).number == 2)
         await pilot.press("ctrl+q")
-        await until(pilot, lambda: app._exit)
+        await until(lambda: app._exit)
     assert State(tmp_path, str(store)).buffers() == ["ASK { <urn:a> a <urn:b> }", "# second\nASK {}"]
     async with running(store, tmp_path) as (app, pilot):
         assert [one.text for one in app.main.buffers.all] == ["ASK { <urn:a> a <urn:b> }", "# second\nASK {}"]
         assert app.main.buffers.all[1].title == "2 second"
         await pilot.press("f8")
-        await until(pilot, lambda: len(app.main.buffers.all) == 1 and current(app).editor.has_focus)
+        await until(lambda: len(app.main.buffers.all) == 1 and current(app).editor.has_focus)
         current(app).editor.text = ""
         await pilot.press("ctrl+d")
-        await until(pilot, lambda: app._exit)
+        await until(lambda: app._exit)
 
 
 def test_without_a_store_there_are_plain_words(tmp_path: Path) -> None:
@@ -351,4 +351,4 @@ async def test_what_is_not_saved_is_told(store: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     async with running(store, tmp_path / "file") as (app, pilot):
         await pilot.press("f8")
-        await until(pilot, lambda: any("are not saved" in one.message for one in app._notifications))
+        await until(lambda: any("are not saved" in one.message for one in app._notifications))

@@ -30,10 +30,10 @@ SELECT ?name ?topic {
 ORDER BY ?name ?topic"""
 
 
-async def ready(app: Shell, pilot: Pilot[Any]) -> None:
+async def ready(app: Shell) -> None:
     """Wait until the first level of the tree is loaded, and stop the cursor from blinking."""
-    await until(pilot, lambda: current(app).editor.has_focus)
-    await until(pilot, lambda: len(app.main.query_one(KnowledgeTree).root.children) > 1)
+    await until(lambda: current(app).editor.has_focus)
+    await until(lambda: len(app.main.query_one(KnowledgeTree).root.children) > 1)
     current(app).editor.cursor_blink = False
 
 
@@ -49,12 +49,12 @@ def test_the_main_screen(store: Path, tmp_path: Path, snap_compare: Callable[...
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
-        await ready(app, pilot)
+        await ready(app)
         await run_query(app, pilot, QUERY)
         # The table makes room for the row numbers when idle.
         table = current(app).results.table
-        await until(pilot, lambda: not current(app).editor.has_focus)
-        await until(pilot, lambda: table._label_column.content_width > 0)
+        await until(lambda: not current(app).editor.has_focus)
+        await until(lambda: table._label_column.content_width > 0)
         await pilot.pause()
 
     assert snap_compare(app, terminal_size=(110, 30), run_before=before)
@@ -65,9 +65,9 @@ def test_an_error_on_a_small_terminal(store: Path, tmp_path: Path, snap_compare:
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
-        await ready(app, pilot)
+        await ready(app)
         current(app).editor.text = QUERY.replace("rnkg:name", "rnk:name")
-        await until(pilot, lambda: current(app).editor.problems)
+        await until(lambda: current(app).editor.problems)
         await ended(app, pilot, "f5")
         await pilot.pause()
 
@@ -79,14 +79,14 @@ def test_the_page_of_a_node(store: Path, tmp_path: Path, snap_compare: Callable[
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
-        await ready(app, pilot)
+        await ready(app)
         await run_query(app, pilot, "SELECT ?node { ?node a rnkg:NodeType ; rnkg:name 'scan_filter' }")
         await pilot.press("r")
-        await opened(app, pilot, PageScreen)
+        await opened(app, PageScreen)
         tree = app.screen.query_one(PageTree)
-        await until(pilot, lambda: len(tree.root.children) > 1)
+        await until(lambda: len(tree.root.children) > 1)
         await pilot.press("down", "down", "down", "down", "down")
-        await until(pilot, lambda: tree.cursor_line == 5 and _told(app).startswith(tree.current().text))  # type: ignore[union-attr]  # line 5 is one
+        await until(lambda: tree.cursor_line == 5 and _told(app).startswith(tree.current().text))  # type: ignore[union-attr]  # line 5 is one
 
     assert snap_compare(app, terminal_size=(100, 30), run_before=before)
 
@@ -101,11 +101,11 @@ def test_the_help(store: Path, tmp_path: Path, snap_compare: Callable[..., bool]
     app = make(store, tmp_path)
 
     async def before(pilot: Pilot[Any]) -> None:
-        await ready(app, pilot)
+        await ready(app)
         app.theme = "ansi-light"
         current(app).results.say("0 rows")
         await pilot.press("f1")
-        await opened(app, pilot, HelpScreen)
+        await opened(app, HelpScreen)
         await pilot.pause()
 
     assert snap_compare(app, terminal_size=(80, 30), run_before=before)

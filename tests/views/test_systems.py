@@ -104,6 +104,20 @@ def test_findings_are_in_the_system_and_mark_what_they_are_about(
     assert lint(snapshot, settings, system="mission.launch.xml")["findings"] == found["findings"]
 
 
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        ("rover.launch", "roslaunch rover_robot rover.launch"),
+        ("drone.launch.py", "ros2 launch drone_control drone.launch.py"),
+    ],
+)
+def test_a_system_has_the_command_that_starts_it(
+    snapshot: EmbeddedSnapshot, settings: Settings, name: str, command: str
+) -> None:
+    """The command is that of its version of ROS, with the package."""
+    assert system(snapshot, settings, name=name)["start"] == command
+
+
 def test_findings_of_all_and_of_a_package(snapshot: EmbeddedSnapshot, settings: Settings) -> None:
     """Without a system all are checked; a level and a package filter the findings."""
     assert [one["code"] for one in lint(snapshot, settings)["findings"]] == ["KG401"]

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 _PAGE: Final = 100
 _MOST: Final = 1000
+_FEW: Final = 6  # so many values of a filter are links, each one click; more are in a field for choosing
 _FORMATS: Final = (
     ("text/html", "html"),
     ("application/json", "json"),
@@ -201,7 +202,7 @@ LISTS: Final[Mapping[str, Listed]] = {
         "parameter",
         "Parameters of nodes, without those that frameworks create.",
         (
-            Column("Parameter", "name", "mono"),
+            Column("Parameter", "name", "mono", ("/parameters", {"name": "name"})),
             Column("Node", "node", to=_NODE),
             _PACKAGE,
             Column("Type", "type", "mono"),
@@ -223,9 +224,42 @@ LISTS: Final[Mapping[str, Listed]] = {
             _PLACE,
         ),
     ),
+    "classes": Listed(
+        "Classes",
+        "class",
+        "Classes with instances in this store, and the properties of these, counted in a sample of large classes.",
+        (
+            Column("Class", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Instances", "instances", "number", ("/resource?predicate=rdf:type&direction=in", {"iri": "iri"})),
+            Column("Subclass of", "parents", "mono"),
+            Column("Properties", "properties", "number", ("/properties", {"subject": "name"})),
+            Column("Most used", "first", "mono"),
+            Column("Meaning", "description"),
+        ),
+    ),
+    "properties": Listed(
+        "Properties",
+        "property",
+        "Properties with facts in this store, and the classes that they connect, the most frequent first.",
+        (
+            Column("Property", "name", "mono", ("/resource", {"iri": "iri"})),
+            Column("Facts", "facts", "number"),
+            Column("From", "first_subjects", "mono"),
+            Column("To", "first_values", "mono"),
+            Column("Meaning", "description"),
+        ),
+    ),
 }
 """Index pages by the name of their list."""
-_LABELS: Final = {"ros": "ROS version", "worst": "Worst finding", "repository": "Source", "system": "Launch file"}
+_LABELS: Final = {
+    "ros": "ROS version",
+    "worst": "Worst finding",
+    "repository": "Source",
+    "system": "Launch file",
+    "parent": "Subclass of",
+    "subject": "From",
+    "value": "To",
+}
 """Labels of facets that differ from their parameter."""
 
 
@@ -260,7 +294,13 @@ async def _list(request: Request) -> Response:
         text=given.get("q", ""),
         hidden={key: parameters[key] for key in ("sort", "limit") if key in parameters},
         facets=[
-            {"name": key, "label": _label(key), "given": parameters.get(key, ""), "values": values}
+            {
+                "name": key,
+                "label": _label(key),
+                "given": parameters.get(key, ""),
+                "few": len(values) <= _FEW,
+                "values": [{**one, "address": url(address, **{**parameters, key: one["value"]})} for one in values],
+            }
             for key, values in rows["facets"].items()
             if len(values) > 1 or key in parameters
         ],
@@ -280,6 +320,11 @@ async def _list(request: Request) -> Response:
         last=url(address, **parameters, offset=(rows["total"] - 1) // most * most or "") if end < rows["total"] else "",
         exports=[(label, url(address, **parameters, format=key)) for key, label in _EXPORTS.items()],
     )
+
+
+def address_of(name: str, row: Mapping[str, Any]) -> str:
+    """Return the address of a thing of the list `name`, by the first column, of which `row` has all keys."""
+    return _link(LISTS[name].columns[0], row)
 
 
 async def related(request: Request, name: str, most: int, facets: Mapping[str, str]) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Final
 
+from pyoxigraph import NamedNode
 from starlette.routing import Route
 
 from kg.errors import KgError
@@ -31,7 +32,13 @@ _TYPE: Final = ("types", {"nodes": ("type",), "topics": ("type",), "services": (
 _KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
     "package": (
         "packages",
-        {"nodes": _OF_PACKAGE, "systems": _OF_PACKAGE, "types": ("package",), "findings": _OF_PACKAGE},
+        {
+            "nodes": _OF_PACKAGE,
+            "topics": ("package",),
+            "systems": _OF_PACKAGE,
+            "types": ("package",),
+            "findings": _OF_PACKAGE,
+        },
     ),
     **dict.fromkeys(("message", "service-type", "action-type"), _TYPE),
     "hardware": ("hardware", {"nodes": ("hardware",)}),
@@ -39,6 +46,14 @@ _KINDS: Final[Mapping[str, tuple[str, Mapping[str, Sequence[str]]]]] = {
     "capability": ("capabilities", {"nodes": ("capability",)}),
 }
 """The list of a kind of thing (or prefix of its IRI), and the lists on its page with the facets that select rows."""
+_PICTURE: Final = """CONSTRUCT {{ {0} ?to ?object . ?subject ?from {0} }} WHERE {{
+  {{
+    SELECT * {{ {0} ?to ?object . ?object rdfs:label ?name FILTER(STRSTARTS(STR(?to), STR(rnkg:))) }} LIMIT 60
+  }} UNION {{
+    SELECT * {{ ?subject ?from {0} ; rdfs:label ?name FILTER(STRSTARTS(STR(?from), STR(rnkg:))) }} LIMIT 60
+  }}
+}}"""
+"""The named things that a thing is related to, without relations that others imply; the picture adds more of each."""
 _SHOWN: Final = 20  # number of rows of each list
 
 
@@ -65,6 +80,7 @@ async def _resource(request: Request) -> Response:
         found=resource,
         own=(url(own[0], **{own[1]: resource["iri"]}), own[2]) if own else None,
         first=first,
+        picture=_PICTURE.format(NamedNode(resource["iri"])),
         sides=(("out", "Facts about it", resource["out"]), ("in", "Facts that mention it", resource["in"])),
         number=sum(group["count"] for group in (*resource["out"], *resource["in"])),
         chosen=arguments.get("predicate", ""),

@@ -1,14 +1,18 @@
-"""`/` and `/search?q=`: what the store contains, and nodes by what they do, each with reasons and lines of code."""
+"""`/` and `/search?q=`: what the store contains, and nodes by what they do, each with reasons and lines of code.
+
+Above the nodes are things of all kinds by their name; with `names=1` the page has these alone (static/find.js).
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from starlette.routing import Route
 
 from kg.errors import KgError
 from kg.server.addresses import url
 from kg.server.errors import STATUS
+from kg.server.pages.lists import LISTS, address_of
 from kg.server.rendering import page, view
 from kg.server.state import state
 
@@ -40,6 +44,10 @@ _EXAMPLES: Final = (
 
 async def _search(request: Request) -> Response:
     text = request.query_params.get("q", "")
+    alone = "names" in request.query_params
+    named = await _named(request, text, "8" if alone else "5")
+    if alone:
+        return page(request, "names.html", title="Names", named=named)
     filters = {name: value for name in _FILTERS if (value := request.query_params.get(name, "").strip())}
     limit = request.query_params.get("limit", "20")
     twin = url("/api/find", text=text, limit=limit, **filters) if text.strip() or filters else ""
@@ -64,8 +72,18 @@ async def _search(request: Request) -> Response:
         choices=await view(request, "choices"),
         examples=_EXAMPLES,
         found=hits,
+        named=named,
         problem=problem,
     )
+
+
+async def _named(request: Request, text: str, limit: str) -> list[dict[str, Any]]:
+    """Return the things whose names have the words of a text, each with `address` and `kind`."""
+    found = (await view(request, "named", text=text, limit=limit))["names"] if text.strip() else []
+    return [
+        {**one, "address": address_of(one["of"], {**one, "node": one["name"]}), "kind": LISTS[one["of"]].one}
+        for one in found
+    ]
 
 
 async def _start(request: Request) -> Response:

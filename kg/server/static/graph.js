@@ -15,6 +15,7 @@
 //
 // Options: `direction` is "LR" or "TB"; `collapsed` lists groups that are closed at first (or is true: all of them);
 // `note` is a sentence below the picture while nothing is selected; `name` names exported files; `height` is a length of CSS; `onSelect(node or null)` receives the selection.
+// `expand(node)` returns a promise of the data with the neighbours of a node, which the picture then offers for nodes with a page.
 //
 // The returned picture has fit(), zoom(factor), select(id or null), collapse(ids), replace(data), save(kind) with kind
 // "png", "svg" or "json", and `cy`, the cytoscape instance: null where the libraries are not installed; the list is then
@@ -275,15 +276,29 @@ class Picture {
       if (node.href) this.words.append(element("a", { href: node.href }, "Open its page"), " ");
       if (node.closed) this.offer("Open the group", () => this.collapsed.delete(node.id));
       else this.offer("Hide it", () => this.away.add(node.id));
+      if (node.href && this.options.expand) this.offer("Add its neighbours", () => this.grow(node));
     } else if (this.options.note) this.words.append(`${this.options.note} `);
     if (this.away.size) this.offer(`Show ${this.away.size} hidden`, () => this.away.clear());
     this.options.onSelect(node);
   }
 
+  /** Add the neighbours of a node, which stays selected. */
+  async grow(node) {
+    this.host.setAttribute("aria-busy", "true");
+    const data = await this.options.expand(node).catch(() => null);
+    this.host.setAttribute("aria-busy", "false");
+    if (data) this.data = ordered(data);
+    return node;
+  }
+
   /** Offer something to do below the picture, which is drawn again afterwards. */
   offer(text, work) {
     const button = element("button", { type: "button", className: "link" }, text);
-    button.addEventListener("click", () => { work(); this.show(); });
+    button.addEventListener("click", async () => {
+      const selected = await work();
+      this.show();
+      if (selected?.id) this.select(selected.id);
+    });
     this.words.append(button, " ");
   }
 

@@ -1,5 +1,6 @@
 // Common to all pages: the theme switch, keys, dialogs, and sortable tables.
 
+import { suggest } from "./find.js";
 import { enhance } from "./table.js";
 
 const THEMES = ["system", "light", "dark"];
@@ -76,6 +77,7 @@ panel.addEventListener("close", () => {
   panel.setAttribute("aria-busy", "false");
 });
 themeSwitch(document.getElementById("theme"));
+for (const field of document.querySelectorAll("#find")) suggest(field); // the page that logs in has none
 for (const button of document.querySelectorAll("[data-opens]")) {
   button.addEventListener("click", () => document.getElementById(button.dataset.opens).showModal());
   button.hidden = false;

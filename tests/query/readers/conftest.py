@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
+from forks import READERS, fork_readers
 from pyoxigraph import NamedNode
 
 from kg.store.embedded import EmbeddedStore
@@ -27,6 +28,12 @@ def things(count: int) -> bytes:
             f'{one} <{EX}label> "thing {number}"@en .',
         ]
     return "\n".join(lines).encode() + b"\n"
+
+
+@pytest.fixture
+def forked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fork the parents of readers, which start for a quarter of a second; they are no children of this process."""
+    monkeypatch.setattr(f"{READERS}.subprocess", fork_readers())
 
 
 @pytest.fixture(scope="session")

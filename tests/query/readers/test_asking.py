@@ -16,6 +16,8 @@ from kg.query.readers.pool import Readers
 if TYPE_CHECKING:
     from kg.store.layout import Layout
 
+pytestmark = pytest.mark.usefixtures("forked")
+
 EX = "https://example.org/"
 GRAPHS = "SELECT DISTINCT ?g { GRAPH ?g { ?s ?p ?o } } ORDER BY ?g"
 

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
     from kg.store.layout import Layout
 
+pytestmark = pytest.mark.usefixtures("forked")
+
 ADDED = b"<https://example.org/new> <https://example.org/p> <https://example.org/0> .\n"
 
 

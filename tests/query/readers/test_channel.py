@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from kg.store.layout import Layout
 
+pytestmark = pytest.mark.usefixtures("forked")
+
 PART = bytes(range(256)) * 256
 """As large as the parts of a response."""
 

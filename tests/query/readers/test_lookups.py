@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from kg.store.embedded import EmbeddedStore
     from kg.store.layout import Layout
 
+pytestmark = pytest.mark.usefixtures("forked")
+
 LOOK_UPS = [
     f"SELECT ?p ?o WHERE {{ <{EX}1> ?p ?o }} LIMIT 10",
     f"select * {{ <{EX}1> ?p $o. }}\n# a comment",

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from kg.query.readers.processes import Process
     from kg.store.layout import Layout
 
+pytestmark = pytest.mark.usefixtures("forked")
+
 _STATE, _NICE = 0, 16
 """Fields of /proc/PID/stat, counted after the name (proc(5))."""
 

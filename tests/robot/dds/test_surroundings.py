@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
-from typing import TYPE_CHECKING
+from subprocess import PIPE
+from typing import TYPE_CHECKING, Final
 
 import pytest
 
 pytest.importorskip("cyclonedds", reason="the extra `dds` is not installed")
 
+from forks import start
 from patience import patient
 from robot.dds.domain import domain
 
@@ -20,6 +20,8 @@ from kg.robot.dds.domains import discovery_settings
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+_MODULES: Final = ("kg.robot.dds",)
+"""What both processes import at their start."""
 LOOPBACK = (
     "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
     "<Interfaces><NetworkInterface name='lo' multicast='false'/></Interfaces></General>"
@@ -47,18 +49,16 @@ def found(settings: Mapping[str, str]) -> str:
         environment = {key: value for key, value in os.environ.items() if not key.startswith("ROS_")}
         environment |= {"CYCLONEDDS_URI": LOOPBACK, **settings}
         address = f"dds://{number}?settle=1.5"
-        with subprocess.Popen(
-            [sys.executable, "-c", TALKER, address],
-            env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        ) as talker:  # fmt: skip
+        with start(
+            *("-c", TALKER, address), environment=environment, streams=(PIPE, PIPE, None), modules=_MODULES
+        ) as talker:
             assert talker.stdout is not None
             assert talker.stdout.readline() == "ready\n"
-            command = [sys.executable, "-m", "kg", "robot", "topics", "--robot", address]
-            listed = subprocess.run(
-                command, env=environment, capture_output=True, text=True, check=False, timeout=patient(20)
-            )
+            command = ("-m", "kg", "robot", "topics", "--robot", address)
+            with start(*command, environment=environment, modules=_MODULES) as lister:
+                listed = lister.communicate(timeout=patient(20))
             talker.communicate(timeout=patient(10))
-    return listed.stdout + listed.stderr
+    return "".join(listed)
 
 
 @pytest.mark.parametrize(

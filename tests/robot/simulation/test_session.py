@@ -13,6 +13,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, cast
 
 import pytest
+from forks import start
 from patience import patient
 from robot.dds.domain import domain
 from robot.ros1.debian import needs_debian, rosmaster
@@ -146,8 +147,7 @@ def test_a_master_that_is_not_there() -> None:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_ctrl_c_and_a_kill_end_it_quietly(number: signal.Signals) -> None:
     """The address and the next command are printed; Ctrl-C and SIGTERM exit with 130 without error messages."""
-    command = [sys.executable, "-m", "kg", "robot", "simulate", "drone"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    process = start("-m", "kg", "robot", "simulate", "drone")
     assert process.stderr is not None
     said = [process.stderr.readline() for _ in range(6)]
     assert re.search(r"drone at ros1://127\.0\.0\.1:\d+, 1 times real time; Ctrl-C ends it", said[0])

@@ -228,6 +228,10 @@ def test_a_package_begins_with_what_it_has_and_needs(client: TestClient) -> None
     assert 'href="/system?name=' in text
     (needed,) = re.findall(r"<dt>Needs</dt>\s*<dd>(.*)</dd>", text)
     assert ">rover_core</a>" in needed
+    assert "catkin" not in needed
+    assert re.search(r"<dt>Needs to build</dt>\s*<dd>catkin</dd>", text)
+    assert re.search(r"From its README and manual.*callbacks as member function.*README\.md:\d+", text, re.DOTALL)
+    assert 'href="/topics?package=rover_robot"' in text
     other = listed(client, "packages", "rover_core")
     assert other["definitions"] == 3
     assert ">rover_robot</a>" in _main(client, f"/resource?iri={other['iri']}")

@@ -14,6 +14,7 @@ from querypage import NAMES, RUNAWAY, editing, idle, ran, told, typed, visited
 
 if TYPE_CHECKING:
     from browsing import Chromium
+    from listing import Shown
 
 SUGGESTED: Final = ".cm-tooltip-autocomplete:not(.cm-tooltip-autocomplete-disabled) li[aria-selected]"
 
@@ -236,6 +237,51 @@ def test_a_picture_calls_things_as_the_store_does(browser: Chromium, site: str) 
     assert ["flight_controller", "node", "/drone1"] in pictured
     assert ["camera/stabilized/compressed", "topic", "/drone1"] in pictured
     assert ["/drone1", "group", ""] in pictured
+
+
+@editing
+def test_a_stored_query_is_shown_behind_its_documentation(browser: Chromium, site: str) -> None:
+    """The low editor of a stored query that runs at once begins at its first line of SPARQL."""
+
+    async def look(visit: Visit) -> bool:
+        await ran(visit)
+        seen = visit.page.locator(".cm-line", has_text="SELECT ?topic").first
+        box, editor = await seen.bounding_box(), await visit.page.locator("#editor").bounding_box()
+        assert box is not None
+        assert editor is not None
+        return editor["y"] <= box["y"] + 1 < editor["y"] + editor["height"] / 2
+
+    assert visited(browser, site, look, name="explore/who-publishes", topic="/scan_filtered")
+
+
+@editing
+def test_a_picture_grows_by_neighbours(browser: Chromium, site: str, things: Shown) -> None:
+    """The page of a thing leads to its relations as a picture, which adds those of a selected thing, twice over."""
+
+    async def grow(visit: Visit) -> list[list[list[str]]]:
+        page = visit.page
+        await page.get_by_role("link", name="Its relations as a picture").click()
+        await ran(visit)
+        await page.locator("#result .graph-canvas canvas").first.wait_for()
+        seen = [await page.evaluate(_PICTURED)]
+        for name in ("/scan_filtered", "rover_robot"):
+            await page.locator(".graph-tools input").fill(name)
+            await page.keyboard.press("Enter")
+            await page.get_by_role("button", name="Add its neighbours").click()
+            more = "(number) => document.querySelector('#result .graph-canvas')._cyreg.cy.nodes().length > number"
+            await page.wait_for_function(more, arg=len(seen[-1]))
+            seen.append(await page.evaluate(_PICTURED))
+        return seen
+
+    async def visit() -> list[list[list[str]]]:
+        async with browser.visit(f"{site}/resource?iri={things['node']}", kept=True) as opened:
+            found = await grow(opened)
+            assert await opened.troubles() == []
+            return found
+
+    first, second, third = browser.run(visit())
+    assert len(first) < len(second) < len(third)
+    assert ["/scan_filtered", "topic", ""] in first
 
 
 def test_cancel_ends_the_work(browser: Chromium, site: str) -> None:

@@ -48,6 +48,34 @@ def test_search_with_the_keyboard_alone(browser: Chromium, site: str) -> None:
     assert browser.run(walk()).startswith("/node?iri=")
 
 
+def test_names_are_offered_while_typing(browser: Chromium, site: str) -> None:
+    """Typing offers things of all kinds by name; the arrows reach them, Escape closes them, Enter opens one."""
+
+    async def walk() -> tuple[list[str], bool, str]:
+        async with browser.visit(f"{site}/rules", kept=True) as visit:
+            await visit.page.keyboard.press("/")
+            await visit.page.keyboard.type("scan_fil")
+            names = visit.page.locator(".suggested li")
+            await names.first.wait_for()
+            offered = await names.all_inner_texts()
+            await visit.page.keyboard.press("ArrowDown")
+            await visit.page.keyboard.press("Escape")
+            closed = await visit.page.evaluate("document.activeElement.id === 'find'") and await names.first.is_hidden()
+            await visit.page.keyboard.type("tered")
+            await names.first.wait_for()
+            assert await visit.violations() == []
+            await visit.page.keyboard.press("ArrowDown")
+            await visit.page.keyboard.press("Enter")
+            await visit.page.wait_for_url("**/channel?*")
+            return offered, closed, await visit.page.inner_text("h1")
+
+    offered, closed, title = browser.run(walk())
+    assert offered[0].startswith("scan_filter node · ")
+    assert any(one.startswith("/scan_filtered topic · ") for one in offered)
+    assert closed
+    assert title == "/scan_filtered"
+
+
 def test_the_skip_link_comes_first(browser: Chromium, site: str) -> None:
     """The first Tab shows the link to the content, which receives the focus."""
 

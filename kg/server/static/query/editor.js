@@ -1,7 +1,7 @@
 // The editor of a query: CodeMirror where its libraries are installed, else the field of the form.
 //
 //   const editor = await edit(host, field, { begun(plain), changed(text), run(), complete, diagnose, prefixes() });
-//   editor.text, editor.text = "..."; editor.focus(); editor.mark(problems); editor.go(problem)
+//   editor.text, editor.text = "..."; editor.focus(); editor.mark(problems); editor.go(problem); editor.reveal(position)
 //
 // `begun` receives the field at once, which is an editor until the libraries are loaded. A shadow root contains it: there its libraries may add style sheets without permission for inline styles.
 
@@ -60,6 +60,8 @@ class Field {
   focus() { this.field.focus(); }
 
   mark(problems) { this.options.problems(problems); }
+
+  reveal() {} // a text area begins at its first line
 
   go(problem) {
     this.field.focus();
@@ -131,6 +133,11 @@ class Editor {
   mark(problems) {
     this.view.dispatch(this.libraries.lint.setDiagnostics(this.view.state, this.diagnostics(problems)));
     this.options.problems(problems);
+  }
+
+  /** Scroll to a position, in units of the text, without the focus. */
+  reveal(position) {
+    this.view.dispatch({ effects: this.libraries.view.EditorView.scrollIntoView(position, { y: "start" }) });
   }
 
   go(problem) {

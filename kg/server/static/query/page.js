@@ -193,7 +193,7 @@ async function count() {
   if (!run.running && $("progress").textContent.startsWith("Counting")) run.say("");
 }
 
-/** Keep the editor low until it is used: users of a stored query look for the answer. */
+/** Keep the editor low until it is used: users of a stored query look for the answer. It shows the query behind the documentation. */
 function brief() {
   $("editor").classList.add("brief");
   $("editor").addEventListener("focusin", () => $("editor").classList.remove("brief"), { once: true });
@@ -224,6 +224,7 @@ async function begin() {
     diagnose: async (text) => (await view("diagnose", { text })).problems,
   });
   $("editor").setAttribute("aria-busy", "false");
+  if (data.run && data.stored) editor.reveal(Math.max(0, editor.text.search(/^(?!#|PREFIX|\s*$)/im)));
   bindSettings();
   stored({
     list: $("stored-list"), filter: $("stored-filter"), form: $("stored-form"), begin: data.stored, values: data.values, failed,

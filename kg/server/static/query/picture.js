@@ -12,6 +12,9 @@ const FEW = 40;
 const TYPE = "http://www.w3.org/1999/02/22-rdf-syntax-ns#type";
 const LABEL = "http://www.w3.org/2000/01/rdf-schema#label";
 const KINDS = { node: /Node(Type|Instance)?$/, topic: /Topic$/, service: /Service(Server)?$/, action: /Action(Server)?$/, package: /Package$/, parameter: /Parameter$/, hardware: /Hardware$|Device$/ };
+const AROUND = 6; // neighbours of each property that are added at once
+const ADDED = 40;
+const UNSHOWN = /^http:\/\/(www\.w3\.org\/(ns\/prov#|1999\/02\/22-rdf-syntax-ns#)|purl\.org\/dc\/terms\/)/; // origins, classes, and relations that others imply
 const SPACED = new Set(["node", "topic", "service", "action"]);
 
 /** Return the picture of triples: literals that name a thing are its label, its class tells its colour. */
@@ -23,12 +26,35 @@ export function picture(rows, shorten) {
   return element("div", {}, cut, host);
 }
 
-async function fill(host, rows, shorten) {
+async function fill(host, start, shorten) {
+  let rows = start;
+  const graph = await named(rows, shorten);
+  const expand = async (node) => {
+    rows = [...rows, ...await around(node.detail, rows)];
+    return named(rows, shorten);
+  };
+  // The picture measures its element, which is in the page by now unless another answer was requested.
+  if (host.isConnected) draw(host, graph, { name: "answer", height: "32rem", expand, note: "Select a thing to add its neighbours." });
+}
+
+/** Return the graph of triples, with the names of the store. */
+async function named(rows, shorten) {
   const iris = [...new Set(rows.flatMap(([subject, , object]) => [subject, object]).filter((term) => term?.type === "uri").map((term) => term.value))];
   const found = await view("cells", { things: iris }).catch(() => null);
   const described = new Map(found ? iris.map((iri, index) => [iri, found.things[index]]) : []);
-  // The picture measures its element, which is in the page by now unless another answer was requested.
-  if (host.isConnected) draw(host, spaced(asGraph(rows, shorten, described)), { name: "answer", height: "32rem" });
+  return spaced(asGraph(rows, shorten, described));
+}
+
+/** Return new triples that join a thing to others with names, a few of each property. */
+async function around(iri, rows) {
+  const term = (value) => ({ type: "uri", value });
+  const text = (row) => row.map((one) => one && written(one)).join(" ");
+  const known = new Set(rows.map(text));
+  const found = await view("resource", { iri, limit: String(AROUND) });
+  const joined = (side, turned) => found[side].filter((group) => !UNSHOWN.test(group.predicate.iri))
+    .flatMap((group) => group.facts.filter((fact) => fact.value.iri && !fact.value.label.includes("#")).map((fact) => turned(term(group.predicate.iri), term(fact.value.iri))));
+  const all = [...joined("out", (property, other) => [term(iri), property, other]), ...joined("in", (property, other) => [other, property, term(iri)])];
+  return all.filter((row) => !known.has(text(row))).slice(0, ADDED);
 }
 
 function asGraph(rows, shorten, described) {
