@@ -372,7 +372,7 @@ class Workspace:
         return None
 
     def _module_anywhere(self, parts: str, near: FilePath, home: Place | None) -> FilePath | None:
-        """Return a module whose folder may be an import root: not a Python package itself, or `src` of a ROS package.
+        """Return a module whose folder may be an import root: not a Python package itself, or a `src` of a ROS package.
 
         The name of a ROS package refers to its Python package, with its messages, not to a program of the same name.
         """
@@ -384,8 +384,8 @@ class Workspace:
             root = stem[: -len(parts)].rstrip("/")
             whole = stem == parts or stem.endswith("/" + parts)
             inner = FilePath(file.repository, posixpath.join(root, "__init__.py")) in self._owners
-            owner = self._home(file) if inner else None
-            if whole and (not inner or (owner and root == self._folders[owner].join("src"))):
+            source = posixpath.basename(root) == "src" and self._home(file) is not None
+            if whole and (not inner or source):
                 fits.append(file)
         return min(fits, key=lambda file: self._distance(file, near, home, ""), default=None)
 

@@ -49,8 +49,9 @@ class Registration(StrEnum):
 
 
 def last_part(name: str) -> str:
-    """Return the last word of a plugin's name or class."""
-    return name.replace(" ", "").rpartition("::")[2].rpartition("/")[2]
+    """Return the last word of a plugin's name or class, with its template arguments."""
+    stem, special, arguments = name.replace(" ", "").partition("<")
+    return stem.rpartition("::")[2].rpartition("/")[2] + special + arguments
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,7 +48,8 @@ def facts_of(
         if one.effect.role is not None:
             interface = _interface(one, one.effect.role, home, ros, alone)
             unnamed = interface.location if interface.name is None and interface.parameter is None else None
-            key: tuple[object, ...] = (interface.role, interface.name, interface.type, interface.parameter, unnamed)
+            own = (interface.node, interface.role, interface.name)
+            key: tuple[object, ...] = (*own, interface.type, interface.parameter, unnamed)
             before = interfaces.get(key)
             if before is None:
                 interfaces[key] = interface
@@ -63,14 +64,14 @@ def facts_of(
                 parameters[key] = parameter
             elif _worth(parameter) > _worth(first):  # the place stays that of the first access
                 parameters[key] = replace(parameter, location=first.location, via=first.via)
-    typed = {(i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
+    typed = {(i.node, i.role, i.name, i.parameter) for i in interfaces.values() if i.type is not None}
     names: dict[tuple[object, ...], set[str | None]] = {}
     for found in interfaces.values():
         names.setdefault((found.role, found.type, found.parameter, found.location), set()).add(found.name)
     completed = (
         i
         for i in interfaces.values()
-        if i.type is not None or (i.role, i.name, i.parameter) not in typed
+        if i.type is not None or (i.node, i.role, i.name, i.parameter) not in typed
         if i.parameter is None or not _covered(i.name, names[i.role, i.type, i.parameter, i.location])
     )
     types = {one.name: one.type for one in parameters.values() if one.name is not None and one.type is not None}

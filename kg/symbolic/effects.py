@@ -70,6 +70,7 @@ _NODES: Final = ("node", "handle")
 _OF_NODES: Final = frozenset({"create_publisher", "create_subscription", "create_service", "create_client"})
 """Methods that only nodes of ROS 2 have."""
 _AUTOMATIC: Final = "automatically_declare_parameters_from_overrides"
+_PLAIN_NODE: Final = Kind(("rcl_node_t",))
 _UNKNOWN_NODE: Final = Unknown("it has no node")
 
 
@@ -150,8 +151,10 @@ class Framework:
         if classes is None:
             outside = self.machine.language.chain(kind)[1]
             classes = [one for base in outside if (one := self.descriptions.class_named(base.names)) is not None]
-            # A described class whose sources are in the build is not among the bases outside of them.
-            if not classes and kind.cls is not None and (own := self.descriptions.class_named(kind.names)) is not None:
+            # A described class whose sources are in the build is not among the bases outside of them. What a loader
+            # calls is said by its own bases.
+            own = self.descriptions.class_named(kind.names) if kind.cls is not None and not classes else None
+            if own is not None and (own.is_a or not own.runs):
                 classes.append(own)
             self._described[key] = classes
         return classes
@@ -431,6 +434,10 @@ class Framework:
         given = call.arguments
         if described.node_name is not None and described.node_name < len(given.values):
             self.node_names.append(given.values[described.node_name])
+            if described.node == 0 and given.frame is not None and given.written:  # a node of C
+                node = call.node if isinstance(call.node, Object) else self.machine.created(Object(_PLAIN_NODE))
+                node.native["name"] = given.values[described.node_name]
+                put(self.machine, given.written[0], node, given.frame)
             self.node_sites.append(tuple(self.machine.stack))
         if described.loads and len(given.values) > 1:
             self.loaded.append(tuple(given.values))
@@ -472,8 +479,12 @@ class Framework:
         """Record that code outside of the sources gets a node or a handle: it can read and create anything there."""
         node = next((one for one in arguments if isinstance(one, Object) and self.is_node(one)), None)
         if node is not None:
-            reason = f"{'::'.join(names)} {OUTSIDE}, and gets the node"
-            self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason, fixed=True))
+            self.left(names, node, "and gets the node")
+
+    def left(self, names: tuple[str, ...], node: Object | None, what: str) -> None:
+        """Record that code outside of the sources uses a node, or the only one of the program, in a way of its own."""
+        reason = f"{'::'.join(names)} {OUTSIDE}, {what}"
+        self.loadings.append(Loading(None, node, tuple(self.machine.stack), reason=reason, fixed=True))
 
     def _loads(self, slot: SlotDescription, call: Invocation) -> None:
         """Record that a call loads plugins, or creates an object whose methods do."""
@@ -526,9 +537,16 @@ class Framework:
         if call.node is not None and owner is None and effect.role and not isinstance(call.node, Unknown):
             return None
         if effect.listed:
-            single = replace(effect, listed=False, name=0, default=1, descriptor=2, prefix=None)
+            single = replace(effect, listed=False, name=0, default=1, descriptor=2, prefix=None, output=None)
+            held = call.declared(effect.output, self.machine.language)
+            values = held.arguments[-1] if held is not None and held.arguments else None
+            if isinstance(values, TypeValue) and (shown := ros_type(values.kind)) is not None:
+                single = replace(single, types=(shown,))
             for row in listed(effect, call):
                 self._apply(single, Invocation(owner, Arguments(row)))
+            frame, expressions = call.arguments.frame, call.arguments.written
+            if effect.output is not None and frame is not None and effect.output < len(expressions):
+                put(self.machine, expressions[effect.output], Mapping((), open=True), frame)
             return None
         if effect.specification is not None:
             self._specified(effect, owner, call)

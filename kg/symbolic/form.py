@@ -51,11 +51,15 @@ class Literal:
 
 @dataclass(slots=True, eq=False)
 class Name:
-    """A variable, function or class by its name, with its scopes from the outside in."""
+    """A variable, function or class by its name, with its scopes from the outside in.
+
+    `template` are the last template arguments in it, `outer` those of a name before the last.
+    """
 
     line: int
     names: tuple[str, ...]
     template: tuple[Type | Expression, ...] = ()
+    outer: tuple[Type | Expression, ...] = ()
 
 
 @dataclass(slots=True, eq=False)
@@ -338,6 +342,12 @@ class Function:
     template: tuple[str, ...] = ()
     outer: tuple[str, ...] = ()
     """What its definition outside of a class template calls the parameters of the class."""
+    pattern: tuple[Type | Expression, ...] = ()
+    """The template arguments that a specialisation is for."""
+    within: tuple[Type | Expression, ...] = ()
+    """The template arguments of its class that a method is for, if it is not for all."""
+    defaults: dict[str, Type | Expression] = field(default_factory=dict)
+    """Defaults of its template parameters."""
     returns: Type | None = None
     owner: Class | None = None
     virtual: bool = False
@@ -383,12 +393,19 @@ class Class:
     methods: dict[str, list[Function]] = field(default_factory=dict)
     declared: dict[str, list[Function]] = field(default_factory=dict)
     """Methods declared without a body, with their parameters."""
-    defaults: dict[str, Type] = field(default_factory=dict)
-    """The default types of template parameters."""
+    defaults: dict[str, Type | Expression] = field(default_factory=dict)
+    """The defaults of template parameters."""
     derived: tuple[Expression, ...] = ()
     """The bases as expressions, where a statement defines the class."""
     body: Block | None = None
     """What runs when a statement defines the class, except its methods."""
+    pattern: tuple[Type | Expression, ...] = ()
+    """The template arguments that a specialisation is for."""
+
+    @property
+    def inside(self) -> tuple[str, ...]:
+        """The scope of its members."""
+        return (*self.scope, self.name)
 
 
 class Unit:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from kg.symbolic import form
 from kg.symbolic.binding import assign_member, bind, bind_targets, forget_awaited, hand_back, put, unpack, write_back
 from kg.symbolic.containers import counted_by, grown, is_unset
+from kg.symbolic.narrowing import attempt, narrowed
 from kg.symbolic.operators import (
     chosen,
     compute,
@@ -306,7 +307,9 @@ class Machine:
                     return self.run(body, frame)
             terms.append((*negated, *terms_of(holds)))
             with self._under(terms[-1]):
-                written, ended = self._journal.attempt(partial(self.run, body, frame))
+                written, ended = attempt(
+                    self._journal, narrowed(self, condition, frame), frame, partial(self.run, body, frame)
+                )
             sides.append(written)
             ends.append(ended)
             if closed:

@@ -95,8 +95,6 @@ class Parameters:
         if isinstance(default, Enumerator) and default.number is not None:
             default = number(default.number, default.parameter)
         template = call.arguments.template
-        if default == Sequence(()) and template:
-            default = _BEGINNINGS.get(_type(template, None, None), default)
         stated = _stated_type(default)
         if isinstance(default, TypeValue):
             default = None
@@ -107,11 +105,13 @@ class Parameters:
         other = getattr(before, "parameter", None) not in (None, shown)  # the variable has received another parameter
         key = (id(owner) if owner is not None and "of" not in owner.native else None, shown or "")
         current = self._values.get(key) if shown is not None and effect.access is not Access.WRITE else None
-        value = _value(default, current, before, shown)
         kind = stated or _type(template, default, before if not other else None)
         if kind is None:
             declared = call.declared(effect.output, language) or call.declared(effect.default, language)
             kind = ros_type(declared) if declared is not None else next(iter(effect.types), None)
+        if default == Sequence(()):
+            default = _BEGINNINGS.get(kind, default)
+        value = _value(default, current, before, shown)
         if kind == "bool" and isinstance(default, Number | Text):  # an address of a text is true in C++
             default = Truth(not isinstance(default, Number) or default.value != 0, default.parameter)
         descriptor = call.argument(effect.descriptor)
@@ -181,6 +181,8 @@ def listed(effect: Effect, call: Invocation) -> list[list[Value]]:
         given = Sequence((given,)) if given is not None else None
     missing = Unknown("no default")
     rows: list[list[Value]] = []
+    if effect.prefix is not None and effect.prefix == effect.name:
+        rows.append([Text.hole("the code reads all parameters below a prefix"), missing])
     if isinstance(given, Mapping):
         rows += map(list, given.items)
     for item in given.items if isinstance(given, Sequence) else ():

@@ -81,6 +81,14 @@ def test_a_source_folder_with_an_init_file_is_an_import_root(tmp_path: Path) -> 
     assert workspace.module("core", near=near) is None
 
 
+def test_a_source_folder_below_another_one_is_a_root(tmp_path: Path) -> None:
+    """A stray `ros/src/__init__.py` hides no module from the programs of its package."""
+    files = ("a/ros/scripts/n.py", "a/ros/src/__init__.py", "a/ros/src/lib/__init__.py", "a/ros/src/lib/core.py")
+    workspace, name = build(tmp_path, *files)
+    near = FilePath(name, "a/ros/scripts/n.py")
+    assert workspace.module("lib.core", near=near) == (name, "a/ros/src/lib/core.py")
+
+
 def test_relative_module(tmp_path: Path) -> None:
     """Leading dots climb from the folder of the importing file."""
     workspace, name = build(tmp_path, "a/a/__init__.py", "a/a/sub/__init__.py", "a/a/sub/x.py", "a/a/y.py")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from kg.extract.cpp.language import Cpp
     from kg.extract.cpp.units import CppClass
-    from kg.symbolic.form import Function, Parameter
+    from kg.symbolic.form import Class, Function, Parameter
 
 _WITHOUT: Final = frozenset({Text, Number, Truth, Unknown, Sequence, Mapping, TypeValue})
 """Values that are not functions, nor objects with methods."""
@@ -83,9 +83,13 @@ def _elements(value: object) -> Iterator[object]:
         yield value
 
 
-def _calls_methods(language: Cpp, base: Kind) -> bool:
-    """Return whether a base may have virtual methods: no helper of the standard library, nor one that is described."""
-    plain = base.names[0] not in _HELPERS and not base.arguments
+def _calls_methods(language: Cpp, base: Kind, cls: Class | None) -> bool:
+    """Return whether a base of a class may have virtual methods.
+
+    That is no helper of the standard library, no template that gets the class instead, and none that is described.
+    """
+    gets = any(isinstance(one, TypeValue) and one.kind.cls is cls for one in base.arguments)
+    plain = base.names[0] not in _HELPERS and not gets
     return plain and language.machine.framework.descriptions.class_named(base.names) is None
 
 
@@ -131,7 +135,8 @@ class Callbacks:
             if not isinstance(one, Object) or one.kind.cls is None or id(one) in running:
                 continue
             chain, outside = language.chain(one.kind)
-            if not any(_calls_methods(language, base) for base in outside) or language.machine.framework.is_node(one):
+            unread = any(_calls_methods(language, base, one.kind.cls) for base in outside)
+            if not unread or language.machine.framework.is_node(one):
                 continue
             names = [
                 name

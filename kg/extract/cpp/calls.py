@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias, TypeGuard, cast
 from kg.extract.cpp import library
 from kg.extract.cpp.callbacks import closure_frame
 from kg.extract.cpp.kinds import frame_of, inside, this_of
+from kg.extract.cpp.specialising import chosen_functions
 from kg.symbolic import form
 from kg.symbolic.binding import put
 from kg.symbolic.kinds import POINTERS, is_pointer, pointee
@@ -24,6 +25,7 @@ from kg.symbolic.values import (
     Number,
     Object,
     Sequence,
+    Text,
     Truth,
     TypeValue,
     Unknown,
@@ -85,15 +87,13 @@ class Calls:
         this = this_of(frame)
         if not isinstance(this, Object):
             return of
-        written = function.of
-        if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:
+        name = _name_of_member(function.of, frame)
+        if name is None or self._kinds.has_field(this, name) or not self._kinds.chain(this.kind)[1]:
             return of
-        if self._kinds.has_field(this, written.names[0]) or not self._kinds.chain(this.kind)[1]:
-            return of
-        handle = self._language.machine.framework.given(_HANDLE, written.names[0])
+        handle = self._language.machine.framework.given(_HANDLE, name)
         if handle is None:
             return of
-        self._language.machine.write(this.fields, written.names[0], handle)
+        self._language.machine.write(this.fields, name, handle)
         return handle
 
     def value(self, called: Value, given: Arguments) -> Value:
@@ -164,7 +164,7 @@ class Calls:
         if not methods or not frame.scope or frame.scope[-1] == this.kind.name:
             return []
         classes = [cls for cls, _ in self._kinds.chain(this.kind)[0]]
-        at = next((index for index, cls in enumerate(classes) if (*cls.scope, cls.name) == frame.scope), 0)
+        at = next((index for index, cls in enumerate(classes) if cls.inside == frame.scope), 0)
         own = [one for one in methods if one[0].owner not in classes[:at]]
         return own if len(own) < len(methods) and not any(one.virtual for one, _ in own) else []
 
@@ -180,10 +180,12 @@ class Calls:
     def _scoped(self, function: form.Name, this: Value | None, given: Arguments, frame: Frame) -> Value | None:
         """Call a method that is qualified by its class, `Base::method()`; return None for other functions."""
         *outer, last = function.names
-        template = function.template if last in ("create", "make") else ()
+        template = function.outer or (function.template if last in ("create", "make") else ())
         kind = self._kinds.kind(form.Type(tuple(outer), template), frame)
         if not isinstance(kind, Kind):
             return None
+        if function.outer is function.template and kind.cls is not None:
+            given = replace(given, template=())  # `Singleton<T>::instance()`
         if isinstance(this, Object):
             classes, outside = self._kinds.chain(this.kind)
             bound = next((bound for cls, bound in classes if cls is kind.cls), None)
@@ -192,10 +194,6 @@ class Calls:
                 return self._of_base(this, base, last, given)
         if kind.cls is None:
             return None
-        if kind.cls.template and given.template and not kind.arguments:
-            methods = self._language.methods(kind, last)
-            if not any(method.template for method, _ in methods):  # `Singleton<T>::instance()`
-                kind, given = replace(kind, arguments=given.template), replace(given, template=())
         called = self._static(kind, last, given)
         return called if called is not None else self._single(kind, last, given)
 
@@ -228,6 +226,7 @@ class Calls:
             for one in self._linker.find_functions(names, frame.unit, frame.scope)
             if one.owner is None and not _constructs(one)
         ]
+        defined = chosen_functions(self._kinds, defined, given.template)
         matching = [one for one in defined if fits(one, len(given.values))]
         if defined and not matching:
             given = self._with_defaults(defined, self._linker.find_prototypes(names, frame.unit, frame.scope), given)
@@ -251,6 +250,7 @@ class Calls:
             return language.construct(kind, given.values, frame, given.line)
         self._leave(given, last)
         language.hand_node(names, given.values)
+        language.hand_parameters(names, given.values)
         for prototype in self._linker.find_prototypes(names, frame.unit, frame.scope)[:1]:
             if prototype.returns is not None:
                 return labelled(language.unknown(prototype.returns, frame_of(prototype), last), last, given.values)
@@ -275,7 +275,7 @@ class Calls:
     def _leave(self, given: Arguments, function: str) -> None:
         """Pass arguments to code that is not run: it can call functions, write by address, and fill empty containers.
 
-        Texts keep the value that they have, as the default of an option usually is what counts.
+        Texts that are not empty keep their value, as the default of an option usually is what counts.
         """
         self._language.escape(given.values)
         self._language.hand_over(given.values)
@@ -287,6 +287,8 @@ class Calls:
                 put(self._language.machine, written, outside(function, []), given.frame)
             elif isinstance(written, form.Name | form.Member) and _is_empty(value):
                 put(self._language.machine, written, replace(value, open=True), given.frame)
+            elif isinstance(written, form.Name | form.Member) and _is_empty_text(value):
+                put(self._language.machine, written, replace(value, unsure=True), given.frame)
 
     # Methods
 
@@ -373,7 +375,11 @@ class Calls:
 
     def _fitting(self, kind: Kind, name: str, given: Arguments) -> list[Overload]:
         """Return the methods of a name that can take the arguments of a call."""
-        return [method for method in self._language.methods(kind, name) if fits(method[0], len(given.values))]
+        fitting = [method for method in self._language.methods(kind, name) if fits(method[0], len(given.values))]
+        if not any(method.pattern for method, _ in fitting):
+            return fitting
+        chosen = chosen_functions(self._kinds, [method for method, _ in fitting], given.template)
+        return [one for one in fitting if one[0] in chosen]
 
     def _invoke(self, overloads: list[Overload], given: Arguments, this: Object | None = None) -> Value:
         """Run the best overload of a function."""
@@ -400,6 +406,19 @@ class Calls:
 
 def _is_empty(value: Value) -> TypeGuard[Sequence | Mapping]:
     return isinstance(value, Sequence | Mapping) and not value.items and not value.open and value.parameter is None
+
+
+def _name_of_member(written: Expression, frame: Frame) -> str | None:
+    """Return the name in `this->name`, and in `name` if it is no local variable; None for other expressions."""
+    if isinstance(written, form.Member):
+        return written.name if isinstance(written.of, form.Name) and written.of.names == ("this",) else None
+    if not isinstance(written, form.Name) or len(written.names) > 1 or frame.holder(written.names[0]) is not None:
+        return None
+    return written.names[0]
+
+
+def _is_empty_text(value: Value) -> TypeGuard[Text]:
+    return isinstance(value, Text) and value.exact == "" and value.parameter is None
 
 
 def _supported(kind: str, written: tuple[Expression, ...]) -> Value:

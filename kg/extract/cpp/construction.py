@@ -136,7 +136,7 @@ class Constructions:
             return
         bound = self._kinds.bound(cls, kind.arguments)
         own = inside(cls, bound, this)
-        constructors = self._language.linker.methods(cls).get(cls.name, ())
+        constructors = self._kinds.own_methods(cls, bound, self._language.linker.methods(cls).get(cls.name, []))
         candidates = [(f, bound) for f in constructors if fits(f, len(arguments)) and f not in without]
         if not candidates:
             self._aggregate(this, cls, own, arguments, listed=listed)

@@ -101,20 +101,22 @@ class Expressions:
             if part.name:
                 names.append(part.name)
             outer = outer or arguments
-            arguments = self._template(part.template)
+            arguments = self.template(part.template)
         if node is not None and node.type == "type_descriptor":
             declarator = node.child_by_field_name("declarator")
             kind = declarator.type if declarator is not None else ""
             if kind == "abstract_function_declarator":
                 return self._function(declarator)
             reference, pointer = reference or "reference" in kind, pointer or "pointer" in kind
+            constant = constant or any(child.type == "type_qualifier" for child in node.named_children)
         return Type(tuple(names), arguments, outer if arguments is not outer else (), reference, pointer, constant)
 
     def _function(self, declarator: Node | None) -> Type:
         """Return the type of a function, whose arguments are the types of its parameters."""
         return Type(("()",), tuple(p.type for p in self.parameters(declarator) if p.type is not None))
 
-    def _template(self, node: Node | None) -> tuple[Type | Expression, ...]:
+    def template(self, node: Node | None) -> tuple[Type | Expression, ...]:
+        """Return the forms of a list of template arguments."""
         if node is None:
             return ()
         return tuple(
@@ -194,11 +196,13 @@ class Expressions:
     def _name(self, node: Node) -> Expression:
         parts = syntax.parts(node)
         written = next((part.template for part in reversed(parts) if part.template is not None), None)
-        template = self._template(written)
+        template = self.template(written)
+        around = next((part.template for part in reversed(parts[:-1]) if part.template is not None), None)
+        outer = template if around is written else self.template(around)
         names = tuple(part.name for part in parts if part.name)
         if len(names) == 1 and node.type == "qualified_identifier":
             names = ("", *names)  # `::name`
-        return Name(line_of(node), names, template) if names else self._opaque(node)
+        return Name(line_of(node), names, template, outer) if names else self._opaque(node)
 
     def _number(self, node: Node) -> Expression:
         written = syntax.text(node)
@@ -271,7 +275,7 @@ class Expressions:
         if of is None or named is None:
             return self._opaque(node)
         last = syntax.parts(named)[-1]
-        return Member(line_of(named), self.expression(of), last.name, self._template(last.template))
+        return Member(line_of(named), self.expression(of), last.name, self.template(last.template))
 
     def _new(self, node: Node) -> Expression:
         kind = self.type(node.child_by_field_name("type"))

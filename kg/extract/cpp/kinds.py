@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.cpp import library
+from kg.extract.cpp.specialising import UNKNOWN, choose, chosen_class, chosen_methods, mentions
 from kg.symbolic import form
 from kg.symbolic.kinds import POINTER, POINTER_ALIASES, POINTER_NAME, POINTERS, pointee
 from kg.symbolic.messages import GENERATED
@@ -12,9 +14,10 @@ from kg.symbolic.state import Frame
 from kg.symbolic.values import Kind, Object, Pack, Truth, TypeValue, Unknown, Value
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from kg.extract.cpp.language import Cpp
+    from kg.extract.cpp.linking import Alias, Variable
     from kg.extract.cpp.units import CppUnit
     from kg.symbolic.form import Class, Expression, Function, Type, Unit
 
@@ -25,6 +28,9 @@ _PLAIN: Final = library.NUMBERS | library.TEXTS | {"bool"}
 _VALUES: Final = frozenset({"ParameterValue"})
 """Classes whose objects have the type of the value that they hold."""
 _MOST_BASES: Final = 40
+_MOST_CHOICES: Final = 3
+"""How many choices of specialisations may depend on each other."""
+_PAIR: Final = 2
 _WEIGHT: Final = 6
 """How much of the depth the search in the outer type of a name takes."""
 
@@ -41,7 +47,7 @@ def this_of(frame: Frame) -> Value | None:
 
 def inside(cls: Class, types: dict[str, Value] | None = None, this: Object | None = None) -> Frame:
     """Return a frame in the body of a class, outside of its methods."""
-    return Frame(cls.unit, (*cls.scope, cls.name), this, types=types if types is not None else {})
+    return Frame(cls.unit, cls.inside, this, types=types if types is not None else {})
 
 
 def frame_of(function: Function, types: Mapping[str, Value] | None = None, this: Object | None = None) -> Frame:
@@ -60,9 +66,11 @@ class Kinds:
         self._language = language
         self._linker = language.linker
         self._meanings: dict[tuple[object, ...], Kind | Value] = {}
+        self._choices = 0
         """Types by names, template arguments, file, scope and depth of the search."""
         self._plain: dict[tuple[int, Unit, tuple[str, ...], int], tuple[Type, Kind | Value]] = {}
         """The types that mean the same in all frames of a file and scope, by the identity of what is written."""
+        self._own_aliases: dict[tuple[str, Unit, tuple[str, ...]], Alias | None] = {}
         self._chains: dict[object, tuple[list[tuple[Class, dict[str, Value]]], list[Kind]]] = {}
         self._methods: dict[object, dict[str, list[tuple[Function, dict[str, Value]]]]] = {}
 
@@ -89,7 +97,7 @@ class Kinds:
                 return declared if len(names) == 1 else self._nested(declared, names[1:], (), depth)
         bound = frame.bound_type(names[0])
         written = kind.arguments or (kind.outer if names[-1] in POINTER_ALIASES else ())
-        arguments = tuple([self._argument(argument, frame) for argument in written]) if written else ()
+        arguments = self.template(written, frame) if written else ()
         if bound is not None:
             if len(names) == 1:
                 return bound.kind if isinstance(bound, TypeValue) else bound
@@ -99,12 +107,54 @@ class Kinds:
             computed = self._computed(names, arguments)
             if computed is not None:
                 return computed
+        own = self._of_template(kind, names, arguments, frame, depth)
+        if own is not None:
+            return own
         key = (names, arguments, frame.unit, frame.scope, depth)
         resolved = self._meanings.get(key)
         if resolved is None:
             self._meanings[key] = Kind(names, arguments)  # before it is resolved, since an alias can name itself
             resolved = self._meanings[key] = self._named(names, arguments, frame.unit, frame.scope, depth)
-        return _with_types(resolved, frame) if isinstance(resolved, Kind) and resolved.arguments else resolved
+        return self._with_types(resolved, frame) if isinstance(resolved, Kind) and resolved.arguments else resolved
+
+    def _of_template(
+        self, kind: Type, names: tuple[str, ...], arguments: tuple[Value, ...], frame: Frame, depth: int
+    ) -> Kind | Value | None:
+        """Return the type that a member of an instance of a template, or a name in its body, means; None for others."""
+        if len(names) == 1:
+            alias = self._own_alias(names, frame) if frame.templated else None
+            if alias is None:
+                return None
+            types = {name: value for one in reversed([*frame.outward()]) for name, value in one.types.items()}
+            if not mentions(alias[1], tuple(types)):
+                return None
+            return self.kind(alias[1], Frame(alias[3], alias[0], types=types), depth + 1)
+        if kind.outer and names[-1] not in POINTER_ALIASES:
+            owner = self.kind(form.Type(names[:-1], kind.outer), frame, depth + 1)
+        elif frame.templated and len(names) == _PAIR:
+            owner = self._of_template(kind, names[:1], (), frame, depth + 1) or Unknown("")
+        else:
+            return None
+        if not isinstance(owner, Kind):
+            return None
+        if owner.cls is None:
+            known = self._linker.find_class(owner.names, frame.unit, frame.scope)
+            return UNKNOWN if known is not None else None
+        for cls, bound in self.chain(owner)[0]:
+            alias = self._linker.find_alias(names[-1:], cls.unit, cls.inside)
+            if alias is not None and alias[0] == cls.inside:
+                types = bound | dict(zip(alias[2], arguments, strict=False))
+                return self.kind(alias[1], Frame(alias[3], alias[0], types=types), depth + 1)
+        return None
+
+    def _own_alias(self, names: tuple[str, ...], frame: Frame) -> Alias | None:
+        """Return the meaning of a name that a class around a frame gives it without parameters of its own."""
+        key = (names[0], frame.unit, frame.scope)
+        if key not in self._own_aliases:
+            alias = self._linker.find_alias(names, frame.unit, frame.scope)
+            own = alias is not None and alias[0] and frame.scope[: len(alias[0])] == alias[0] and not alias[2]
+            self._own_aliases[key] = alias if own else None
+        return self._own_aliases[key]
 
     def kind_of(self, kind: Type | None, frame: Frame) -> Kind | None:
         """Return the type of a declaration, without pointers; None if it has none."""
@@ -151,7 +201,7 @@ class Kinds:
         if cls is not None:
             # The classes of messages in headers that rosserial generated are as those that are generated elsewhere.
             elsewhere = _ROSSERIAL in cast("CppUnit", cls.unit).includes
-            return Kind((*cls.scope, cls.name), arguments, None if elsewhere else cls)
+            return Kind((*cls.scope, cls.name), arguments) if elsewhere else self.instance(cls, arguments)
         stem = POINTER_NAME.sub("", names[-1])
         pointed = self._linker.find_class((*names[:-1], stem), unit, scope) if stem and stem != names[-1] else None
         if pointed is not None:
@@ -174,8 +224,7 @@ class Kinds:
     def _nested(self, kind: Kind, names: tuple[str, ...], arguments: tuple[Value, ...], depth: int) -> Kind | Value:
         """Return the type that a name means in a class."""
         if kind.cls is not None:
-            scope = (*kind.cls.scope, kind.cls.name)
-            nested = self._named(names, arguments, kind.cls.unit, scope, depth + 1)
+            nested = self._named(names, arguments, kind.cls.unit, kind.cls.inside, depth + 1)
             if isinstance(nested, Kind) and nested.names != names:
                 return nested
             if names[-1] in POINTER_ALIASES:
@@ -201,28 +250,58 @@ class Kinds:
 
     # Template parameters
 
+    def _with_types(self, kind: Kind, frame: Frame) -> Kind:
+        """Return a type that an alias of a class gives, with the values of the class's template parameters."""
+        arguments = tuple(
+            (frame.bound_type(one.kind.names[0]) or one)
+            if isinstance(one, TypeValue) and one.kind.cls is None and len(one.kind.names) == 1
+            else one
+            for one in kind.arguments
+        )
+        if arguments == kind.arguments:
+            return kind
+        cls = kind.cls or self._linker.find_class(kind.names, frame.unit, frame.scope)
+        return self.instance(cls, arguments) if cls is not None else Kind(kind.names, arguments)
+
     def _argument(self, argument: Type | Expression, frame: Frame) -> Value:
         if isinstance(argument, form.Type):
             value = _as_value(self.kind(argument, frame, 1))
             return TypeValue(Kind((POINTER,), (value,))) if argument.pointer and isinstance(value, TypeValue) else value
         return self._language.machine.value(argument, frame)
 
+    def instance(self, cls: Class, arguments: tuple[Value, ...]) -> Kind:
+        """Return a class with template arguments, or the specialisation that they choose, with its own parameters.
+
+        If that depends on an argument that is not known, the class is not known.
+        """
+        names = (*cls.scope, cls.name)
+        general, special = self._linker.family(cls) if arguments and (cls.template or cls.pattern) else (cls, [])
+        if not special:
+            return Kind(names, arguments, cls)
+        given = _flat(self.bound(general, arguments).values()) if general is not None else arguments
+        found = chosen_class(self, general, special, given)
+        if found is None:
+            return Kind(names, arguments, general)
+        if isinstance(found, Unknown):
+            return Kind(names, arguments, special[0] if general is None and len(special) == 1 else None)
+        chosen, bound = found
+        own = _flat(bound[name] for name in chosen.template if name in bound) if chosen.template else arguments
+        return Kind(names, own, chosen)
+
     def template(self, arguments: tuple[Type | Expression, ...], frame: Frame) -> tuple[Value, ...]:
         """Return the values of template arguments."""
-        values: list[Value] = []
-        for argument in arguments:
-            value = self._argument(argument, frame)
-            values += value.items if isinstance(value, Pack) else (value,)
-        return tuple(values)
+        return _flat(self._argument(argument, frame) for argument in arguments)
 
     def bound(self, cls: Class, arguments: tuple[Value, ...]) -> dict[str, Value]:
         """Return the values of the template parameters of a class."""
         bound = dict(zip(cls.template, arguments, strict=False))
         if len(arguments) > len(cls.template) > 0:  # the last parameter is a pack
             bound[cls.template[-1]] = Pack(arguments[len(cls.template) - 1 :])
+        elif cls.pattern and len(arguments) < len(cls.template):
+            bound[cls.template[-1]] = Pack(())
         for name, default in cls.defaults.items():
             if name not in bound:
-                bound[name] = _as_value(self.kind(default, Frame(cls.unit, cls.scope, types=bound)))
+                bound[name] = self._argument(default, Frame(cls.unit, cls.scope, types=bound))
         return bound
 
     def bind_template(
@@ -233,19 +312,22 @@ class Kinds:
         written: tuple[Expression, ...] = (),
         caller: Frame | None = None,
     ) -> None:
-        """Bind the template parameters of a function, in its frame, that the types of its arguments determine."""
+        """Bind the template parameters of a function, in its frame, by its arguments and their own defaults."""
         for index, (parameter, argument) in enumerate(zip(function.parameters, arguments, strict=False)):
             kind = parameter.type
             if kind is None or not function.template:
                 continue
             inner = kind.arguments[0] if kind.name in POINTERS and kind.arguments else kind
-            if not isinstance(inner, form.Type) or not _mentions(inner, function.template):
+            if not isinstance(inner, form.Type) or not mentions(inner, function.template):
                 continue
             deduced = library.type_of(argument)
             if (deduced is None or inner.arguments) and caller is not None and index < len(written):
                 deduced = self.type_of(written[index], caller) or deduced
             if deduced is not None:
                 _unify(inner, deduced, function.template, frame.types)
+        for name, default in function.defaults.items() if function.template else ():
+            if name not in frame.types:
+                frame.types[name] = self._argument(default, Frame(function.unit, function.scope, types=frame.types))
 
     # Classes
 
@@ -293,6 +375,30 @@ class Kinds:
         if same or kinds[0].names in {one.names for one in (kinds[1], *outside)}:
             return Truth(kinds[0].names == kinds[1].names or not same)
         return Truth(any(cls is kinds[0].cls for cls, _ in classes))
+
+    @contextmanager
+    def choosing(self) -> Iterator[bool]:
+        """Yield whether a specialisation can be chosen here: what one is for may depend on others, without end."""
+        self._choices += 1
+        try:
+            yield self._choices <= _MOST_CHOICES
+        finally:
+            self._choices -= 1
+
+    def own_methods(self, cls: Class, bound: Mapping[str, Value], methods: list[Function]) -> list[Function]:
+        """Return those of some methods of a class that its template arguments choose."""
+        return chosen_methods(self, methods, _flat(bound[name] for name in cls.template if name in bound))
+
+    def own_variable(self, kind: Kind, name: str) -> Variable | None:
+        """Return the definition of a static member outside of a class, for all or for its template arguments."""
+        cls = cast("Class", kind.cls)
+        found = self._linker.find_variable((cls.inside[-1], name), cls.unit, cls.scope)
+        if found is not None or not cls.template or not kind.arguments:
+            return found
+        listed = self._linker.special_variables(cls, name)
+        special = ((one, one[1].written(one[2][-1]).arguments, (), Frame(one[1], one[2])) for one in listed)
+        chosen = choose(self, special, kind.arguments)
+        return chosen[0] if isinstance(chosen, tuple) else None
 
     def has_field(self, of: Object, name: str) -> bool:
         """Return whether an object has a field of a name."""
@@ -349,15 +455,9 @@ def _pointer(to: Kind) -> Kind:
     return Kind(("std", "shared_ptr"), (TypeValue(to),))
 
 
-def _with_types(kind: Kind, frame: Frame) -> Kind:
-    """Return a type that an alias of a class gives, with the values of the class's template parameters."""
-    arguments = tuple(
-        (frame.bound_type(one.kind.names[0]) or one)
-        if isinstance(one, TypeValue) and one.kind.cls is None and len(one.kind.names) == 1
-        else one
-        for one in kind.arguments
-    )
-    return kind if arguments == kind.arguments else Kind(kind.names, arguments, kind.cls)
+def _flat(values: Iterable[Value]) -> tuple[Value, ...]:
+    """Return template arguments with those of packs in their place."""
+    return tuple([one for value in values for one in (value.items if isinstance(value, Pack) else (value,))])
 
 
 def _as_value(resolved: Kind | Value) -> Value:
@@ -369,13 +469,6 @@ def _is_plain(kind: Type) -> bool:
     arguments = (*kind.arguments, *kind.outer)
     return not any(name.startswith("decltype(") for name in kind.names) and all(
         isinstance(one, form.Type) and _is_plain(one) for one in arguments
-    )
-
-
-def _mentions(kind: Type, names: tuple[str, ...]) -> bool:
-    """Return whether a type mentions a template parameter."""
-    return bool(kind.names and kind.names[0] in names) or any(
-        isinstance(a, form.Type) and _mentions(a, names) for a in kind.arguments
     )
 
 

@@ -12,9 +12,11 @@ from kg.extract.cpp.callbacks import Callbacks
 from kg.extract.cpp.calls import Calls, Overload
 from kg.extract.cpp.construction import Constructions
 from kg.extract.cpp.copies import Copies
+from kg.extract.cpp.formats import MANIPULATORS, formatted, streamed
 from kg.extract.cpp.kinds import Kinds, inside, this_of
 from kg.extract.cpp.macros import calls_in
 from kg.extract.cpp.project import COVERED
+from kg.extract.cpp.specialising import UNKNOWN
 from kg.symbolic import form
 from kg.symbolic.containers import counted, element, elements, key_of, with_element
 from kg.symbolic.spelling import spelled
@@ -34,7 +36,6 @@ from kg.symbolic.values import (
     TypeValue,
     Unknown,
     Value,
-    concatenate,
     join,
 )
 
@@ -48,6 +49,10 @@ if TYPE_CHECKING:
 
 _PLACEHOLDER: Final = re.compile(r"_[1-9]")
 _RELATIONS: Final = frozenset({"is_same", "is_same_v", "is_base_of", "is_base_of_v"})
+_READER: Final = re.compile(
+    r"(?i:load|get|read|fetch|from|retrieve).*(?:R(?:os|OS)(?:N(?:s|amespace)|Param\w*)?\Z|[pP]aram(?:eter)?s?(?![a-z]))"
+)
+"""The names of functions that read parameters: `loadFromRosNs`, `getParams`."""
 _PAIR: Final = ("first", "second")
 _STORED: Final = frozenset({Either, Object, Text, Number, Sequence})
 """Values that a variable may hold in another form."""
@@ -138,7 +143,9 @@ class Cpp:
         resolved = self.kinds.kind(form.Type(names, expression.template), frame)
         if isinstance(resolved, Kind) and (resolved.cls is not None or resolved.names != names):
             return TypeValue(resolved)
-        return library.CONSTANTS.get(last) or Unknown(f"{'::'.join(names)} {OUTSIDE}")
+        standard = names[:-1] == ("std",) or (len(names) == 1 and ("std",) in frame.unit.uses)
+        known = library.CONSTANTS.get(last) or (MANIPULATORS.get(last) if standard else None)
+        return known or Unknown(f"{'::'.join(names)} {OUTSIDE}")
 
     def _of_message(self, names: tuple[str, ...], frame: Frame) -> Value | None:
         """Return a constant of a message by its name; None if it is none."""
@@ -198,10 +205,12 @@ class Cpp:
             return None
         cls = outer.cls
         methods = self.declarations(outer, names[-1])
-        if cls.template and not any(function.template for function, _ in methods):
+        if (cls.template or cls.pattern) and not any(function.template for function, _ in methods):
             # `A<T>::member`, or `A::member` in a method of `A<T>`.
-            outer = replace(outer, arguments=template) if template else self._instance(outer, frame)
+            outer = self.kinds.instance(cls, template) if template else self._instance(outer, frame)
             template = ()
+            if outer.cls is None:
+                return UNKNOWN
         for owner, bound in self.chain(outer)[0]:
             declared = owner.fields.get(names[-1])
             if declared is not None and declared.value is not None and not declared.static:
@@ -209,7 +218,7 @@ class Cpp:
             holder = self._shared(owner, names[-1], bound)
             if holder is not None:
                 return library.as_constant(holder[names[-1]])
-        variable = self.linker.find_variable(names[-2:], cls.unit, cls.scope)
+        variable = self.kinds.own_variable(outer, names[-1])
         if variable is not None:
             return self._global(variable, names[-1])
         return Bound(names[-1], outer, template=template) if methods else None
@@ -284,6 +293,12 @@ class Cpp:
         if not COVERED.issuperset(names[:1]):
             self.machine.framework.leave(names, arguments)
 
+    def hand_parameters(self, names: tuple[str, ...], arguments: list[Value]) -> None:
+        """Record a call of code outside of the sources that reads parameters, as all code may do with roscpp."""
+        project = self.linker.project
+        if project.ros == 1 and arguments and not COVERED.issuperset(names[:1]) and _READER.search(names[-1]):
+            self.machine.framework.left(names, None, "and reads parameters")
+
     def assign_name(self, target: form.Name, value: Value, frame: Frame) -> None:
         """Assign a value to a member of the object that runs, or to a variable at namespace scope."""
         this, names, last = this_of(frame), target.names, target.names[-1]
@@ -301,6 +316,8 @@ class Cpp:
         holder = next((one for cls, bound in classes if (one := self._shared(cls, last, bound)) is not None), None)
         if holder is not None or own is not None:
             self.machine.write(holder if holder is not None else cast("Object", own).fields, last, value)
+        elif isinstance(this, Object) and self.chain(this.kind)[1]:
+            self.hand_over([value])  # the variable may be one of a base that is not in the sources
 
     # Members
 
@@ -333,7 +350,7 @@ class Cpp:
         if holder is not None:
             return holder[name]
         if declared.static:
-            variable = self.linker.find_variable((cls.name, name), cls.unit, cls.scope)
+            variable = self.linker.find_variable((cls.inside[-1], name), cls.unit, cls.scope)
             if variable is not None:
                 return self._global(variable, name)
         if not of.created:
@@ -345,7 +362,11 @@ class Cpp:
         cached = self.kinds.methods_of(kind)
         if name not in cached:
             methods = self.linker.methods
-            cached[name] = [(one, bound) for cls, bound in self.chain(kind)[0] for one in methods(cls).get(name, ())]
+            cached[name] = [
+                (one, bound)
+                for cls, bound in self.chain(kind)[0]
+                for one in self.kinds.own_methods(cls, bound, methods(cls).get(name, []))
+            ]
         return cached[name]
 
     def declarations(self, kind: Kind, name: str) -> list[Overload]:
@@ -433,7 +454,7 @@ class Cpp:
             kind = self.kinds.type_of(target, frame)
             return library.stored(kind, value) if kind is not None else value
         if isinstance(value, Sequence):
-            declared = self.kinds.declared_type(target, frame)
+            declared = self.kinds.written_type(target, frame)
             if declared is not None:
                 return self.converted(value, declared[0], written, declared[1])
         return value
@@ -450,16 +471,16 @@ class Cpp:
     def formatted(self, row: tuple[Value, ...]) -> Value:
         """Return the result of `%` between a format and values."""
         pattern, *values = row
-        return library.formatted(
-            pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values
-        )
+        return formatted(pattern.native.get("format", pattern) if isinstance(pattern, Object) else pattern, values)
 
     def shifted(self, values: list[Value]) -> Value | None:
         """Return a stream after texts were written to it; None if `<<` shifts bits."""
         first = values[0]
         if isinstance(first, Object) and first.kind.name in library.STREAMS:
-            text = concatenate(first.native.get("text", Text.of("")), *values[1:])
+            text, manner = streamed(first, values[1:])
             self.machine.write(first.native, "text", text)
+            if manner.items or "manner" in first.native:
+                self.machine.write(first.native, "manner", manner)
         return None if isinstance(first, Number) else first
 
 

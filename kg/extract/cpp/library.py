@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.cpp import tokens
+from kg.extract.cpp.formats import WITH_ARGUMENT, formatted, manipulator
 from kg.facts import Resolution
 from kg.holes import label_of
 from kg.symbolic import form
@@ -39,7 +40,6 @@ from kg.symbolic.values import (
     Value,
     alternatives,
     as_text,
-    combinations,
     concatenate,
     join,
     number,
@@ -118,6 +118,8 @@ _CASES: Final[dict[str, Callable[[str], str]]] = {"to_lower_copy": str.lower, "t
 _CLEARED: Final[dict[type, Value]] = {Sequence: Sequence(()), Mapping: Mapping(()), Text: Text.of("")}
 _ENDS: Final = {"front": 0, "back": -1, "top": -1}
 _PAIR: Final = 2
+_PAIRS: Final = ("pair", "tuple")
+_PLAIN: Final = NUMBERS | TEXTS | {"bool"}
 _RANGE: Final = 3
 """How many arguments `insert(position, begin, end)` has."""
 _MOST_ITEMS: Final = 64
@@ -141,8 +143,6 @@ _BINDERS: Final = frozenset({"bind", "bind_front", "mem_fn"})
 _PACKERS: Final = frozenset({"make_pair", "make_tuple", "tie", "forward_as_tuple"})
 _OUTPUT: Final = 2
 """The argument of `removeROSArgs` that receives the arguments that are left."""
-_PRINTF: Final = re.compile(r"%[-+ #0]*\d*(?:\.\d+)?(?:hh|h|ll|l|z|j|t)?[a-zA-Z]|%\d+%|%%")
-_BRACES: Final = re.compile(r"\{[^{}]*\}")
 
 
 def as_constant(value: Value) -> Value:
@@ -227,7 +227,8 @@ def construct(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool
     if name in NUMBERS or name in ("bool", "char", "auto", "byte", "function"):
         if arguments:
             return join(*(stored(kind, item) for item in alternatives(arguments[0])))
-        return Unknown("it is given no value in the code that was run")
+        begin = zero(kind) if listed else None
+        return begin if begin is not None else Unknown("it is given no value in the code that was run")
     if name in ("thread", "jthread"):
         bound = isinstance(arguments[1:] and arguments[0], Closure | Bound)
         language.escape([_bind(arguments)] if bound else arguments)
@@ -261,7 +262,7 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
     if first is not None and len(arguments) == 1:
         if not listed and isinstance(first, (Sequence, Text, Unknown)):
             return first
-        if listed and isinstance(first, Sequence) and kind.name not in ("pair", "tuple"):
+        if listed and isinstance(first, Sequence) and kind.name not in _PAIRS:
             inner = kind.arguments[0] if kind.arguments else None
             if not (isinstance(inner, TypeValue) and (inner.kind.name in LISTS or inner.kind.cls is not None)):
                 return first
@@ -274,7 +275,8 @@ def _list(language: Cpp, kind: Kind, arguments: list[Value], *, listed: bool) ->
             return first if isinstance(first, Sequence) else Sequence((arguments[1],), open=True)
         if isinstance(first, Number) and kind.name == "vector":
             return Sequence((), open=True)
-    return Sequence(tuple(_typed(language, kind, item) for item in arguments))
+    paired = kind.name in _PAIRS
+    return Sequence(tuple(_typed(language, kind, item, at if paired else 0) for at, item in enumerate(arguments)))
 
 
 def _map(language: Cpp, kind: Kind, items: list[Value]) -> Value:
@@ -290,8 +292,11 @@ def _map(language: Cpp, kind: Kind, items: list[Value]) -> Value:
 
 
 def _typed(language: Cpp, kind: Kind, item: Value, index: int = 0) -> Value:
+    """Return an element in braces as a container with elements of some types holds it."""
     inner = kind.arguments[index] if len(kind.arguments) > index else None
-    if isinstance(inner, TypeValue) and inner.kind.cls is not None and isinstance(item, Sequence):
+    if not isinstance(inner, TypeValue) or not isinstance(item, Sequence):
+        return item
+    if inner.kind.cls is not None or inner.kind.name in _PAIRS or (not item.items and inner.kind.name in _PLAIN):
         return language.construct(inner.kind, list(item.items), None, 0, listed=True)
     return item
 
@@ -312,6 +317,8 @@ def call(language: Cpp, names: tuple[str, ...], given: Arguments) -> Value | Non
         return _limit(name, given.template)
     if not values:
         return None
+    if name in WITH_ARGUMENT:
+        return manipulator(name, values)
     if name in _SAME:
         return values[0] if len(values) == 1 else Pack(tuple(values))
     if name in _BINDERS:
@@ -678,23 +685,3 @@ def _slice(text: Text, bounds: list[Value]) -> Value:
         return Text.hole(_CUT, parameter=text.parameter)
     end = numbers[0] + numbers[1] if len(numbers) > 1 else None
     return replace(text, parts=(text.exact[numbers[0] : end],))
-
-
-def formatted(pattern: Value, values: list[Value]) -> Value:
-    """Return `fmt::format`, `boost::format` or `printf`-like formatting of texts."""
-    if isinstance(pattern, Either) or any(isinstance(value, Either) for value in values):
-        return join(*(formatted(row[0], list(row[1:])) for row in combinations((pattern, *values))))
-    if not isinstance(pattern, Text) or pattern.exact is None:
-        return Text.hole("the format is not known")
-    regular = _BRACES if _BRACES.search(pattern.exact) else _PRINTF
-    pieces: list[Value] = []
-    position, left = 0, iter(values)
-    for match in regular.finditer(pattern.exact):
-        pieces.append(Text.of(pattern.exact[position : match.start()]))
-        position = match.end()
-        if match.group() == "%%":
-            pieces.append(Text.of("%"))
-            continue
-        pieces.append(next(left, Text.hole("a value is put in at run time")))
-    pieces.append(Text.of(pattern.exact[position:]))
-    return concatenate(*pieces)

@@ -6,6 +6,7 @@ import re
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any, Final, TypeAlias, TypeVar, cast
 
+from kg.extract.cpp.specialising import same_text
 from kg.symbolic.kinds import POINTER_NAME
 from kg.symbolic.values import Enumerator
 
@@ -15,14 +16,14 @@ if TYPE_CHECKING:
     from kg.corpus.files import FilePath
     from kg.extract.cpp.macros import Macro
     from kg.extract.cpp.project import Project
-    from kg.extract.cpp.units import CppUnit
+    from kg.extract.cpp.units import CppFunction, CppUnit
     from kg.symbolic.form import Class, Declare, Function, Type, Unit
 
 _Item = TypeVar("_Item")
 _Scope: TypeAlias = tuple[str, ...]
 Variable: TypeAlias = "tuple[Declare, CppUnit, _Scope]"
 """The declaration of a variable, with its file and scope."""
-_Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
+Alias: TypeAlias = "tuple[_Scope, Type, _Scope, CppUnit]"
 """Another name of a type: its scope, the type, the template parameters, and the file."""
 _IMPLEMENTATION: Final = re.compile(r"(?:^|[/_-])(?:impl|inl|implementation)[/_.-]|\.(?:tpp|ipp|txx|inl|hxx)$")
 """The paths of files with the bodies of templates."""
@@ -52,6 +53,8 @@ class Linker:
         self._generated: dict[tuple[str, Unit], _Scope | None] = {}
         self._macros: dict[tuple[str, Unit], Macro | None] = {}
         self._defined: set[tuple[object, ...]] = set()
+        self._special: dict[tuple[_Scope, str], tuple[int, tuple[Class | None, list[Class]]]] = {}
+        """Templates and their specialisations, with the number of files of which that is true."""
         for file in files:
             self.load(file)
 
@@ -73,9 +76,28 @@ class Linker:
     # Names
 
     def find_class(self, names: _Scope, unit: Unit, scope: _Scope) -> Class | None:
-        """Return the class that a qualified name means in a scope of a file."""
+        """Return the class that a qualified name means in a scope of a file, of specialisations the one around it."""
         classes = self._named("class", _classes, names, unit, scope)
+        if len(classes) > 1:
+            around = (one for one in classes if one.pattern and one.inside == scope[: len(one.inside)])
+            general = (one for one in classes if not one.pattern)
+            return next(around, None) or next(general, None) or classes[0]
         return classes[0] if classes else None
+
+    def family(self, cls: Class) -> tuple[Class | None, list[Class]]:
+        """Return a class template, None if it has no body, and its specialisations in all files of the program."""
+        key = (cls.scope, cls.name)
+        cached = self._special.get(key)
+        if cached is None or cached[0] != len(self.units):
+            own = cast("CppUnit", cls.unit)
+            units = dict.fromkeys(self.project.holding(own, "class", cls.name))
+            for unit in self.units.values():
+                units |= dict.fromkeys(self.project.holding(unit, "class", cls.name))
+            listed = (one for unit in units for one in unit.classes.get(cls.name, ()))
+            family = [one for one in listed if one.scope == cls.scope]
+            general = next((one for one in family if not one.pattern), None)
+            cached = self._special[key] = (len(self.units), (general, [one for one in family if one.pattern]))
+        return cached[1]
 
     def find_functions(self, names: _Scope, unit: Unit, scope: _Scope) -> list[Function]:
         """Return the functions, all overloads, that a qualified name means in a scope of a file."""
@@ -97,7 +119,7 @@ class Linker:
         """Return the declarations without body that a qualified name means."""
         return self._named("prototype", _prototypes, names, unit, scope)
 
-    def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> _Alias | None:
+    def find_alias(self, names: _Scope, unit: Unit, scope: _Scope) -> Alias | None:
         """Return the meaning of the name of a type that `using` or `typedef` declares."""
         aliases = self._named("alias", _aliases, names, unit, scope)
         return aliases[0] if aliases else None
@@ -113,6 +135,12 @@ class Linker:
         valued = (one for one in variables if one[0].value is not None)
         defined = (one for one in variables if one[0].name not in one[1].external)
         return next(valued, None) or next(defined, None) or (variables[0] if variables else None)
+
+    def special_variables(self, cls: Class, name: str) -> list[Variable]:
+        """Return the definitions of a static member of a class template for some template arguments."""
+        scope, begin = cls.scope, f"{cls.name}<"
+        named = (two for one in self._holding(cls.unit, "variable", name) for two in _variables(one, name))
+        return [one for at, one in named if at and at[:-1] == scope and at[-1].startswith(begin)]
 
     def find_macro(self, name: str, unit: Unit, line: int) -> Macro | None:
         """Return a macro that is visible at a line of a file."""
@@ -189,7 +217,7 @@ class Linker:
         cached = self._meanings.get(key)
         if cached is not None:
             return cached
-        near = self._holding(unit, kind, names[-1]) if names else ()
+        near = self._holding(unit, kind, names[-1].partition("<")[0]) if names else ()
         if not near:
             return []
         meanings = self._meanings
@@ -249,14 +277,21 @@ class Linker:
             self.load(file)
         inside = (*cls.scope, cls.name)
         own = cast("CppUnit", cls.unit)
+        others = [one.inside[-1] for one in self.family(cls)[1]] if cls.template and not cls.pattern else []
         defining = dict.fromkeys((own, *self._defining.get(cls.name, ()), *self.project.defining(own.key, cls.name)))
         for other in defining:
             listed = other.methods.get(cls.name, ())
-            fitting = [function for function in listed if _same(function, inside, other)]
+            fitting = [
+                function
+                for function in listed
+                if _same(function, inside, other) and _is_of(cast("CppFunction", function), cls, others)
+            ]
             # Asked in any case, so that the record of look-ups does not depend on what other packages found.
             if fitting and self._sees(other, own):
                 for function in fitting:
                     function.owner = function.owner or cls
+                    if cls.pattern:
+                        function.scope, function.within = cls.inside, ()
             for function in listed:
                 if function.owner is cls:
                     by_name.setdefault(function.name, []).append(function)
@@ -268,6 +303,14 @@ class Linker:
     def _sees(self, one: CppUnit, other: CppUnit) -> bool:
         """Return whether one of two files includes the other, directly or not, or both are the same."""
         return one is other or other.key in self.project.headers(one.key) or one.key in self.project.headers(other.key)
+
+
+def _is_of(function: CppFunction, cls: Class, others: list[str]) -> bool:
+    """Return whether a method for some template arguments is one of a class, and not of another specialisation."""
+    written = f"{cls.name}{function.given}"
+    if cls.pattern:
+        return bool(function.given) and same_text(written, cls.inside[-1])
+    return not function.given or not any(same_text(written, one) for one in others)
 
 
 def _declare(function: Function, cls: Class) -> None:
@@ -320,7 +363,9 @@ def _rank(at: _Scope, wanted: _Scope, scope: _Scope, unit: Unit) -> float | None
 
 
 def _classes(unit: CppUnit, name: str) -> list[tuple[_Scope, Class]]:
-    return [(one.scope, one) for one in unit.classes.get(name, ())]
+    stem, special, _ = name.partition("<")
+    listed = unit.classes.get(stem, ())
+    return [(one.scope, one) for one in listed if not special or one.inside[-1] == name]
 
 
 def _functions(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
@@ -331,7 +376,7 @@ def _prototypes(unit: CppUnit, name: str) -> list[tuple[_Scope, Function]]:
     return [(one.scope, one) for one in unit.prototypes.get(name, ())]
 
 
-def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, _Alias]]:
+def _aliases(unit: CppUnit, name: str) -> list[tuple[_Scope, Alias]]:
     return [(at, (at, kind, template, unit)) for at, kind, template in unit.aliases(name)]
 
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from kg.extract.cpp.units import CppUnit
     from kg.symbolic.form import Function
 
@@ -22,6 +24,13 @@ _PLACES: Final = re.compile(r"(?:(?<!#)(?P<quoted>#)(?!#)\s*)?\b(?P<name>[A-Za-z
 _PASTED: Final = re.compile(r"\s*##\s*")
 _CALL: Final = re.compile(r"\s*([A-Za-z_]\w*)\s*\(")
 _PART: Final = re.compile(r'"(?:[^"\\]|\\.)*"|[()\[\]{},]')
+_LINE: Final = re.compile(rb"^[ \t]*(\w+)[ \t]*\(.*$", re.MULTILINE)
+_MOST_NESTED: Final = 8
+REGISTERING: Final = re.compile(
+    rb"\b(?:PLUGINLIB_\w+_CLASS|RCLCPP_COMPONENTS_REGISTER_NODE|CLASS_LOADER_REGISTER_CLASS"
+    rb"|GZ_REGISTER_\w+_PLUGIN|(?:GZ|IGNITION)_ADD_PLUGIN)\b"
+)
+"""A macro that registers a class for a loader."""
 
 
 @dataclass(slots=True, eq=False)
@@ -50,15 +59,19 @@ class Macro:
 
     def filled(self, given: tuple[str, ...]) -> str:
         """Return the text with arguments in the places of the parameters."""
-        values = dict(zip(self.parameters or (), given, strict=False))
+        return _filled(self.parameters or (), self.text, given)
 
-        def place(match: re.Match[str]) -> str:
-            value = values.get(match["name"])
-            if value is None:
-                return match[0]
-            return json.dumps(value) if match["quoted"] else value
 
-        return _PASTED.sub("", _PLACES.sub(place, self.text))
+def _filled(parameters: tuple[str, ...], text: str, given: tuple[str, ...]) -> str:
+    values = dict(zip(parameters, given, strict=False))
+
+    def place(match: re.Match[str]) -> str:
+        value = values.get(match["name"])
+        if value is None:
+            return match[0]
+        return json.dumps(value) if match["quoted"] else value
+
+    return _PASTED.sub("", _PLACES.sub(place, text))
 
 
 def calls_in(text: str) -> list[tuple[str, tuple[str, ...]]]:
@@ -79,6 +92,72 @@ def calls_in(text: str) -> list[tuple[str, tuple[str, ...]]]:
         calls.append((head[1], tuple(arguments)))
         place = begin
     return calls if not text[place:].strip() else []
+
+
+class Registrations:
+    """The macros of a package that define or register classes by those of a framework: `EXPORT(Scan)`.
+
+    Their calls are replaced by what they stand for, on the same line, since they declare what other code names.
+    """
+
+    def __init__(self, sources: Iterable[bytes]) -> None:
+        """Take the contents of files."""
+        self._macros: dict[str, tuple[tuple[str, ...], str]] = {}
+        for source in sources:
+            if b"define" in source and REGISTERING.search(source) is not None:
+                self._add(source)
+
+    def _add(self, source: bytes) -> None:
+        defined = {match[1]: match for match in _DEFINED_WITH_PARAMETERS.finditer(source)}
+        found = {name for name, match in defined.items() if REGISTERING.search(match[3]) is not None}
+        size = -1
+        while len(found) > size:  # macros that call these
+            size = len(found)
+            found |= {name for name, match in defined.items() if not found.isdisjoint(re.findall(rb"\w+", match[3]))}
+        for name in found:
+            parameters = tuple(one.strip() for one in defined[name][2].decode().split(","))
+            text = CONTINUED.sub(" ", defined[name][3].decode("utf-8", "replace"))
+            self._macros[name.decode()] = parameters, text.strip()
+
+    def expanded(self, source: bytes) -> bytes:
+        """Return a file with the lines that only call such macros expanded; the same object if it has none."""
+        if not any(name.encode() in source for name in self._macros):
+            return source
+        return _LINE.sub(self._line, source)
+
+    def _line(self, match: re.Match[bytes]) -> bytes:
+        in_macro = match.string[: match.start()].rstrip(b"\r\n").endswith(b"\\")
+        if in_macro or match[1].decode() not in self._macros:
+            return match[0]
+        text = match[0].decode("utf-8", "replace").partition("//")[0].strip().removesuffix(";")
+        return self._text(text, 0).encode() or match[0]
+
+    def _text(self, text: str, depth: int) -> str:
+        """Return what calls of such macros in a text stand for, each call followed by a semicolon."""
+        pattern = "|".join(map(re.escape, self._macros))
+        place, parts = 0, []
+        for match in re.finditer(rf"\b(?:{pattern})\s*\(", text):
+            if match.start() < place:
+                continue
+            end = _end_of_call(text, match.end())
+            calls = calls_in(text[match.start() : end])
+            if not calls or depth > _MOST_NESTED:
+                return ""
+            name, given = calls[0]
+            parameters, inner = self._macros[name]
+            parts += [text[place : match.start()], self._text(_filled(parameters, inner, given), depth + 1)]
+            place = end
+        return "".join([*parts, text[place:], ";"])
+
+
+def _end_of_call(text: str, begin: int) -> int:
+    """Return where the call ends whose arguments begin at a place."""
+    depth = 1
+    for part in _PART.finditer(text, begin):
+        depth += 1 if part[0] in "([{" else -1 if part[0] in ")]}" else 0
+        if depth == 0:
+            return part.end()
+    return len(text)
 
 
 def add_inner_macros(unit: CppUnit) -> None:

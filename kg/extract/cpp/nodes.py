@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 from kg.extract.buildmodel import BuildModel, PluginClass, Registration, Target, TargetKind, last_part
 from kg.extract.cpp import syntax
+from kg.extract.cpp.kinds import inside
 from kg.extract.cpp.language import Cpp
 from kg.extract.cpp.linking import Linker
 from kg.extract.cpp.project import FRAMEWORKS, Project
@@ -262,7 +263,7 @@ class _Nodes:
     def _read_plugin(self, plugin: PluginClass) -> list[Extracted]:
         for files in self._libraries(plugin):
             with self._program(files) as language:
-                found = self._class(language.linker, plugin.type)
+                found = self._class(language.linker, plugin.type) if "<" not in plugin.type else None
                 kind = _kind_of(found) if found is not None else self._aliased(language, plugin.type)
                 if kind is None or (cls := kind.cls) is None:
                     continue
@@ -357,8 +358,9 @@ class _Nodes:
         machine, framework = language.machine, language.machine.framework
         loaded, nodelet = registration is not None, registration is Registration.NODELET
         kind = kind or _kind_of(cls)
-        frame = Frame(cls.unit, (*cls.scope, cls.name))
-        constructors = language.linker.methods(cls).get(cls.name, [])
+        bound = dict(language.chain(kind)[0][0][1])
+        frame = inside(cls, bound)
+        constructors = language.kinds.own_methods(cls, bound, language.linker.methods(cls).get(cls.name, []))
         machine.stack.append(Site(cls.unit, cls.line))
         root = Object(kind, line=cls.line)
         if registration is Registration.COMPONENT:
@@ -414,7 +416,7 @@ class _Nodes:
         for target in self.build.targets:
             if plugin.library is not None and _library(plugin.library) in (target.name, target.output_name):
                 yield self._files(target)
-        pattern = last_part(plugin.type).encode()
+        pattern = last_part(plugin.type).partition("<")[0].encode()
         sources = [file for file in self._project.sources() if "/test" not in file.path]
         yield [file for file in sources if self._project.contains(file, pattern)]
 
@@ -422,7 +424,7 @@ class _Nodes:
         wanted = tuple(part for part in name.replace(" ", "").split("::") if part)
         if not wanted:
             return None
-        last = wanted[-1].partition("<")[0]
+        last = wanted[-1]
         classes: list[Class] = []
         for unit in tuple(linker.units.values()):
             classes += unit.classes.get(last, ())
@@ -432,10 +434,9 @@ class _Nodes:
         return max(own, key=lambda cls: cls.scope[-len(wanted) + 1 :] == wanted[:-1], default=None)
 
     def _aliased(self, language: Cpp, name: str) -> Kind | None:
-        """Return the class of the package that `name` is another name of: an instance of a template."""
-        names = tuple(part for part in name.replace(" ", "").split("::") if part)
+        """Return the class of the package that `name` is another name of, or an instance of a template."""
         for unit in tuple(language.linker.units.values()):
-            kind = language.kind(form.Type(names), Frame(unit, ()))
+            kind = language.kind(unit.written(name), Frame(unit, ()))
             if isinstance(kind, Kind) and kind.cls is not None and self._project.is_own(kind.cls.unit.key):
                 return kind
         return None

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 from kg.corpus.files import FilePath, PackageFolder, Place
 from kg.extract.constants import Constants
+from kg.extract.cpp.macros import Registrations
 from kg.extract.cpp.units import CppClass, CppFunction, CppUnit, assigned_in, words_of
 from kg.extract.manifests import read_build
 from kg.extract.parameters import listener
@@ -124,7 +125,7 @@ class Project:
         """How many files of programs and headers do not contain a word; None if another one does."""
         self.package = package
         self.repository = reader.repository
-        self._ros = build.ros
+        self.ros = build.ros
         self._build = build
         self._undefined: frozenset[str] | None = None
         self._place = Place(reader.repository, package.path, package.name)
@@ -148,7 +149,12 @@ class Project:
         self._libraries = {self._place: self._headers_of(self._place, build)}
         """The YAML files of parameter libraries by the names of their headers, for each package."""
         self._converted: dict[FilePath, bytes] = {}
-        """The headers made of YAML files."""
+        """The headers made of YAML files, and the sources whose macros that register classes are expanded."""
+        contents = {file: data for file in self.sources() if (data := reader.read(file)) is not None}
+        registrations = Registrations(contents.values())
+        for file, data in contents.items():
+            if (expanded := registrations.expanded(data)) is not data:
+                self._converted[file] = expanded
 
     def close(self) -> None:
         """Free what was read, before a collection of cycles does; the project cannot be used any more."""
@@ -180,10 +186,10 @@ class Project:
         own = self.is_own(file)  # always looked up: the record must not depend on the cache
         undefined = self._absent() if own else self._build.absent
         absent = frozenset(name for name in undefined if name.encode() in data)
-        cached = _cache.get(file, data, self._ros, absent)
+        cached = _cache.get(file, data, self.ros, absent)
         if cached is not None:
             return cached
-        unit = CppUnit(file, data, self._ros, absent)
+        unit = CppUnit(file, data, self.ros, absent)
         if not own or not _is_source(file.path):
             _cache.keep(data, unit)
         else:

@@ -11,6 +11,7 @@ from tree_sitter import Node, Query
 from kg.extract.cpp import syntax
 from kg.extract.cpp.expressions import PREPROCESSED, Expressions
 from kg.extract.cpp.syntax import line_of
+from kg.extract.cpp.tokens import STREAMS
 from kg.symbolic.form import (
     Assign,
     Binary,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 
 _DEEPEST: Final = 150
+_MOST_STREAMS: Final = 64
 _SKIPPED: Final = frozenset({"comment", "ERROR"})
 _SHELLS: Final = frozenset(
     {"translation_unit", "expression_statement", "parenthesized_expression", "comma_expression", "ERROR"}
@@ -124,6 +126,8 @@ class Statements:
             return self._vexing(node, target, kind)
         name = syntax.declared_name(target)
         value = self._begin(written, target, kind, line_of(declarator)) if written is not None else None
+        if value is None and kind.name in STREAMS and (count := _count(target)):
+            value, kind = Display(line, (Construct(line, kind, ()),) * count), Type(("vector",), (kind,))
         if isinstance(value, Display) and any(isinstance(one, Construct) for one in value.items):
             kind = Type(("vector",), (kind,)) if _dimensions(target) else kind
         return [Declare(line, syntax.text(name), kind, value)] if name is not None else []
@@ -359,6 +363,13 @@ def _condition(node: Node) -> tuple[Node | None, Node | None]:
     if clause is not None and clause.type == "condition_clause":
         return clause, clause.child_by_field_name("value")
     return clause, clause
+
+
+def _count(declarator: Node) -> int:
+    """Return the number of elements of the array that a declarator declares; 0 if that is not a number."""
+    size = declarator.child_by_field_name("size") if declarator.type == "array_declarator" else None
+    shown = syntax.text(size) if size is not None else ""
+    return int(shown) if shown.isdecimal() and int(shown) <= _MOST_STREAMS else 0
 
 
 def _dimensions(declarator: Node | None) -> int:

@@ -12,7 +12,7 @@ from kg.extract.cpp.macros import CONTINUED, Macro, add_inner_macros
 from kg.extract.cpp.preparing import prepared
 from kg.extract.cpp.statements import Statements
 from kg.extract.cpp.syntax import line_of
-from kg.symbolic.form import Block, Class, Declare, Field, Function, Initialiser, Parameter, Type, Unit
+from kg.symbolic.form import Block, Class, Declare, Expression, Field, Function, Initialiser, Parameter, Type, Unit
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -51,12 +51,23 @@ def assigned_in(code: str) -> frozenset[str]:
     return frozenset(match[1] or match[2] for match in _ASSIGNED.finditer(code))
 
 
+def split_name(name: str) -> list[str]:
+    """Return the parts of a qualified name, at least one, each with its template arguments."""
+    return _PART.findall(name.replace(" ", "")) or [name]
+
+
+def spelling(given: Node | None) -> str:
+    """Return template arguments as a part of a name: without spaces."""
+    return "".join(syntax.text(given).split()) if given is not None else ""
+
+
 _Scope: TypeAlias = tuple[str, ...]
 _CONTAINERS: Final = PREPROCESSED | {"translation_unit", "linkage_specification", "declaration_list"}
 _INTEGER: Final = re.compile(r"(-?(?:0[xX][0-9a-fA-F]+|0|[1-9]\d*))[uUlL]*")
 _ADAPTER: Final = "RCLCPP_USING_CUSTOM_TYPE_AS_ROS_MESSAGE_TYPE"
 _POINTERS: Final = frozenset({"SharedPtr", "UniquePtr", "WeakPtr", "ConstSharedPtr", "Ptr", "ConstPtr"})
 """Names of aliases in a class for pointers to it."""
+_PART: Final = re.compile(r"(?:[^:<]|<(?:[^<>]|<(?:[^<>]|<[^<>]*>)*>)*>)+")
 _WORD: Final = re.compile(r"[A-Za-z_]\w*")
 _ASSIGNED: Final = re.compile(
     r"\b([A-Za-z_]\w*)(?:\[[^\]]*\])?\s*(?:(?:[-+*/%|&^]|<<|>>)?=(?!=)|\+\+|--|"
@@ -80,7 +91,7 @@ _PURE: Final = re.compile(rb"\Avirtual\b[^{]*=\s*0\s*;\Z")
 class CppFunction(Function):
     """A function of a file. Slots of its declarator are filled at the first use of one of them."""
 
-    __slots__ = ("_assigned", "_words", "declarator", "node")
+    __slots__ = ("_assigned", "_words", "declarator", "given", "node")
 
     def __init__(self, unit: CppUnit, name: str, scope: _Scope, nodes: tuple[Node, Node], template: _Scope) -> None:
         """Take the nodes of the declaration and its declarator."""
@@ -88,6 +99,9 @@ class CppFunction(Function):
         self.node, self.declarator = nodes
         self.line = line_of(self.declarator if self.node.type == "function_definition" else self.node)
         self.outer, self.static, self.marks, self.source, self.lowered_body = (), False, frozenset(), None, None
+        self.pattern, self.within = (), ()
+        self.given = ""
+        """The text of `within`."""
         self._words: frozenset[str] | None = None
         self._assigned: frozenset[str] | None = None
 
@@ -121,6 +135,8 @@ class CppFunction(Function):
             self.parameters = unit.expressions.parameters(self.declarator)
         elif name == "returns":
             self.returns = unit.returned(self)
+        elif name == "defaults":
+            self.defaults = unit.defaults(self.node.parent) if self.template else {}
         else:
             raise AttributeError(name)
         return getattr(self, name)
@@ -129,12 +145,23 @@ class CppFunction(Function):
 class CppClass(Class):
     """A class of a file. Slots of its bases and members are filled at the first use of one of them."""
 
-    __slots__ = ("_words", "node")
+    __slots__ = ("_words", "given", "node")
 
-    def __init__(self, unit: CppUnit, name: str, scope: _Scope, node: Node, template: _Scope) -> None:
-        self.unit, self.name, self.scope, self.template, self.line = unit, name, scope, template, line_of(node)
+    def __init__(self, unit: CppUnit, scope: _Scope, node: Node, template: _Scope) -> None:
+        name = node.child_by_field_name("name")
+        *outer, (self.name, given) = (syntax.parts(name) if name is not None else []) or [syntax.Part("")]
+        self.scope = (*scope, *(part.name for part in outer))
+        self.unit, self.template, self.line = unit, template, line_of(node)
         self.node, self.derived, self.body = node, (), None
+        self.given = spelling(given)
+        """The template arguments of a specialisation, as written."""
+        self.pattern = unit.expressions.template(given)
         self._words: frozenset[str] | None = None
+
+    @property
+    def inside(self) -> _Scope:
+        """The scope of its members; that of a specialisation has its arguments."""
+        return (*self.scope, self.name + self.given)
 
     @property
     def words(self) -> frozenset[str]:
@@ -265,11 +292,24 @@ class CppUnit(Unit):
             lowered = self._lowered_variables[name] = []
             for scope, node in self._variables.get(name, ()):
                 for declared in self._statements.declaration(node):
-                    *outer, last = declared.name.replace(" ", "").split("::")
+                    *outer, last = split_name(declared.name)
+                    if outer and outer[-1].endswith(">") and self._is_general(node, outer[-1]):
+                        outer[-1] = outer[-1].partition("<")[0]
                     if last == name:
                         declared.name = last
                         lowered.append(((*scope, *outer), declared))
         return lowered
+
+    def _is_general(self, node: Node, owner: str) -> bool:
+        """Return whether a static member is that of all instances of a template: its arguments are the parameters."""
+        around = node.parent
+        names = _template_names(around) if around is not None and around.type == "template_declaration" else ()
+        return owner.partition("<")[2] == f"{','.join(names)}>"
+
+    def written(self, name: str) -> Type:
+        """Return the type that a text names."""
+        tree = syntax.parse(f"using kg = {name};".encode())
+        return self.expressions.type(tree.root_node.named_children[0].child_by_field_name("type"))
 
     # Names
 
@@ -375,24 +415,22 @@ class CppUnit(Unit):
         external = any(c.type == "storage_class_specifier" and syntax.text(c) == "extern" for c in node.children)
         names = (syntax.declared_name(one) for one in declarators)
         for shown in dict.fromkeys(syntax.text(name) for name in names if name is not None):
-            last = shown.replace(" ", "").rpartition("::")[2]
+            last = split_name(shown)[-1]
             self._variables[last].append((scope, node))
             if external:
                 self.external.add(last)
 
     def _type(self, node: Node, scope: _Scope, template: _Scope) -> None:
-        name, body = node.child_by_field_name("name"), node.child_by_field_name("body")
+        body = node.child_by_field_name("body")
         if body is None:
             return
         if node.type == "enum_specifier":
             for enumerator, number in _enumerated(body).items():
                 self.enumerators[enumerator] = number if self.enumerators.get(enumerator, number) == number else None
             return
-        named = syntax.parts(name) if name is not None else []
-        shown = named[-1].name if named else ""
-        inner = (*scope, *(part.name for part in named[:-1]))
-        self.classes[shown].append(CppClass(self, shown, inner, node, template))
-        self._nested(body, (*inner, shown), ())
+        cls = CppClass(self, scope, node, template)
+        self.classes[cls.name].append(cls)
+        self._nested(body, cls.inside, ())
 
     def _nested(self, body: Node, scope: _Scope, template: _Scope) -> None:
         """Read the types that a class declares inside of it."""
@@ -405,7 +443,7 @@ class CppUnit(Unit):
             elif kind == "function_definition":
                 name = syntax.declared_name(member.child_by_field_name("declarator"))
                 if name is not None:
-                    self.inline[syntax.text(name)].add(scope[-1])
+                    self.inline[syntax.text(name)].add(scope[-1].partition("<")[0])
             elif kind == "template_declaration":
                 self._nested(member, scope, _template_names(member))
             elif kind in syntax.CLASSES:
@@ -446,7 +484,12 @@ class CppUnit(Unit):
             template = tuple(name for name in template if name not in outer)
         function = CppFunction(self, shown, inner, (node, declarator), template)
         function.owner, function.source = owner, body
-        function.outer = outer if len(outer) == len(given) else ()
+        if len(outer) == len(given):
+            function.outer = outer
+        else:
+            function.within = self.expressions.template(named[-2].template)
+            function.given = spelling(named[-2].template)
+        function.pattern = self.expressions.template(named[-1].template) if named else ()
         return function
 
     def code(self, function: Function) -> str:
@@ -462,7 +505,7 @@ class CppUnit(Unit):
 
     def members(self, body: Node | None, cls: Class, template: _Scope) -> None:
         """Add the fields and methods in the body of a class, and in `template` declarations and branches of it."""
-        inner = (*cls.scope, cls.name)
+        inner = cls.inside
         for member in body.named_children if body is not None else ():
             kind = member.type
             if kind == "field_declaration":
@@ -503,7 +546,7 @@ class CppUnit(Unit):
     def _declare_method(self, node: Node, declarator: Node, cls: Class, template: _Scope) -> None:
         name = syntax.declared_name(declarator)
         if name is not None:
-            method = CppFunction(self, syntax.text(name), (*cls.scope, cls.name), (node, declarator), template)
+            method = CppFunction(self, syntax.text(name), cls.inside, (node, declarator), template)
             method.owner = cls
             cls.declared.setdefault(method.name, []).append(method)
 
@@ -513,15 +556,20 @@ class CppUnit(Unit):
         skipped = ("access_specifier", "virtual", "comment")
         return tuple(self.expressions.type(base) for base in bases if base.type not in skipped)
 
-    def defaults(self, node: Node | None) -> dict[str, Type]:
-        """Return the default types of the parameters of a template."""
+    def defaults(self, node: Node | None) -> dict[str, Type | Expression]:
+        """Return the defaults of the parameters of a template."""
         listed = node.child_by_field_name("parameters") if node is not None else None
-        types = {}
+        defaults: dict[str, Type | Expression] = {}
         for child in listed.named_children if listed is not None else ():
             name, default = child.child_by_field_name("name"), child.child_by_field_name("default_type")
             if child.type == "optional_type_parameter_declaration" and name is not None and default is not None:
-                types[syntax.text(name)] = self.expressions.type(default)
-        return types
+                defaults[syntax.text(name)] = self.expressions.type(default)
+            elif child.type == "optional_parameter_declaration":
+                name = syntax.declared_name(child.child_by_field_name("declarator"))
+                value = child.child_by_field_name("default_value")
+                if name is not None and value is not None:
+                    defaults[syntax.text(name)] = self.expressions.expression(value)
+        return defaults
 
     def returned(self, function: CppFunction) -> Type | None:
         """Return the type that a function returns, as written; None for a constructor."""

@@ -33,6 +33,7 @@ def compute(expression: str) -> int | None:
 
 _PATTERN_WORK: Final = 1000
 _FIND_WORDS: Final = frozenset({"REQUIRED", "QUIET", "EXACT", "MODULE", "CONFIG", "NO_MODULE", "GLOBAL"})
+_PROJECT_WORDS: Final = frozenset({"VERSION", "DESCRIPTION", "HOMEPAGE_URL", "LANGUAGES", "COMPAT_VERSION"})
 
 
 def _set(run: Run, words: list[str]) -> None:
@@ -228,7 +229,8 @@ def _add_project(run: Run, words: list[str]) -> None:
 
 
 def _project(run: Run, words: list[str]) -> None:
-    if words:
+    """project(name ...); one whose name only a module outside can compute keeps that of the package."""
+    if words and words[0] not in _PROJECT_WORDS:
         run.scope.set("PROJECT_NAME", words[0])
         run.scope.set("CMAKE_PROJECT_NAME", run.scope.variables.get("CMAKE_PROJECT_NAME", words[0]))
         for name in ("PROJECT_SOURCE_DIR", f"{words[0]}_SOURCE_DIR"):

@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Final
 
 from kg.extract.python import paths, texts
+from kg.holes import Hole
 from kg.symbolic import containers
 from kg.symbolic.containers import COMMAND_LINE, is_unknown_parameter, key_of
 from kg.symbolic.operators import compute, plain, truth
@@ -121,6 +122,9 @@ def _typed(kind: str) -> Callable[[list[Value]], Value]:
 def _converted(values: list[Value], convert: Callable[[str | float], Value]) -> Value:
     of = values[0] if values else number(0)
     text = plain(of)
+    if isinstance(of, Text) and of.exact is None and of.parameter is None:
+        label = of.parts[0].label if len(of.parts) == 1 and isinstance(of.parts[0], Hole) else None
+        return Unknown(of.reason or "it is computed when the program runs", label=label or None)
     if text is None or getattr(of, "parameter", None) is not None or len(str(text)) > _LONGEST_NUMBER:
         return of
     try:

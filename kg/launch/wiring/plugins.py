@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final
 
-from kg.facts import TREE_NODE, Interface, NodeKind, PluginSlot, Resolution
+from kg.facts import TREE_NODE, Interface, NodeKind, NodeType, PluginSlot, Resolution
 from kg.holes import Hole, hole_of, is_partial, parse, partition, substitute
 from kg.launch.wiring.place import Place
 from kg.launch.wiring.plugin_table import rows
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 
 _CLASS: Final = re.compile(r"[A-Za-z]\w*(?:(?:::|/)[A-Za-z]\w*)+")
+_OWN_ID: Final = re.compile(r"~/\{(\w+)\}/")
+"""The begin of a private name of a plugin whose code puts the plugin's id in front of it."""
 _CLASS_KEYS: Final = ("type", "plugin")
 _LISTS: Final = ("plugins", "_ids", "filters", "navigators")
 
@@ -198,7 +200,16 @@ def _loaded(  # noqa: PLR0913, PLR0917 - what is known of one plugin
     identifier: str, kind: str, scope: str, typed: Typed | None, ros: int, parameter: str
 ) -> Loaded:
     framework = framework_of(typed[1].base_class if typed is not None else None, ros)
+    if typed is not None and ros == 1 and not framework.source:
+        framework = _of_names(framework, typed[1])
     return Loaded(identifier, kind, scope, typed, framework, parameter)
+
+
+def _of_names(framework: Framework, node: NodeType) -> Framework:
+    """Return a row for a plugin of another framework: its `~` is the node's if code puts the id in front of names."""
+    names = [one.name for listed in (node.parameters, node.interfaces) for one in listed if one.name is not None]
+    label = next((match[1] for match in map(_OWN_ID.match, names) if match is not None), None)
+    return framework if label is None else replace(framework, private="~", handed={label: "{id}"})
 
 
 def _classes(value: Any) -> Iterator[tuple[str | None, str]]:

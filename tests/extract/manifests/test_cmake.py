@@ -25,6 +25,17 @@ install(DIRECTORY scripts DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
     assert [script.name for script in model.scripts] == ["s.py"]
 
 
+def test_a_project_whose_name_a_module_outside_computes(tmp_path: Path) -> None:
+    """`project(${unknown} VERSION ...)` keeps the package's name, of which the names of targets are made."""
+    text = """
+find_package(boilerplate REQUIRED)
+extract_package_metadata(pkg)
+project(${pkg_extracted_name} VERSION ${pkg_extracted_version} LANGUAGES CXX)
+add_executable(${PROJECT_NAME}_node a.cpp)
+"""
+    assert sources(model_of(reader_of(tmp_path, {"CMakeLists.txt": text, "a.cpp": ""}))) == {"demo_node": ["a.cpp"]}
+
+
 @pytest.mark.parametrize(
     ("tool", "expected"),
     [("catkin", ["one", "one_env"]), ("ament_cmake", ["two", "two_env"])],
