@@ -45,7 +45,7 @@ _LATER: Final = (
     "kg.cli.links",
     "kg.lint.running",
     "kg.pipeline.build",
-    "kg.query.ask",
+    "kg.query.core",
     "kg.query.stored",
     "kg.rules.notations",
     "kg.store.embedded",

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from kg.corpus.selection.select import Selection
-    from kg.query.counting import Counted
+    from kg.query.stats import Counted
 
 STEP_COLUMNS: Final = (
     Column("criterion", "name"),

@@ -29,7 +29,7 @@ with lazily():
     from kg.cli.links import Links
     from kg.graph.source_states import sources
     from kg.pipeline.build import build
-    from kg.query.ask import ask
+    from kg.query.core import ask
     from kg.query.result import Solutions
     from kg.query.stored import find
     from kg.store.embedded import EmbeddedStore

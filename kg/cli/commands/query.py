@@ -32,7 +32,7 @@ with lazily():
     from kg.cli.progress import waiting
     from kg.graph.source_states import sources
     from kg.pipeline.on_demand import with_family
-    from kg.query.ask import ask, suggestion
+    from kg.query.core import ask, suggestion
     from kg.query.evaluation import prepare
     from kg.query.stored import TermText, discover
     from kg.query.terms import unknown_terms

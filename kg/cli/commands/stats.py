@@ -12,8 +12,7 @@ from kg.settings import Settings
 from kg.store.opening import reading
 
 if TYPE_CHECKING:
-    from kg.query.counting import Counted
-    from kg.query.stats import Statistics
+    from kg.query.stats import Counted, Statistics
 
 with lazily():
     from rich.columns import Columns

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 with lazily():
     from kg.cli.trees import print_tree
     from kg.graph.iris import Iris
-    from kg.query.ask import row as row_of
+    from kg.query.core import row as row_of
     from kg.query.naming import facts
     from kg.rules.explain.export import mermaid, proof_object, why_not_object
     from kg.rules.explain.picture import picture

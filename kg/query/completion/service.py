@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from kg.query.completion import terms
 from kg.query.completion.outline import Role, Slot
-from kg.query.completion.site import Candidate, Site, site_of
-from kg.query.completion.typed import Form, typed
+from kg.query.completion.site import Candidate, Form, Site, site_of, typed
 from kg.query.completion.vocabulary import AGGREGATES, FUNCTIONS, KEYWORDS
 from kg.syntax.lexer import Kind
 from kg.syntax.prologue import declaration
@@ -16,7 +15,7 @@ from kg.syntax.prologue import declaration
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kg.query.completion.keeping import SnapshotCache
+    from kg.query.completion.statistics import SnapshotCache
     from kg.query.stored import StoredQuery
 
 WORST: Final = 4

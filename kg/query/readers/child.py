@@ -16,7 +16,7 @@ import msgspec
 from pyoxigraph import Literal, NamedNode, Triple
 
 from kg.errors import KgError, QueryError
-from kg.query.evaluation import Dataset, Evaluation, prepare
+from kg.query.evaluation import Dataset, Evaluation, Window, prepare
 from kg.query.formats import unfit, write_boolean, write_graph, write_rows
 from kg.query.readers.cache import Pointer
 from kg.query.readers.messages import (
@@ -29,10 +29,10 @@ from kg.query.readers.messages import (
     Question,
     Ready,
     Refresh,
+    failure,
     frame,
+    received,
 )
-from kg.query.readers.requests import failure, received
-from kg.query.window import Window
 from kg.settings import Settings, load
 from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout

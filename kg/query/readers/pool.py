@@ -20,10 +20,9 @@ from typing import TYPE_CHECKING, Any, Final
 import msgspec
 
 from kg.errors import KgError, QueryError
-from kg.query.readers.answers import Answer
+from kg.query.readers.answers import Answer, Job
 from kg.query.readers.cache import AnswerCache, CachedResponse, CacheStats, Pointer
 from kg.query.readers.fleet import Fleet
-from kg.query.readers.jobs import Job
 from kg.query.readers.lookups import LookUps
 from kg.query.readers.messages import Call, Configuration, Question, frame
 from kg.query.readers.processes import PROGRAM, Spawner
