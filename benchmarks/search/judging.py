@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import bm25s
 
-from kg.evaluate.judged_needs import Ranked, ndcg, read_needs
-from kg.evaluate.retrieval import text_of_node
+from kg.evaluate.retrieval import Ranked, ndcg, read_needs, text_of_node
 from kg.search.lexicon import lexicon
 from kg.search.searching import Hit, Search
 
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from kg.evaluate.judged_needs import Need
+    from kg.evaluate.retrieval import Need
 
 __all__ = ["judge"]
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
 
 from kg.errors import CATALOGUE, KgError
 from kg.lazily import lazily
 from kg.settings import load
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 with lazily():
     from kg.graph.reading.nodes import node_names

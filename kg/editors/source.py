@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from kg import resources
 from kg.editors.rules import Knowledge
@@ -23,9 +23,6 @@ from kg.rules.lsp.symbols import Terms
 from kg.rules.reading import packs
 from kg.settings import Settings, load_table
 from kg.store.opening import layout_of, reading
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
 
 
 class Source:

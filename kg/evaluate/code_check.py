@@ -33,7 +33,7 @@ from kg.query.rows import rows
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from kg.evaluate.source_lines import SourceLines
+    from kg.evaluate.sheet import SourceLines
     from kg.store.interface import Snapshot
 
 _CALLS: Final = "calls that the graph has"

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final
 
 from kg.evaluate.tables import Score
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
 
 Z95: Final = 1.959963984540054
 """Quantile of the normal distribution for a two-sided 95 % interval."""

@@ -3,7 +3,7 @@
 A file of references has one JSON object per line, in one of two shapes. The first is that of `kg nodes --json`
 (`publishes`, `subscribes`, ... hold objects with `name` and `type`), with `closed_world`, the roles that are complete.
 The second is that of documentation: pairs of name and type, with the roles `called_services`, `actions`,
-`actions_called` and `params`. Both have `repo`, `package` and `node`, and optionally `commit`. `kg.evaluate.documents`
+`actions_called` and `params`. Both have `repo`, `package` and `node`, and optionally `commit`. `kg.evaluate.gathering`
 reads pages of documentation.
 """
 
@@ -11,16 +11,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Final
+from pathlib import Path
+from typing import Any, Final
 
 import msgspec
 
 from kg.errors import Place, UsageError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
-    from pathlib import Path
 
 PARAMETERS: Final = "parameters"
 ROLES: Final = ("publishes", "subscribes", "services", "clients", "action_servers", "action_clients", PARAMETERS)

@@ -26,8 +26,7 @@ from kg.impact.model import (
 )
 from kg.impact.nodes import node_records_of
 from kg.impact.parameters import same_parameter
-from kg.impact.started import End, end_effect, ends_of, partners
-from kg.impact.values import area_of
+from kg.impact.started import End, area_of, end_effect, ends_of, partners
 from kg.launch.comparison import Change, Difference, Level
 from kg.launch.comparison import Kind as Became
 from kg.launch.comparison.wording import change_words, sign

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable, Iterator
+from typing import Final
 
 from kg.facts import FileKind, Location
 from kg.impact.model import Area, Effect, FileRecord, Grade, World
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
 
 HOLDING: Final = frozenset({FileKind.CONFIG, FileKind.LAUNCH})
 """Kinds of files whose values name things of a system."""

@@ -6,15 +6,12 @@ process. `SERVICE` and `LOAD` make it call other servers, without permission or 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Iterable
+from typing import Final
 
 from kg.errors import QueryError
 from kg.syntax.lexer import Kind, Token
 from kg.syntax.position import place_at
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
 
 MAX_DEPTH: Final = 500
 """Maximum nesting of brackets and unary operators."""

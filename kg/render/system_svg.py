@@ -8,18 +8,15 @@ picture in words. The same graph always gives the same bytes.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from kg.render.layered import Node, Rectangle, lay_out
 from kg.render.svg import arrow, before_tip, document, escaped, label, rounded
 from kg.render.system_graph import Bundle, Channel, Member, State, SystemGraph, bundles
 from kg.render.system_style import NAME, SIGNS, SMALL, TERM, outline, wide
 from kg.render.text import width
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 
 _MARGIN: Final = 24
 _HEAD: Final = 82

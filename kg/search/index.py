@@ -15,8 +15,7 @@ import numpy as np
 
 from kg.search.fields import documents, passing, worths
 from kg.search.folding import bare_name, groups, order
-from kg.search.marking import marks
-from kg.search.words import name_terms
+from kg.search.words import name_terms, terms
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -29,6 +28,19 @@ if TYPE_CHECKING:
 
     Floats: TypeAlias = NDArray[np.float32]
     Places: TypeAlias = NDArray[np.int32]
+
+
+TESTS: Final = frozenset(("test", "tester", "mock", "fake", "debug", "benchmark"))
+"""Stems of words in names and folders of nodes that are for the developers of a package."""
+MARKS: Final = TESTS | {"exampl", "demo", "sampl", "tutori", "simul", "rviz", "gui", "gazebo", "legaci", "old"}
+"""Stems of words in names and folders of nodes that are rarely wanted unless requested."""
+
+
+def marks(node: Document, package: PackageDocument) -> set[str]:
+    """Return the stems that lower the rank of a node, from its name, its package and the folders of its file."""
+    folders = node.path.rpartition("/")[0]
+    return {term for term in terms(f"{node.name} {package.name} {folders}") if term in MARKS}
+
 
 NEIGHBOURS: Final = 20
 _WORDS: Final = 20  # so many words characterize a node
@@ -225,9 +237,9 @@ def _features(
 def _shares(nodes: Sequence[Document]) -> Iterator[dict[str, float]]:
     """Yield the share of each term in a node's name, by its rarity in names."""
     named = [set(name_terms(bare_name(node.name))) for node in nodes]
-    common: Counter[str] = Counter(term for terms in named for term in terms)
-    for terms in named:
-        rarity = {term: math.log(1 + len(nodes) / common[term]) for term in terms}
+    common: Counter[str] = Counter(term for words in named for term in words)
+    for words in named:
+        rarity = {term: math.log(1 + len(nodes) / common[term]) for term in words}
         whole = sum(rarity.values())
         yield {term: value / whole for term, value in rarity.items()}
 

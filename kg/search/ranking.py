@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from kg.search.index import MARKS, TESTS
 from kg.search.lexicon import lexicon
-from kg.search.marking import MARKS, TESTS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

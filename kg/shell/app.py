@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 with lazily():
     from kg.shell.screens.find import FindScreen
-    from kg.shell.screens.help import HelpScreen
+    from kg.shell.screens.listing import HelpScreen
     from kg.shell.screens.rules import RulesScreen
     from kg.shell.screens.systems import SystemsScreen
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kg.cli.commands import robot_params, robot_topics
+from kg.cli.commands.robot import show_capabilities
 from kg.cli.commands.robot_params import set_parameter, show_parameters
-from kg.cli.robot_view import show_capabilities
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.robot.capability import Capabilities, Capability, Way

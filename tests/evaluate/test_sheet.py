@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from kg.errors import UsageError
 from kg.evaluate.facts import INFERRED, RELATIONS, Facts
 from kg.evaluate.intervals import shares_of
-from kg.evaluate.sheet import COLUMNS, as_sheet, drawn, score_sheet
-from kg.evaluate.source_lines import SourceLines
+from kg.evaluate.sheet import COLUMNS, SourceLines, as_sheet, drawn, score_sheet
 from kg.evaluate.tables import Score, Share
 from kg.graph.source_states import sources
 

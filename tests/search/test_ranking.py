@@ -4,9 +4,8 @@ import msgspec
 import pytest
 from search.store import CONTENT
 
-from kg.search.index import build
+from kg.search.index import MARKS, build
 from kg.search.lexicon import lexicon
-from kg.search.marking import MARKS
 from kg.search.ranking import covered, prior, scores
 from kg.search.reading import Content
 from kg.search.searching import Search

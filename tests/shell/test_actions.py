@@ -20,7 +20,7 @@ _SCREENS: Final[dict[str, list[Any]]] = {
     "tree": [MainScreen],
     "page": ["page.PageScreen"],
     "find": ["find.FindScreen"],
-    "list": ["listing.ListScreen", "listing.ChoiceScreen", "stored.FormScreen", "export.ExportScreen"],
+    "list": ["listing.ListScreen", "listing.ChoiceScreen", "listing.FormScreen", "listing.ExportScreen"],
     "rules": ["rules.RulesScreen"],
     "systems": ["systems.SystemsScreen"],
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.drawing import Output, Svg, deliver, form_of
-from kg.cli.options import Json, Markdown, with_settings
+from kg.cli.options import Json, Markdown, argument, option, with_settings
 from kg.cli.output import json_line
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
@@ -49,30 +49,20 @@ _SHOWN: Final = 12
 
 Named = Annotated[
     list[str] | None,
-    typer.Argument(
-        metavar="A..B", help="Two commits (A..B, A...B from their merge base, or A B), or the folders of two stores."
-    ),
+    argument("A..B", "Two commits (A..B, A...B from their merge base, or A B), or the folders of two stores."),
 ]
-Repository = Annotated[
-    str | None,
-    typer.Option("--repository", "-C", metavar="FOLDER", help="Checkout to compare; by default this folder."),
-]
-Launch = Annotated[
-    str | None, typer.Option("--launch", "-l", metavar="FILE", help="Compare only the wiring of this launch file.")
-]
+Repository = Annotated[str | None, option("--repository -C FOLDER", "Checkout to compare; by default this folder.")]
+Launch = Annotated[str | None, option("--launch -l FILE", "Compare only the wiring of this launch file.")]
 With = Annotated[
     str | None,
-    typer.Option(
-        "--with",
-        metavar="FILE",
-        help="Compare the launch file of --launch with this one; without commits, both are from the store.",
+    option(
+        "--with FILE", "Compare the launch file of --launch with this one; without commits, both are from the store."
     ),
 ]
 All = Annotated[
-    bool,
-    typer.Option("--all", "-a", help="Include what frameworks create implicitly, and in pictures what did not change."),
+    bool, option("--all -a", "Include what frameworks create implicitly, and in pictures what did not change.")
 ]
-ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if there are differences.")]
+ExitCode = Annotated[bool, option("--exit-code", "Exit with 1 if there are differences.")]
 
 
 @with_settings("store", "jobs", "rules", "rule_families")

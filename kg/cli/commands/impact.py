@@ -7,7 +7,7 @@ import typer
 
 from kg.cli.completion import subjects
 from kg.cli.drawing import Output, deliver, form_of
-from kg.cli.options import Json, Markdown, with_settings
+from kg.cli.options import Json, Markdown, argument, option, with_settings
 from kg.cli.output import json_line
 from kg.errors import Exit, StoreError, UsageError
 from kg.lazily import lazily
@@ -35,25 +35,19 @@ with lazily():
 
 Name = Annotated[
     str | None,
-    typer.Argument(
-        metavar="NAME",
-        help="A topic, service, action, `package/Type`, `package/Type.field`, `node.parameter`, node, launch argument "
+    argument(
+        "NAME",
+        "A topic, service, action, `package/Type`, `package/Type.field`, `node.parameter`, node, launch argument "
         "(`x.launch:argument`) or file.",
         autocompletion=subjects,
     ),
 ]
-KindOf = Annotated[str | None, typer.Option("--kind", "-k", metavar="KIND", help="Kind of NAME, if it is ambiguous.")]
+KindOf = Annotated[str | None, option("--kind -k KIND", "Kind of NAME, if it is ambiguous.")]
 Diff = Annotated[
-    str | None,
-    typer.Option(
-        "--diff", "-d", metavar="COMMIT", help="Show what the work tree breaks elsewhere, compared with COMMIT."
-    ),
+    str | None, option("--diff -d COMMIT", "Show what the work tree breaks elsewhere, compared with COMMIT.")
 ]
-Repository = Annotated[
-    str | None,
-    typer.Option("--repository", "-C", metavar="FOLDER", help="Checkout for --diff; by default this folder."),
-]
-ExitCode = Annotated[bool, typer.Option("--exit-code", help="Exit with 1 if something breaks.")]
+Repository = Annotated[str | None, option("--repository -C FOLDER", "Checkout for --diff; by default this folder.")]
+ExitCode = Annotated[bool, option("--exit-code", "Exit with 1 if something breaks.")]
 
 
 @with_settings("store")

@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import typer
-
 from kg.cli.diagnostics import note, problem
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, argument, option, with_settings
 from kg.cli.output import Column, json_lines, listing, terminal
 from kg.lazily import lazily
 from kg.render.text import json_text, printable
@@ -36,12 +34,10 @@ _COLUMNS: Final = (
 _LONGEST: Final = 60
 
 
-Node = Annotated[
-    str | None, typer.Argument(metavar="NODE", help="A node, such as /amcl; in ROS 1, a node or a namespace.")
-]
-Name = Annotated[str | None, typer.Argument(metavar="NAME", help="A parameter of the node.")]
-Value = Annotated[str | None, typer.Argument(metavar="VALUE", help="Its new value, as in a parameter file.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Check the value without setting it.")]
+Node = Annotated[str | None, argument("NODE", "A node, such as /amcl; in ROS 1, a node or a namespace.")]
+Name = Annotated[str | None, argument("NAME", "A parameter of the node.")]
+Value = Annotated[str | None, argument("VALUE", "Its new value, as in a parameter file.")]
+DryRun = Annotated[bool, option("--dry-run", "Check the value without setting it.")]
 
 
 @with_settings("robot")

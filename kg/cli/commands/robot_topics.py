@@ -4,10 +4,8 @@ from collections import Counter
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import typer
-
 from kg.cli.diagnostics import note
-from kg.cli.options import Json, with_settings
+from kg.cli.options import Json, argument, option, seconds, with_settings
 from kg.cli.output import Column, listing
 from kg.errors import RobotError
 from kg.facts import Role
@@ -24,10 +22,9 @@ with lazily():
     import asyncio
     from pathlib import Path
 
-    from kg.cli.driving import warn
+    from kg.cli.commands.robot import report_problems
+    from kg.cli.commands.robot_driving import warn
     from kg.cli.interruptible import interruptible
-    from kg.cli.numbers import seconds
-    from kg.cli.robot_view import report_problems
     from kg.robot.bag.recording import Recorder
     from kg.robot.clock import within
     from kg.robot.connecting import address_of, connected, inhabited, look
@@ -65,16 +62,9 @@ _RECORDED: Final = (
 )
 
 
-File = Annotated[
-    str,
-    typer.Argument(metavar="FILE", help="New file: .bag for ROS 1, .mcap for ROS 2.", show_default=False),
-]
-Topics = Annotated[
-    list[str] | None, typer.Argument(metavar="TOPIC", help="Topics to record, such as /scan; by default all.")
-]
-For = Annotated[
-    str | None, typer.Option("--for", metavar="S", help="Record for this many seconds of the robot's time.")
-]
+File = Annotated[str, argument("FILE", "New file: .bag for ROS 1, .mcap for ROS 2.", show_default=False)]
+Topics = Annotated[list[str] | None, argument("TOPIC", "Topics to record, such as /scan; by default all.")]
+For = Annotated[str | None, option("--for S", "Record for this many seconds of the robot's time.")]
 
 
 @with_settings("robot")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 with lazily():
     from rich.columns import Columns
 
-    from kg.cli.corpus_view import compared, rnkg_rows
+    from kg.cli.commands.corpus import compared, rnkg_rows
     from kg.syntax.names import shorten
     from kg.views.answers import figures
 
@@ -81,7 +81,7 @@ def _sections(counted: "Statistics", most: int | None = None) -> list[tuple[str,
 
 
 def _tables(counted: "Statistics", ours: "Counted") -> None:
-    from kg.cli.corpus_view import RNKG_COLUMNS  # noqa: PLC0415 - start-up time
+    from kg.cli.commands.corpus import RNKG_COLUMNS  # noqa: PLC0415 - start-up time
 
     tables = [
         make_table((Column(section, "name"), Column("", "number")), rows)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from kg.cli.diagnostics import note, say
-from kg.cli.options import Json, NoRules, with_settings
+from kg.cli.options import Json, NoRules, argument, option, with_settings
 from kg.cli.output import Column, json_lines, listing
 from kg.errors import Exit, Place, UsageError
 from kg.lazily import lazily
@@ -26,13 +26,11 @@ with lazily():
     from kg.store.backups import back_up
 
 
-Text = Annotated[str | None, typer.Argument(metavar="UPDATE", help="SPARQL Update; - reads it from standard input.")]
-File = Annotated[str | None, typer.Option("--file", "-f", metavar="FILE", help="Read the update from FILE.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Show what would change, without changing it.")]
-Target = Annotated[
-    str, typer.Argument(metavar="TARGET", help="A new folder, or a file whose name ends in .nq or .nq.gz.")
-]
-Source = Annotated[str, typer.Argument(metavar="BACKUP", help="Folder or file written by `kg backup`.")]
+Text = Annotated[str | None, argument("UPDATE", "SPARQL Update; - reads it from standard input.")]
+File = Annotated[str | None, option("--file -f FILE", "Read the update from FILE.")]
+DryRun = Annotated[bool, option("--dry-run", "Show what would change, without changing it.")]
+Target = Annotated[str, argument("TARGET", "A new folder, or a file whose name ends in .nq or .nq.gz.")]
+Source = Annotated[str, argument("BACKUP", "Folder or file written by `kg backup`.")]
 
 
 @with_settings("base", "store")

@@ -21,16 +21,14 @@ import struct
 import sys
 import threading
 import traceback
+from collections.abc import Iterable
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NoReturn
+from typing import Final, NoReturn
 
 from kg.lazily import lazily
 from kg.query.readers.child import serve
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 with lazily():
     import ctypes

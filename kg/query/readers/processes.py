@@ -10,16 +10,13 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import Any, Final, cast
 
 from kg.errors import QueryError
 from kg.query.readers.forkserver import END, FORK, ORDER, PAUSE, RESUME, YIELD
 from kg.query.readers.messages import PREFIX, Configuration, Message, decode, frame
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 
 _BUFFER_BYTES: Final = 512 << 10
 """If the buffer contains more bytes, the reader process has to wait."""
