@@ -47,7 +47,7 @@ COMMANDS: Final[Panels] = {
         "instances": ("graph:instances", "List the nodes that launch files start, with their run-time names."),
         "graph": ("graph:graph", "Show the nodes and connections that a launch file starts."),
         "diff": ("diff:diff", "Show changes in interfaces and wiring between two commits."),
-        "impact": ("impact:impact", "Show what breaks if a name is renamed, removed or changed."),
+        "impact": ("diff:impact", "Show what breaks if a name is renamed, removed or changed."),
         "query": ("query:query", "Run a SPARQL query or a stored query."),
         "why": ("why:why", "Prove a fact: show the rules that derive it, down to the source line."),
         "why-not": ("why:why_not", "Show why a fact is missing: what each rule that could derive it lacks."),
@@ -93,9 +93,7 @@ RULE_COMMANDS: Final[Panels] = {
         "diff": ("rules:diff", "Show what the rules on disk would add to and remove from the store."),
         "watch": ("rules_check:watch", "Check and test rules on every save, and show their effect on the store."),
     },
-    "Run": {
-        "run": ("rules_run:run", "Run the active rules and write what they infer into the store."),
-    },
+    "Run": {"run": ("rules_run:run", "Run the active rules and write what they infer into the store.")},
     "Inspect": {
         "compile": ("rules:compile_rule", "Print a rule as it is evaluated, or in another notation."),
         "plan": ("rules_run:plan", "Show which rules can run on each source alone, and why not."),
@@ -112,7 +110,7 @@ ROBOT_COMMANDS: Final[Panels] = {
         ),
         "topics": ("robot_topics:topics", "List a robot's topics with types, publishers and subscribers."),
         "nodes": ("robot_topics:nodes", "List a robot's nodes with the states of managed ones."),
-        "params": ("robot_params:params", "Show the parameters of running nodes, or set one."),
+        "params": ("robot_topics:params", "Show the parameters of running nodes, or set one."),
         "watch": ("robot:watch", "Mirror a running robot in the store, and report what changes."),
         "record": ("robot_topics:record", "Record topics of a robot to a file, until Ctrl-C."),
     },
@@ -132,14 +130,14 @@ ROBOT_COMMANDS: Final[Panels] = {
         "simulate": (
             "robot_simulate:simulate",
             "Simulate a robot with ROS nodes: on wheels in an office, a drone, or an arm.",
-        ),
+        )
     },
 }
 CORPUS_COMMANDS: Final[Panels] = {
     "Commands": {
         "select": ("corpus:select", "Select projects from a table by criteria, and compare with RNKG's."),
         "fetch": ("corpus:fetch", "Fetch repositories, each at one commit, and pin the commits in a lock file."),
-    },
+    }
 }
 EVALUATIONS: Final[Panels] = {
     "Commands": {
@@ -150,32 +148,27 @@ EVALUATIONS: Final[Panels] = {
         ),
         "sample": ("evaluate:sample", "Draw facts to be judged by a person, or score a judged sheet."),
         "search": ("evaluate:search", "Compare the search with other methods: NDCG@1 and NDCG@5."),
-        "exercises": (
-            "evaluate:exercises",
-            "Compare capability programs with equivalent code in four exercises.",
-        ),
+        "exercises": ("evaluate:exercises", "Compare capability programs with equivalent code in four exercises."),
         "study": (
             "evaluate:study",
             "Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.",
         ),
-    },
+    }
 }
 ONTOLOGY_COMMANDS: Final[Panels] = {
     "Commands": {
         "check": ("ontology:check", "Check ontologies with the reasoner HermiT (OWL 2 DL)."),
         "classify": ("ontology:classify", "Print what follows from ontologies by OWL 2 DL, as Turtle."),
         "validate": ("ontology:validate", "Validate the data of the store against SHACL shapes."),
-    },
+    }
 }
 EXTRACT_COMMANDS: Final[Panels] = {
     "Commands": {
-        "check": ("extract:check", "Check descriptions of framework calls: columns, types, arguments, matches."),
-    },
+        "check": ("extract:check", "Check descriptions of framework calls: columns, types, arguments, matches.")
+    }
 }
 CONFIG_COMMANDS: Final[Panels] = {
-    "Commands": {
-        "show": ("doctor:show_settings", "Show all settings with their values and origins."),
-    },
+    "Commands": {"show": ("doctor:show_settings", "Show all settings with their values and origins.")}
 }
 
 

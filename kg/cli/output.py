@@ -128,10 +128,7 @@ def console() -> Console:
 
 
 def listing(
-    columns: Sequence[Column],
-    rows: Iterable[Sequence[object]],
-    *,
-    objects: Iterable[Any] | None = None,
+    columns: Sequence[Column], rows: Iterable[Sequence[object]], *, objects: Iterable[Any] | None = None
 ) -> None:
     """Write a list: as JSON Lines if `objects` are given, as a table on a terminal, else as TSV with a header."""
     if objects is not None:
@@ -171,13 +168,7 @@ def make_table(columns: Sequence[Column], rows: Iterable[Sequence[object]]) -> T
 
     cells = [[_cell(value) for value in row] for row in rows]
     visible = _fitting(columns, cells)
-    table = Table(
-        box=SIMPLE_HEAD,
-        pad_edge=False,
-        collapse_padding=True,
-        show_edge=False,
-        header_style="bold",
-    )
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, collapse_padding=True, show_edge=False, header_style="bold")
     styles = {"name": "bold", "dim": "dim"}
     for index in visible:
         column = columns[index]

@@ -6,10 +6,9 @@ from collections import Counter
 from typing import TYPE_CHECKING, Final
 
 from kg.evaluate.gathering import Choice, Gathered, gather
-from kg.evaluate.intervals import wilson
 from kg.evaluate.linking import Ground, Linker
 from kg.evaluate.references import PARAMETERS
-from kg.evaluate.tables import Cell, Share, Table, with_paper
+from kg.evaluate.tables import Cell, Share, Table, wilson, with_paper
 from kg.facts import Role
 from kg.render.text import count
 
@@ -22,16 +21,7 @@ if TYPE_CHECKING:
     from kg.store.interface import Snapshot
 
 _QUERY: Final = "completeness/reference-entities"
-_ENTITIES: Final = (
-    "node",
-    "topic",
-    "service",
-    "action",
-    "parameter",
-    "message type",
-    "service type",
-    "action type",
-)
+_ENTITIES: Final = ("node", "topic", "service", "action", "parameter", "message type", "service type", "action type")
 _ALL: Final = "all"
 
 

@@ -195,10 +195,7 @@ def _joined(one: Reference, other: Reference) -> Reference:
     """Return the union of two records of a node (one for each launch file, or page)."""
     entries: Iterable[Entry] = (*one.entries, *other.entries)
     return replace(
-        one,
-        names=one.names | other.names,
-        entries=tuple(dict.fromkeys(entries)),
-        closed=one.closed | other.closed,
+        one, names=one.names | other.names, entries=tuple(dict.fromkeys(entries)), closed=one.closed | other.closed
     )
 
 

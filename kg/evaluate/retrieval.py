@@ -24,9 +24,8 @@ import msgspec
 import numpy as np
 
 from kg.errors import Place, UsageError
-from kg.evaluate.intervals import bootstrap, bounds
 from kg.evaluate.references import owner_and_name, short_name
-from kg.evaluate.tables import Cell, Score, Table, with_paper
+from kg.evaluate.tables import Cell, Score, Table, bootstrap, bounds, with_paper
 from kg.render.text import count
 from kg.search.searching import Hit, Search
 

@@ -39,9 +39,8 @@ def run(  # noqa: PLR0913 - the settings of one query, all by name
     triples; the result records whether there were more. With `union` the default graph is the union of all graphs,
     unless the query names others. `path` is the path of the text in errors.
 
-    Raises:
-        QueryError: KG501 syntax error, KG502 refused, KG503 deadline (a `DeadlineError`), KG505 parameter, KG516
-            nested too deeply.
+    Raises QueryError: KG501 syntax error, KG502 refused, KG503 deadline (a `DeadlineError`), KG505 parameter, KG516
+    nested too deeply.
     """
     prepared = prepare(text, parameters or {}, path)
     began = time.perf_counter()
@@ -84,8 +83,7 @@ def row(
 
     Rows are counted from one; unbound variables are left out.
 
-    Raises:
-        UsageError: KG003 if the result has no such row, or no rows; else as `kg.query.core.run`.
+    Raises UsageError: KG003 if the result has no such row, or no rows; else as `kg.query.core.run`.
     """
     text = bind(query.text, query.bind(values))
     answer = run(snapshot, text, timeout=timeout, limit=number, path=str(query.path))

@@ -107,8 +107,7 @@ class Prepared:
 def prepare(text: str, parameters: Mapping[str, NamedNode | Literal], path: str = "query") -> Prepared:
     """Check the SPARQL query `text` and bind its parameters (see `kg.query.binding`).
 
-    Raises:
-        QueryError: KG502 refused, KG505 parameter, KG516 nested too deeply.
+    Raises QueryError: KG502 refused, KG505 parameter, KG516 nested too deeply.
     """
     text = normalise(text)
     lexed = list(tokens(text))

@@ -80,8 +80,7 @@ _AT_A_TIME: Final = 64
 def write(result: Result, name: str) -> bytes:
     """Return `result` in the format `name`.
 
-    Raises:
-        QueryError: KG504 with the formats of this kind of result.
+    Raises QueryError: KG504 with the formats of this kind of result.
     """
     parts: list[bytes] = []
     if isinstance(result, Graph):
@@ -96,8 +95,8 @@ def write(result: Result, name: str) -> bytes:
 def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], output: Callable[[bytes], object]) -> None:
     """Write rows to `output` in the format `name`, in batches as they arrive; Parquet is written at the end.
 
-    Raises:
-        QueryError: KG504 if the format is not one of rows, cannot represent one of them, or is Parquet without pyarrow.
+    Raises QueryError: KG504 if the format is not one of rows, cannot represent one of them, or is Parquet without
+    pyarrow.
     """
     if name == parquet.NAME:
         output(parquet.written(variables, rows))
@@ -117,8 +116,7 @@ def write_rows(name: str, variables: tuple[str, ...], rows: Iterable[Row], outpu
 def write_graph(name: str, triples: Iterable[Triple], output: Callable[[bytes], object]) -> None:
     """Write triples to `output` in the format `name`, in parts of some kilobytes as they arrive.
 
-    Raises:
-        QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
+    Raises QueryError: KG504 if the format is not one of graphs, or cannot represent one of them.
     """
     if name not in GRAPH_FORMATS:
         raise unfit("graph", name)

@@ -33,8 +33,7 @@ _INSTEAD: Final = {
 def check(tokens: Iterable[Token], text: str, path: str = "query") -> None:
     """Reject a query that nests too deeply, chains too much or would call another server.
 
-    Raises:
-        QueryError: KG502 for a call, KG516 for depth or length, at the place of the first cause.
+    Raises QueryError: KG502 for a call, KG516 for depth or length, at the place of the first cause.
     """
     depth = unary = chain = 0
     previous: Token | None = None

@@ -42,8 +42,7 @@ class Runner(Protocol):
 def in_thread(work: Callable[[], Answer], timeout: float | None) -> Answer:
     """Run `work` in a thread, so deadlines and Ctrl-C take effect at once.
 
-    Raises:
-        DeadlineError: KG503; the thread runs on until the process exits.
+    Raises DeadlineError: KG503; the thread runs on until the process exits.
     """
     answer: Future[Answer] = Future()
 

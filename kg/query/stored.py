@@ -182,8 +182,7 @@ def _files(folders: Iterable[Path]) -> dict[str, Path]:
 def find(name: str, folders: Iterable[Path] = ()) -> StoredQuery:
     """Return the query with this name, or this last part of its name.
 
-    Raises:
-        UsageError: KG001 with suggestions, or with the queries that share the last part.
+    Raises UsageError: KG001 with suggestions, or with the queries that share the last part.
     """
     files = _files(folders)
     same = [name] if name in files else [path for path in files if path.rpartition("/")[2] == name]

@@ -28,6 +28,10 @@ class State:
     CHANGED: Final = "changed"
 
 
+SIGNS: Final = {State.SAME: "", State.NEW: "+ ", State.GONE: "- ", State.CHANGED: "~ "}
+"""What is in front of the name of a thing, by what became of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Member:
     """A box: an instance, or a namespace with `count` of them.

@@ -10,8 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from kg.render.system_graph import Channel, Link, Member, State, SystemGraph
-from kg.render.system_style import SIGNS
+from kg.render.system_graph import SIGNS, Channel, Link, Member, State, SystemGraph
 from kg.render.text import printable
 
 _VERBS: Final = {

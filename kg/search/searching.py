@@ -14,9 +14,8 @@ from kg.holes import anonymous
 from kg.lazily import lazily
 from kg.search import cache
 from kg.search.fields import own_words
-from kg.search.filters import wishes
 from kg.search.lexicon import lexicon
-from kg.search.names import Names
+from kg.search.names import Names, wishes
 from kg.search.needs import Need, parse
 from kg.search.ranking import fits, gain, scores, share
 from kg.search.words import terms
@@ -45,10 +44,7 @@ _VERBS: Final = {
     "action_servers": "provides the action",
     "action_clients": "calls the action",
 }
-_ROLES: Final = {
-    "services": ("services", "action_servers"),
-    "calls": ("clients", "action_clients"),
-}
+_ROLES: Final = {"services": ("services", "action_servers"), "calls": ("clients", "action_clients")}
 _KINDS: Final = {
     "comment": "a comment says",
     "docstring": "its docstring says",
@@ -212,7 +208,7 @@ class Search:
         self.names = Names(index.features.names, index.concepts, index.text.names.keys() - index.passing)
 
     def find(self, text: str, filters: Mapping[str, Sequence[str]] | None = None, limit: int = 10) -> Answer:
-        """Return the best hits for a need in words, restricted by filters (`kg.search.filters`).
+        """Return the best hits for a need in words, restricted by filters (`kg.search.names`).
 
         Raises UsageError: KG701, KG702, KG703 for a name in a filter that no node has.
         """

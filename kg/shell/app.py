@@ -79,8 +79,7 @@ def editor_words() -> list[str]:
 def command_for(path: Path, line: int | None) -> list[str]:
     """Return the command that opens `path` at `line`, in the syntax of the editor.
 
-    Raises:
-        UsageError: KG551 no editor, KG552 the file is not on this machine.
+    Raises UsageError: KG551 no editor, KG552 the file is not on this machine.
     """
     if not path.is_file():
         hint = "The source may have moved; `kg status` lists the sources."

@@ -9,7 +9,6 @@ from shell.driving import current, ended, opened, run_query, running, typed, unt
 from textual.command import CommandPalette
 from textual.widgets import Input, Markdown, OptionList, Tree
 
-from kg.shell.pages import lines_of_row
 from kg.shell.screens.find import FindScreen, HitTree
 from kg.shell.screens.listing import (
     ChoiceScreen,
@@ -20,7 +19,7 @@ from kg.shell.screens.listing import (
     JumpScreen,
     StoredScreen,
 )
-from kg.shell.screens.page import PageScreen, PageTree
+from kg.shell.screens.page import PageScreen, PageTree, lines_of_row
 from kg.shell.screens.rules import RulesScreen
 from kg.shell.state import State
 from kg.shell.tree import KnowledgeTree

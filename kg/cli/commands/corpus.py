@@ -154,13 +154,7 @@ Submodules = Annotated[bool, option("--submodules", "Also fetch submodules.")]
 Update = Annotated[bool, option("--update", "Fetch the newest commits, not those of the lock file.")]
 
 
-def select(
-    table: Table,
-    *,
-    criteria: CriteriaFile = None,
-    output: Output = None,
-    json: Json = False,
-) -> None:
+def select(table: Table, *, criteria: CriteriaFile = None, output: Output = None, json: Json = False) -> None:
     """Select projects from a table by criteria, and compare with RNKG's.
 
     Prints how many projects each criterion removes, in order, and the figures of the remaining projects next to those

@@ -31,12 +31,11 @@ with lazily():
         table,
     )
     from kg.evaluate.exercises import perform_all
-    from kg.evaluate.facts import Facts
     from kg.evaluate.gathering import Choice
-    from kg.evaluate.keeping import forget as drop
-    from kg.evaluate.keeping import keep as add
+    from kg.evaluate.linking import forget as drop
+    from kg.evaluate.linking import keep as add
     from kg.evaluate.retrieval import read_needs, retrieval
-    from kg.evaluate.sheet import SourceLines, as_sheet, drawn, score_sheet
+    from kg.evaluate.sheet import Facts, SourceLines, as_sheet, drawn, score_sheet
     from kg.evaluate.tables import Table, as_csv, as_objects, spelled, write
     from kg.graph.source_states import sources
     from kg.search.searching import open_search
@@ -174,7 +173,7 @@ def sample(  # noqa: PLR0913 - the options of a command
     if score:
         deliver(score_sheet(Path(score).expanduser()), json=json, output=tables)
         return
-    from kg.evaluate.facts import RELATIONS  # noqa: PLC0415 - start-up time
+    from kg.evaluate.sheet import RELATIONS  # noqa: PLC0415 - start-up time
 
     number, chance = whole(size, "--size", 1), whole(seed, "--seed", 0)
     for name in relation or ():
@@ -189,12 +188,7 @@ def sample(  # noqa: PLR0913 - the options of a command
 
 @with_settings("store")
 def search(
-    *,
-    settings: Settings,
-    queries: Needs,
-    model: Model = None,
-    output: Output = None,
-    json: Json = False,
+    *, settings: Settings, queries: Needs, model: Model = None, output: Output = None, json: Json = False
 ) -> None:
     """Compare the search with other methods: NDCG@1 and NDCG@5.
 
@@ -270,12 +264,7 @@ def exercises(
     deliver(capabilities_table(results) if capabilities else exercises_table(results), json=json, output=output)
 
 
-def study(
-    files: Results,
-    *,
-    json: Json = False,
-    output: Output = None,
-) -> None:
+def study(files: Results, *, json: Json = False, output: Output = None) -> None:
     """Evaluate the results of a study: time, attempts, blocks and capabilities of each exercise.
 
     Takes the files that the robot page saves (Examples, Study with four tasks), and prints them next to the figures of

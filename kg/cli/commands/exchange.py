@@ -239,13 +239,7 @@ MaxBytes = Annotated[str, option("--max-bytes SIZE", "Refuse a snapshot larger t
 
 
 @with_settings("rules", "base", "store")
-def publish(
-    target: Target,
-    *,
-    settings: Settings,
-    no_index: NoIndex = False,
-    json: Json = False,
-) -> None:
+def publish(target: Target, *, settings: Settings, no_index: NoIndex = False, json: Json = False) -> None:
     """Write the graph for others, to a folder or a web server.
 
     Writes the graph as compressed N-Quads, the search index, your own rules, and a manifest with the digest of each.
@@ -268,12 +262,7 @@ def publish(
 
 @with_settings("store")
 def pull(
-    address: Address,
-    *,
-    settings: Settings,
-    index: WithIndex = False,
-    max_bytes: MaxBytes = "4G",
-    json: Json = False,
+    address: Address, *, settings: Settings, index: WithIndex = False, max_bytes: MaxBytes = "4G", json: Json = False
 ) -> None:
     """Fetch a published graph and make a store of it.
 

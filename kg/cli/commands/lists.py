@@ -58,13 +58,7 @@ Sort = Annotated[str | None, option("--sort SORT", f"Only {', '.join(_SORTS)} fi
 
 
 @with_settings("store")
-def files(
-    *,
-    settings: Settings,
-    package: Package = None,
-    sort: Sort = None,
-    json: Json = False,
-) -> None:
+def files(*, settings: Settings, package: Package = None, sort: Sort = None, json: Json = False) -> None:
     """List the files of packages, sorted into code and text.
 
     As in RNKG (section 3.1.2), code is C++, Python, interface definitions and launch files; text is READMEs, pages and
@@ -168,13 +162,7 @@ Kind = Annotated[str | None, option("--kind KIND", "Only executable, script, nod
 
 
 @with_settings("store")
-def nodes(
-    *,
-    settings: Settings,
-    package: PackageName = None,
-    kind: Kind = None,
-    json: Json = False,
-) -> None:
+def nodes(*, settings: Settings, package: PackageName = None, kind: Kind = None, json: Json = False) -> None:
     """List all nodes with the number of their interfaces.
 
     The columns count what the code itself declares: topics published (pub) and subscribed to (sub), services offered

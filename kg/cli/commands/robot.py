@@ -108,13 +108,7 @@ def _running(settings: Settings) -> "Subject":
 
 
 @with_settings("robot", "rules", "rule_families", "store")
-def watch(
-    *,
-    settings: Settings,
-    name: Name = None,
-    once: Once = False,
-    json: Json = False,
-) -> None:
+def watch(*, settings: Settings, name: Name = None, once: Once = False, json: Json = False) -> None:
     """Mirror a running robot in the store, and report what changes.
 
     Nodes that start or stop, and their capabilities, are updated in the store within a second, in a separate graph.

@@ -274,9 +274,7 @@ async def _do(settings: Settings, name: str, chosen: "Doing") -> None:
             raise UsageError("KG003", f"`{plan.capability}` needs a duration", hint="For example: --for 2.")
         if not plan.rate and chosen.keep is not None:
             raise UsageError(
-                "KG003",
-                f"`{plan.capability}` ends by itself",
-                hint="Leave out --for; --timeout bounds it.",
+                "KG003", f"`{plan.capability}` ends by itself", hint="Leave out --for; --timeout bounds it."
             )
         for doubt in await driver.doubts(name, "write", way=chosen.way):
             warn(doubt, json=chosen.json)

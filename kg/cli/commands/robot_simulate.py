@@ -71,14 +71,7 @@ def simulate(  # noqa: PLR0913 - the options of a command
         kg robot simulate arm --page
     """
     choice = chosen(
-        world,
-        master=master,
-        port=port,
-        ros2=ros2,
-        speed=speed,
-        seconds=seconds,
-        seed=seed,
-        exercise=exercise,
+        world, master=master, port=port, ros2=ros2, speed=speed, seconds=seconds, seed=seed, exercise=exercise
     )
     interruptible(simulated(choice, session(context).settings(store=store) if page else None))
 

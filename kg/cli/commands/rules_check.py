@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 with lazily():
-    from kg.cli.rules_view import change_lines, difference_words, result_lines
+    from kg.cli.commands.rules import change_lines, difference_words, result_lines
     from kg.pipeline.reasoning import check_context, rule_folders
     from kg.pipeline.watching import glances
     from kg.render.sarif import annotation
@@ -181,13 +181,7 @@ def _show(glance: "Glance") -> None:
 
 
 @with_settings("rules", "rule_families")
-def try_rules(
-    chosen: Chosen = None,
-    *,
-    settings: Settings,
-    verbose: Verbose = False,
-    json: Json = False,
-) -> None:
+def try_rules(chosen: Chosen = None, *, settings: Settings, verbose: Verbose = False, json: Json = False) -> None:
     """Run the examples of rules and show what differs.
 
     The examples of rules/FAMILY/NAME.rq are in rules/FAMILY/NAME.md. Each lists the given triples and the triples

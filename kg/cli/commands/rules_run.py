@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 with lazily():
+    from kg.cli.commands.rules import coverage_lines, element_table, gap_words, run_words, share_rows, work_words
     from kg.cli.progress import waiting
-    from kg.cli.rules_view import coverage_lines, element_table, gap_words, run_words, share_rows, work_words
     from kg.pipeline import inferring
     from kg.pipeline.authoring import attempt
     from kg.pipeline.inferring import unchanged
@@ -193,12 +193,7 @@ Form = Annotated[str | None, option("--format FORMAT", f"One of {', '.join(_FORM
 
 @with_settings("rules", "rule_families")
 def graph(
-    chosen: Chosen = None,
-    *,
-    settings: Settings,
-    output: OutputFile = None,
-    form: Form = None,
-    json: Json = False,
+    chosen: Chosen = None, *, settings: Settings, output: OutputFile = None, form: Form = None, json: Json = False
 ) -> None:
     """Draw which rules feed which, as SVG, Mermaid or JSON.
 

@@ -30,17 +30,15 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.graph.source_states import sources
-    from kg.search.narrowing import Question, question
     from kg.search.searching import hit_object, open_search, search_of
-    from kg.search.wording import near, understood, unknown
+    from kg.search.wording import Question, near, question, understood, unknown
 
 
 COLUMNS: Final = tuple(map(Column, ("rank", "score", "package", "node", "why", "also in", "file:line")))
 Words = Annotated[list[str] | None, argument("TEXT", "What the node does, in words.")]
 FILTER_OPTIONS: Final = {
     one.name: Annotated[
-        list[str] | None,
-        option(f"--{one.name} {one.metavar}", one.sentence, autocompletion=features(one.name)),
+        list[str] | None, option(f"--{one.name} {one.metavar}", one.sentence, autocompletion=features(one.name))
     ]
     for one in FILTERS.values()
     if one.name != "package"  # an option that other commands have too

@@ -109,9 +109,8 @@ class Answer:
     async def parts(self) -> AsyncIterator[bytes]:
         """Yield the body as bytes; `end` is set after the last part.
 
-        Raises:
-            KgError: KG303 error of the store, KG503 deadline, KG506 error of the query, KG507 memory limit, KG508 the
-                reader exited, KG510 cancelled, KG511 response too large.
+        Raises KgError: KG303 error of the store, KG503 deadline, KG506 error of the query, KG507 memory limit, KG508
+        the reader exited, KG510 cancelled, KG511 response too large.
         """
         while self._buffered or self.end is None:
             if self._buffered:

@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kg.query.readers.answers import Job
-    from kg.query.readers.fleet import Fleet
-    from kg.query.readers.processes import Process
+    from kg.query.readers.processes import Fleet, Process
 
 
 class Slots:
@@ -58,8 +57,7 @@ class Slots:
     async def take(self, client: str, register: Callable[[asyncio.Future[None]], object]) -> None:
         """Take a slot, after waiting for one. `register` receives a future; an exception set on it ends the wait.
 
-        Raises:
-            QueryError: KG509 if the queue is full and no other client has more requests in it.
+        Raises QueryError: KG509 if the queue is full and no other client has more requests in it.
         """
         if self.used < self._slots and not self._waiting:
             self.used += 1
@@ -144,8 +142,7 @@ class Sharing:
     def add(self, process: Process, client: str) -> None:
         """Add a reader that runs a query of `client`.
 
-        Raises:
-            QueryError: KG509 if too many are held.
+        Raises QueryError: KG509 if too many are held.
         """
         if self.size >= self._most:
             raise QueryError("KG509", f"{self.size} long queries are running", hint="Try again in a few seconds.")

@@ -302,9 +302,8 @@ def compose(snapshot: Snapshot, question: Question, cache: Path | None = None) -
 
     The network is cached in the folder `cache`, if given.
 
-    Raises:
-        UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
-            `using`.
+    Raises UnknownNameError: KG705 for a type that no node has, KG706 if there is no chain, KG707 for an unknown name in
+    `using`.
     """
     of_store = network(snapshot, cache)
     resolved = resolve_request(of_store, snapshot, question.sources, question.targets, question.using)

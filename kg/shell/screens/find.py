@@ -10,9 +10,8 @@ from textual.widgets import Footer, Input, Static
 
 from kg.render.text import count, printable
 from kg.shell.delivery import deliver
-from kg.shell.pages import Line
 from kg.shell.screens.base import UpperScreen
-from kg.shell.screens.page import LineTree, PageScreen, thing
+from kg.shell.screens.page import Line, LineTree, PageScreen, thing
 
 if TYPE_CHECKING:
     from textual.app import ComposeResult
@@ -80,7 +79,7 @@ class FindScreen(UpperScreen[None], context="find"):
         if line is not None and not line.iri and node and node.parent:
             line = node.parent.data
         if line is not None and line.iri:
-            self.app.push_screen(PageScreen(self.app.link, thing(line.iri, line.text)))
+            self.app.push_screen(PageScreen(thing(line.iri, line.text)))
 
     def action_edit_place(self) -> None:
         """Open the line of code."""

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     from kg.errors import KgError
     from kg.query.result import Result
-    from kg.shell.link import Link
     from kg.shell.state import Entry
 
 
@@ -238,9 +237,8 @@ def _table(actions: Iterable[Action]) -> Table:
 class ExportScreen(ModalScreen[None], UpperScreen[None], context="list"):
     """Asks for file and format; a limited result is requested again without limit."""
 
-    def __init__(self, link: Link, result: Result, text: str) -> None:
+    def __init__(self, result: Result, text: str) -> None:
         super().__init__()
-        self._link = link
         self._result = result
         self._text = text
         self._job = secrets.token_hex(8)
@@ -277,7 +275,7 @@ class ExportScreen(ModalScreen[None], UpperScreen[None], context="list"):
         result = self._result
         if result.limit is not None:
             self._say("Asking for all rows …")
-            result = await self._link.ask(self._text, job=self._job, rows=None)
+            result = await self.app.link.ask(self._text, job=self._job, rows=None)
         return await asyncio.to_thread(to_file, result, typed, name)
 
     def _answer(self, size: int | None) -> None:
@@ -295,7 +293,7 @@ class ExportScreen(ModalScreen[None], UpperScreen[None], context="list"):
 
     def action_dismiss_screen(self) -> None:
         """Go back and cancel the request."""
-        self._link.stop(self._job)
+        self.app.link.stop(self._job)
         self.dismiss()
 
 
@@ -305,14 +303,10 @@ class StoredScreen(ListScreen):
     TITLE_WORDS = "Stored queries"
     EMPTY = "Reading the stored queries …"
 
-    def __init__(self, link: Link) -> None:
-        super().__init__()
-        self._link = link
-
     def on_mount(self) -> None:
         """Request the queries."""
         super().on_mount()
-        deliver(self, partial(self._link.call, "stored"), self._answer, self.app.report)
+        deliver(self, partial(self.app.link.call, "stored"), self._answer, self.app.report)
 
     def _answer(self, answer: dict[str, Any]) -> None:
         self.entries = answer["queries"]
@@ -330,7 +324,7 @@ class StoredScreen(ListScreen):
     def choose(self, entry: dict[str, Any]) -> None:
         """Open the form for the parameters, if there are any."""
         if entry["parameters"]:
-            self.app.push_screen(FormScreen(self._link, entry), self._bound)
+            self.app.push_screen(FormScreen(entry), self._bound)
         else:
             self.dismiss(entry["text"])
 
@@ -342,9 +336,8 @@ class StoredScreen(ListScreen):
 class FormScreen(ModalScreen[str | None], UpperScreen[str], context="list"):
     """Asks for the parameters of a stored query; returns the text with their values."""
 
-    def __init__(self, link: Link, query: dict[str, Any]) -> None:
+    def __init__(self, query: dict[str, Any]) -> None:
         super().__init__()
-        self._link = link
         self._stored = query
 
     def compose(self) -> ComposeResult:
@@ -367,7 +360,7 @@ class FormScreen(ModalScreen[str | None], UpperScreen[str], context="list"):
     def action_choose(self) -> None:
         """Return the bound query, or show which value is invalid."""
         values = {str(one.name): one.value.strip() for one in self.query(Input) if one.value.strip()}
-        request = partial(self._link.call, "stored", name=self._stored["query"], values=values)
+        request = partial(self.app.link.call, "stored", name=self._stored["query"], values=values)
         deliver(self, request, lambda answer: self.dismiss(answer["bound"]), self._fail, latest="bind")
 
     def _fail(self, error: KgError) -> None:

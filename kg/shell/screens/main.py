@@ -51,10 +51,9 @@ with lazily():
 class Runs:
     """Starts and stops the queries of a screen's buffers."""
 
-    def __init__(self, screen: MainScreen, link: Link, state: State) -> None:
+    def __init__(self, screen: MainScreen) -> None:
         self._screen = screen
-        self._link = link
-        self._state = state
+        self._link = screen.link
         self._was_running = False
 
     def start_at_cursor(self, buffer: Buffer) -> None:
@@ -113,7 +112,7 @@ class Runs:
         finally:
             buffer.job = None
         seconds = time.perf_counter() - clock
-        self._state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
+        self._screen.state.remember(Entry(text, began, self._link.layout.name, rows, seconds, outcome))
         self._screen.keep()
         self.show_status()
 
@@ -238,7 +237,7 @@ class MainScreen(Screen[None]):
         super().__init__()
         self.link = link
         self.state = state
-        self.runs = Runs(self, link, state)
+        self.runs = Runs(self)
         self._snapshot = link.snapshot()
         self._typing: Timer | None = None
         self._checking: Timer | None = None
@@ -378,7 +377,7 @@ class MainScreen(Screen[None]):
 
     def action_stored(self) -> None:
         """Choose a stored query."""
-        self.app.push_screen(StoredScreen(self.link), self._take)
+        self.app.push_screen(StoredScreen(), self._take)
 
     def action_jump(self) -> None:
         """Go to a panel by its letter."""
@@ -418,15 +417,13 @@ class MainScreen(Screen[None]):
             return
         query = buffer.last_query if isinstance(view.result, Solutions) else ""
         fact = row if isinstance(view.result, Graph) else None
-        self.app.push_screen(
-            PageScreen(self.link, row_page(columns_of(view.result), row, view.row_number(), query, fact))
-        )
+        self.app.push_screen(PageScreen(row_page(columns_of(view.result), row, view.row_number(), query, fact)))
 
     def action_open_cell(self) -> None:
         """Open the thing in the cell."""
         cell = view.cell() if (view := self._view()) else None
         if isinstance(cell, NamedNode):
-            self.app.push_screen(PageScreen(self.link, thing(cell.value, display(cell))))
+            self.app.push_screen(PageScreen(thing(cell.value, display(cell))))
         elif view:
             self.app.notify("The cell names no thing; Enter shows the whole row.", timeout=3)
 
@@ -467,7 +464,7 @@ class MainScreen(Screen[None]):
         """Write the whole answer to a file."""
         view, buffer = self._view(), self.buffers.current
         if buffer and view is not None and view.result is not None:
-            self.app.push_screen(ExportScreen(self.link, view.result, buffer.last_query))
+            self.app.push_screen(ExportScreen(view.result, buffer.last_query))
 
     def action_reload(self) -> None:
         """Reload the tree."""
@@ -479,7 +476,7 @@ class MainScreen(Screen[None]):
         tree = self.query_one(KnowledgeTree)
         entry = tree.entry
         if entry.get("iri"):
-            self.app.push_screen(PageScreen(self.link, thing(entry["iri"], entry["label"])))
+            self.app.push_screen(PageScreen(thing(entry["iri"], entry["label"])))
         elif tree.cursor_node:
             tree.cursor_node.toggle()
 

@@ -10,9 +10,8 @@ from textual.widgets import Footer, Static, Tree
 
 from kg.render.text import count, printable
 from kg.shell.delivery import deliver
-from kg.shell.pages import Line, lines_of_system, place_words
 from kg.shell.screens.base import UpperScreen
-from kg.shell.screens.page import LineTree, PageScreen, proof_page, thing
+from kg.shell.screens.page import Line, LineTree, PageScreen, lines_of_system, place_words, proof_page, thing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,9 +88,9 @@ class SystemsScreen(UpperScreen[None], context="systems"):
         elif line is None:
             return
         elif line.fact:
-            self.app.push_screen(PageScreen(self.app.link, proof_page(line.fact, line.text)))
+            self.app.push_screen(PageScreen(proof_page(line.fact, line.text)))
         elif line.iri:
-            self.app.push_screen(PageScreen(self.app.link, thing(line.iri, line.text)))
+            self.app.push_screen(PageScreen(thing(line.iri, line.text)))
         else:
             event.node.toggle()
 
