@@ -11,7 +11,7 @@ from kg.search.index import build
 from kg.search.lexicon import lexicon
 from kg.search.names import Names
 from kg.search.needs import meanings, parse
-from kg.search.ranking import wording_scores
+from kg.search.searching import wording_scores
 from kg.search.words import content_terms, phrase
 
 INDEX: Final = build(CONTENT)

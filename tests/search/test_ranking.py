@@ -6,9 +6,8 @@ from search.store import CONTENT
 
 from kg.search.index import MARKS, build
 from kg.search.lexicon import lexicon
-from kg.search.ranking import covered, prior, scores
 from kg.search.reading import Content
-from kg.search.searching import Search
+from kg.search.searching import Search, covered, prior, scores
 from kg.search.words import stem
 
 PLAIN = next(node for node in CONTENT.nodes if node.texts and node.kind == "executable")

@@ -22,18 +22,18 @@ with lazily():
     import asyncio
 
     from kg.evaluate.code_check import check_code
-    from kg.evaluate.exercise_tables import (
+    from kg.evaluate.exercises import (
         capabilities_of_robots,
         capabilities_table,
         exercises_table,
+        perform_all,
         read,
         runs_table,
         table,
     )
-    from kg.evaluate.exercises import perform_all
-    from kg.evaluate.gathering import Choice
     from kg.evaluate.linking import forget as drop
     from kg.evaluate.linking import keep as add
+    from kg.evaluate.references import Choice
     from kg.evaluate.retrieval import read_needs, retrieval
     from kg.evaluate.sheet import Facts, SourceLines, as_sheet, drawn, score_sheet
     from kg.evaluate.tables import Table, as_csv, as_objects, spelled, write

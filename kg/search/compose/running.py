@@ -22,8 +22,18 @@ from kg.query.rows import rows
 from kg.render.text import count
 from kg.search.cache import keep, load_cached
 from kg.search.compose.asking import ResolvedRequest, resolve_request
-from kg.search.compose.chains import Chain, Search, Step
-from kg.search.compose.costs import demerits, generic, knowledge, link_cost, needs, part_cost, port_cost
+from kg.search.compose.chains import (
+    Chain,
+    Search,
+    Step,
+    demerits,
+    generic,
+    knowledge,
+    link_cost,
+    needs,
+    part_cost,
+    port_cost,
+)
 from kg.search.compose.details import Details, read_details
 from kg.search.compose.network import Network, Part, Port
 from kg.search.compose.results import Answer, Composed, Node
