@@ -191,7 +191,6 @@ setting `robot`, or ROS_MASTER_URI or ROS_DOMAIN_ID, in this order. `kg robot si
 
 
 def _group(panels: Panels) -> type[KgGroup]:
-    """Return the class of a group with some commands."""
     later = [Later(panel, name, *rest) for panel, entries in panels.items() for name, rest in entries.items()]
     return type("Group", (KgGroup,), {"later": later})
 

@@ -42,6 +42,11 @@ class Column:
     spare: int = 0
 
 
+def numbers(*titles: str) -> list[Column]:
+    """Return columns of numbers."""
+    return [Column(title, "number") for title in titles]
+
+
 @dataclass(frozen=True, slots=True)
 class Linked:
     """A cell with a link to `address`."""

@@ -178,7 +178,6 @@ def missed(variant: Variant, world: World) -> list[str]:
 
 
 def _faces(pose: Pose, tag: TagPlace) -> bool:
-    """Return whether a robot faces a tag."""
     far, widest = _VIEW
     bearing = math.atan2(tag.y - pose.y, tag.x - pose.x) - pose.heading
     return pose.distance(tag.x, tag.y) <= far and abs(math.remainder(bearing, math.tau)) <= widest

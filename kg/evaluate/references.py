@@ -368,7 +368,6 @@ def _plain(line: str) -> str:
 
 
 def _bare(cell: str) -> str:
-    """Return a cell without Markdown formatting."""
     return _plain(cell).replace("\\_", "_").replace("\\", "").strip(" \t`*\"'")
 
 
@@ -511,7 +510,6 @@ def _read(path: Path, packages: Packages, choice: Choice) -> Reading:
 
 
 def _folder(path: Path, packages: Packages, choice: Choice) -> Reading:
-    """Read the pages below a folder, each for its package."""
     read: list[Reference] = []
     left_out: Counter[str] = Counter()
     for page in pages_below(path):

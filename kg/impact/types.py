@@ -125,7 +125,6 @@ def _endpoint(
 
 
 def _dependents(name: str, world: World, using: set[tuple[str, str]]) -> Iterator[Effect]:
-    """Yield the packages that depend on the package of a type."""
     owner = name.partition("/")[0]
     for package in world.dependents(owner):
         lines = [one.line for one in package.dependencies]

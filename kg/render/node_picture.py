@@ -40,8 +40,6 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class _Side:
-    """The ports of one side by role, and how much room they take."""
-
     groups: tuple[tuple[str, tuple[Port, ...]], ...]
 
     @property

@@ -11,7 +11,7 @@ import typer
 from kg.cli.diagnostics import note, say
 from kg.cli.diagnostics import report as show
 from kg.cli.options import Json, NoRules, UpdateUrl, argument, option, with_settings
-from kg.cli.output import Column, json_lines, listing, terminal
+from kg.cli.output import Column, json_lines, listing, numbers, terminal
 from kg.cli.supervising import supervise
 from kg.errors import Exit, UsageError
 from kg.lazily import lazily
@@ -160,10 +160,7 @@ def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
     """List what a build would read of each source, and about how long that takes."""
     with for_people() as progress:
         volumes = estimate(named, settings, progress)
-    columns = (
-        Column("source", "name"),
-        *(Column(title, "number") for title in ("packages", "unchanged", "files", "code MB", "s of reading")),
-    )
+    columns = (Column("source", "name"), *numbers("packages", "unchanged", "files", "code MB", "s of reading"))
     objects = (
         {
             **asdict(one),
@@ -191,7 +188,6 @@ def _estimate(named: list[str], settings: Settings, *, json: bool) -> None:
 
 
 def _watch(settings: Settings, server: "RemoteStore | None", *, problems: bool, infer: bool, json: bool) -> None:
-    """Build again whenever a source has changed, until Ctrl-C, which is how watching ends."""
     layout = layout_of(settings)
     note("watching the sources; press Ctrl-C to stop")
     try:
@@ -219,7 +215,7 @@ def status(*, settings: Settings, json: Json = False) -> None:
         Column("source", "name"),
         Column("commit"),
         Column("changed"),
-        *(Column(title, "number") for title in ("packages", "nodes", "unresolved", "bounded", "problems")),
+        *numbers("packages", "nodes", "unresolved", "bounded", "problems"),
         Column("read", spare=1),
         Column("folder", "dim", spare=1),
     )

@@ -174,7 +174,6 @@ def _folded(rows: "Iterable[Mapping[str, Any]]") -> "Iterator[Mapping[str, Any]]
 
 
 def _hidden_rows(rows: "Sequence[object]", shown: "Sequence[object]") -> "Iterator[RenderableType]":
-    """Yield a line about the rows that are not shown, if there are any."""
     if len(shown) < len(rows):
         yield Text("--all shows every launch line", style="dim")
 

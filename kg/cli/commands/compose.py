@@ -117,7 +117,6 @@ def compose(  # noqa: PLR0913 - the options of a command
 
 
 def _chain_lines(chain: "Composed", rank: int) -> "Iterator[str]":
-    """Yield the lines of a chain."""
     yield f"{rank}. {' -> '.join(chain.types)}"
     for node in chain.nodes:
         yield from (f"   {printable(line)}" for line in _node_lines(chain, node))

@@ -11,7 +11,7 @@ import typer
 
 from kg.cli.diagnostics import note, problem, say
 from kg.cli.options import Json, argument, option, size, whole
-from kg.cli.output import Column, json_lines, listing, save, terminal, write
+from kg.cli.output import Column, json_lines, listing, numbers, save, terminal, write
 from kg.cli.progress import ProgressBar
 from kg.corpus.fetching.lock import FETCHED
 from kg.corpus.selection.select import STATISTICS
@@ -40,12 +40,7 @@ with lazily():
     from kg.corpus.selection.select import select as selected_by
 
 
-STEP_COLUMNS: Final = (
-    Column("criterion", "name"),
-    Column("removes", "number"),
-    Column("left", "number"),
-    Column("which are", "dim", spare=1),
-)
+STEP_COLUMNS: Final = (Column("criterion", "name"), *numbers("removes", "left"), Column("which are", "dim", spare=1))
 _HEADS: Final = {"median": "median", "mean": "mean", "sd": "SD", "cv": "CV"}
 FIGURE_COLUMNS: Final = (
     Column("figure", "name"),

@@ -32,22 +32,8 @@ with lazily():
     from kg.graph.reading.nodes import node_records
     from kg.graph.reading.systems import system_names
     from kg.graph.source_states import sources
-    from kg.impact.writing import (
-        broken_lines,
-        broken_markdown,
-        broken_objects,
-        impact_lines,
-        impact_markdown,
-        impact_object,
-    )
-    from kg.launch.comparison import Sources, compare
-    from kg.launch.comparison.report import (
-        changed_keys,
-        changed_systems,
-        difference_lines,
-        difference_markdown,
-        difference_objects,
-    )
+    from kg.impact import writing
+    from kg.launch.comparison import Sources, compare, report
     from kg.pipeline.launch_names import matching, several_launches, unknown_launch
     from kg.pipeline.revisions import commit_and_work_tree, merge_base, resolve, revision_store
     from kg.render.system_graph import SystemGraph, system_graph
@@ -131,13 +117,13 @@ def _written(
     if form == "svg":
         return _picture(difference, compared, both, every=every)
     if form == "json":
-        return "".join(map(json_line, difference_objects(difference)))
+        return "".join(map(json_line, report.difference_objects(difference)))
     if form == "markdown":
         links = Links.of(both[0].states.values()), Links.of(both[1].states.values())
-        return difference_markdown(
+        return report.difference_markdown(
             difference, compared.title, lambda side, is_after: address(links, side, is_after=is_after)
         )
-    return "".join(f"{line}\n" for line in difference_lines(difference))
+    return "".join(f"{line}\n" for line in report.difference_lines(difference))
 
 
 def _picture(difference: "Difference", compared: "Sides", both: "tuple[SideData, SideData]", *, every: bool) -> str:
@@ -154,7 +140,7 @@ def _picture(difference: "Difference", compared: "Sides", both: "tuple[SideData,
         )
         for side in both
     )
-    drawn = overlaid(before, after, changed_keys(difference, name))
+    drawn = overlaid(before, after, report.changed_keys(difference, name))
     return system_svg(collapsed(drawn if every else near_changes(drawn)))
 
 
@@ -163,7 +149,7 @@ def _one_system(difference: "Difference", both: "tuple[SideData, SideData]") -> 
 
     KG003 where there are several, or none.
     """
-    names = changed_systems(difference)
+    names = report.changed_systems(difference)
     if not names:
         names = tuple(sorted({one.configuration.name for side in both for one in side.sources.systems}))
     if len(names) == 1:
@@ -338,15 +324,15 @@ def _of_commit(settings: Settings, commit: str, folder: Path, form: str) -> tupl
         broken = broken_between(before, after, settings)
     is_breaking = any(one.is_breaking for one in broken)
     if form == "json":
-        return is_breaking, "".join(map(json_line, broken_objects(broken)))
+        return is_breaking, "".join(map(json_line, writing.broken_objects(broken)))
     if form == "markdown":
-        return is_breaking, broken_markdown(broken, f"{commit}..work tree")
-    return is_breaking, "".join(f"{line}\n" for line in broken_lines(broken))
+        return is_breaking, writing.broken_markdown(broken, f"{commit}..work tree")
+    return is_breaking, "".join(f"{line}\n" for line in writing.broken_lines(broken))
 
 
 def _impact_text(effects: "Impact", form: str, where: "Places") -> str:
     if form == "json":
-        return json_line(impact_object(effects))
+        return json_line(writing.impact_object(effects))
     if form == "markdown":
-        return impact_markdown(effects, where.web)
-    return "".join(f"{line}\n" for line in impact_lines(effects))
+        return writing.impact_markdown(effects, where.web)
+    return "".join(f"{line}\n" for line in writing.impact_lines(effects))

@@ -144,7 +144,6 @@ def _folder(folders: list[Path]) -> Path:
 
 
 def _write(checked: "Checked", form: str) -> None:
-    """Write the findings to standard output."""
     findings = checked.report.findings
     here = Path.cwd()
     if form == "json":

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from kg.cli.diagnostics import note
 from kg.cli.options import All, Json, PackageName, option, require_one_of, with_settings
-from kg.cli.output import Column, listing, terminal, write
+from kg.cli.output import Column, listing, numbers, terminal, write
 from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
@@ -40,7 +40,7 @@ def packages(*, settings: Settings, json: Json = False) -> None:
     columns = (
         Column("package", "name"),
         Column("version"),
-        *(Column(title, "number") for title in ("ros", "nodes", "definitions", "problems")),
+        *numbers("ros", "nodes", "definitions", "problems"),
         Column("source", "dim", spare=1),
         Column("folder", "dim", spare=1),
     )
@@ -78,7 +78,7 @@ def files(*, settings: Settings, package: Package = None, sort: Sort = None, jso
     columns = (
         Column("sort"),
         Column("kind"),
-        *(Column(title, "number") for title in ("nodes", "texts")),
+        *numbers("nodes", "texts"),
         Column("package", "name"),
         Column("file"),
         Column("source", "dim", spare=1),
@@ -128,12 +128,7 @@ def _list(settings: Settings, kind: str, *, every: bool, json: bool) -> None:
 def channel_rows(kind: str, listed: "Sequence[Mapping[str, Any]]", *, json: bool = False) -> None:
     """Write topics, services or actions as a list: objects as of `kg.graph.reading.overview.Channel`."""
     verbs = ("publish", "subscribe") if kind == "topic" else ("offer", "call")
-    columns = (
-        Column(kind, "name"),
-        Column("type", spare=1),
-        *(Column(verb, "number") for verb in verbs),
-        Column("launch files", "number"),
-    )
+    columns = (Column(kind, "name"), Column("type", spare=1), *numbers(*verbs), Column("launch files", "number"))
     rows = [
         (one["name"], ", ".join(one["types"]), len(one["givers"]), len(one["takers"]), one["systems"]) for one in listed
     ]
@@ -155,7 +150,7 @@ COLUMNS: Final = (
     Column("package"),
     Column("node", "name"),
     Column("kind"),
-    *(Column(title, "number") for title in ("ros", "pub", "sub", "srv", "cli", "act", "par")),
+    *numbers("ros", "pub", "sub", "srv", "cli", "act", "par"),
     Column("file:line", "dim", spare=1),
 )
 Kind = Annotated[str | None, option("--kind KIND", "Only executable, script, nodelet, component, plugin or class.")]

@@ -230,7 +230,6 @@ def node(  # noqa: PLR0913 - the options of a command
 def _instance(  # noqa: PLR0913 - the options of the command
     settings: Settings, name: str, launch: str | None, *, every: bool, picture: str | None, json: bool
 ) -> None:
-    """Show what one launch file makes of a node."""
     with reading(settings) as snapshot:
         chosen = starting_system(snapshot, name, launch)
         names = system_names(snapshot, named=[chosen])

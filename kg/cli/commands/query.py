@@ -285,7 +285,6 @@ def table(result: "Solutions", links: "Links | None" = None) -> None:
 def _add_places(
     rows: list[list[object]], result: "Solutions", at: "Mapping[str, int]", room: int, links: "Links | None"
 ) -> None:
-    """Add the place of each row, if there is room."""
     places = [(display(row[at["file"]]), display(row[at["line"]])) for row in result.rows]
     shown = fitted([f"{file}:{line}" if line else file for file, line in places], room)
     for row, (file, line), text in zip(rows, places, shown, strict=True):

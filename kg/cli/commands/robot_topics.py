@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from kg.cli.diagnostics import note, problem
 from kg.cli.options import Json, argument, option, seconds, with_settings
-from kg.cli.output import Column, json_lines, listing, terminal
+from kg.cli.output import Column, json_lines, listing, numbers, terminal
 from kg.errors import RobotError
 from kg.facts import Role
 from kg.lazily import lazily
@@ -41,10 +41,7 @@ with lazily():
 _NODES: Final = (
     Column("node", "name"),
     Column("state"),
-    Column("publishes", "number"),
-    Column("subscribes", "number"),
-    Column("services", "number"),
-    Column("actions", "number"),
+    *numbers("publishes", "subscribes", "services", "actions"),
     Column("where", "dim", spare=2),
     Column("problem", spare=1),
 )
@@ -59,8 +56,7 @@ _TOPICS: Final = (
     Column("type"),
     Column("publishers", spare=2),
     Column("subscribers", spare=1),
-    Column("messages", "number"),
-    Column("rate", "number"),
+    *numbers("messages", "rate"),
 )
 _RECORDED: Final = (
     Column("topic", "name"),

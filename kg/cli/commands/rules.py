@@ -14,7 +14,7 @@ import typer
 from kg.cli.completion import rules as rule_names
 from kg.cli.diagnostics import note, report, say
 from kg.cli.options import Json, RuleName, Store, argument, option, require_one_of, session, takes, with_settings
-from kg.cli.output import Column, json_lines, listing, make_table, show, terminal, write
+from kg.cli.output import Column, json_lines, listing, make_table, numbers, show, terminal, write
 from kg.errors import Exit, GraphError, Place, RuleError
 from kg.lazily import lazily
 from kg.render.text import count, printable
@@ -417,10 +417,7 @@ def element_table(rule: "RuleProfile") -> "Iterator[RenderableType]":
     """Yield the elements of a rule's bodies with their rows and seconds, in the order of the text."""
     several = any(element.part > 1 for element in rule.elements)
     columns = (
-        Column("run", "number"),
-        Column("rows in", "number"),
-        Column("rows out", "number"),
-        Column("seconds", "number"),
+        *numbers("run", "rows in", "rows out", "seconds"),
         *((Column("part", "number"),) if several else ()),
         Column("line", "number", spare=1),
         Column("element"),

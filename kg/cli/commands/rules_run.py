@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 from kg.cli.commands.rules import Chosen
 from kg.cli.diagnostics import note, say
 from kg.cli.options import Json, OutputFile, UpdateUrl, option, require_one_of, with_settings
-from kg.cli.output import Column, json_line, json_lines, listing, show, terminal, write_text
+from kg.cli.output import Column, json_line, json_lines, listing, numbers, show, terminal, write_text
 from kg.cli.supervising import supervise
 from kg.errors import UsageError
 from kg.lazily import lazily
@@ -42,18 +42,11 @@ with lazily():
 _CHANGES: Final = (Column("rule", "name"), Column("added", "number"), Column("removed", "number"))
 _COLUMNS: Final = (
     Column("rule", "name"),
-    Column("derived", "number"),
-    Column("seconds", "number"),
+    *numbers("derived", "seconds"),
     Column("rounds", "number", spare=1),
     Column("stratum", "number", spare=1),
 )
-_REMOTE_COLUMNS: Final = (
-    Column("stratum", "number"),
-    Column("derived", "number"),
-    Column("rounds", "number"),
-    Column("seconds", "number"),
-    Column("rules"),
-)
+_REMOTE_COLUMNS: Final = (*numbers("stratum", "derived", "rounds", "seconds"), Column("rules"))
 
 Full = Annotated[bool, option("--full", "Evaluate everything again, not only what changed.")]
 DryRun = Annotated[bool, option("--dry-run", "Write nothing.")]
@@ -180,8 +173,7 @@ _PROFILE: Final = (
     Column("rule", "name"),
     Column("seconds", "number"),
     Column("share", "number", spare=1),
-    Column("derived", "number"),
-    Column("rounds", "number"),
+    *numbers("derived", "rounds"),
     Column("stratum", "number", spare=1),
     Column("rules", "number", spare=1),
 )

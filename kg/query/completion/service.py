@@ -114,7 +114,6 @@ def variables(site: Site) -> Iterator[Candidate]:
 
 
 def _new_variables(site: Site) -> Iterator[Candidate]:
-    """Yield a variable name for the preceding aggregate."""
     aggregates = [token for token in site.typed.before if token.text.upper() in AGGREGATES]
     name = aggregates[-1].text.lower() if aggregates else "value"
     yield Candidate("?" + name, "?" + name, "variable", "?" + name, detail="a new variable")
@@ -133,7 +132,6 @@ def functions(site: Site) -> Iterator[Candidate]:
 
 
 def _aggregates(_site: Site) -> Iterator[Candidate]:
-    """Yield aggregates as columns."""
     for name, one in AGGREGATES.items():
         insert = f"({name}() AS ?{name.lower()})"
         detail = f"({one.arguments}) as a column"
@@ -141,7 +139,6 @@ def _aggregates(_site: Site) -> Iterator[Candidate]:
 
 
 def _stored(site: Site) -> Iterator[Candidate]:
-    """Yield the stored queries, if the text is otherwise empty."""
     if not site.typed.before and not site.typed.after:
         for one in site.stored():
             yield Candidate(one.name, one.text, "query", one.name, one.title, None, one.description, 3)

@@ -137,7 +137,6 @@ class Answer:
         return self.end is not None
 
     async def _receive(self) -> None:
-        """Receive one message."""
         assert self._process is not None  # noqa: S101 - a cached response is complete
         message = await self._process.receive()
         if message is None:
@@ -164,7 +163,6 @@ class Answer:
                 self._copied = None
 
     def _reason(self, process: Process) -> Exception:
-        """Return the reason why the connection closed."""
         if self.job.cause is not None:
             return self.job.cause
         if process.out_of_memory:

@@ -37,21 +37,8 @@ from kg.errors import KgError, QueryError
 from kg.lazily import lazily
 from kg.query.evaluation import Dataset, Evaluation, Window, prepare
 from kg.query.formats import unfit, write_boolean, write_graph, write_rows
+from kg.query.readers import messages
 from kg.query.readers.cache import Pointer
-from kg.query.readers.messages import (
-    Call,
-    Configuration,
-    End,
-    Head,
-    Message,
-    Progress,
-    Question,
-    Ready,
-    Refresh,
-    failure,
-    frame,
-    received,
-)
 from kg.settings import Settings, load
 from kg.store.embedded import EmbeddedStore
 from kg.store.layout import Layout
@@ -78,13 +65,13 @@ _HARD_LIMIT: Final = resource.getrlimit(resource.RLIMIT_AS)[1]
 
 def serve(requests: BinaryIO, answers: BinaryIO) -> None:
     """Answer `requests` until the end of the stream; the first message is a `Configuration`."""
-    configuration = received(requests)
-    if not isinstance(configuration, Configuration):
+    configuration = messages.received(requests)
+    if not isinstance(configuration, messages.Configuration):
         return
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     reader = _Reader(configuration, answers)
     reader.begin()
-    while (request := received(requests)) is not None:
+    while (request := messages.received(requests)) is not None:
         if not reader.answer(request):
             return
 
@@ -92,7 +79,7 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
 class _Reader:
     """Reader of one store; it writes responses to `answers`."""
 
-    def __init__(self, configuration: Configuration, answers: BinaryIO) -> None:
+    def __init__(self, configuration: messages.Configuration, answers: BinaryIO) -> None:
         self._configuration = configuration
         self._layout = Layout(Path(configuration.root), configuration.address)
         take_layout(self._layout)
@@ -104,23 +91,23 @@ class _Reader:
     def begin(self) -> None:
         """Open the current data and report that requests may be sent."""
         self._refresh()
-        self._send(Ready(os.getpid()))
+        self._send(messages.Ready(os.getpid()))
 
-    def answer(self, request: Message | bytes) -> bool:
+    def answer(self, request: messages.Message | bytes) -> bool:
         """Answer a request; return false if this process should not answer another one."""
         try:
-            if isinstance(request, Question):
+            if isinstance(request, messages.Question):
                 self._ask(request)
-            elif isinstance(request, Call):
+            elif isinstance(request, messages.Call):
                 self._call(request)
-            elif isinstance(request, Refresh):
+            elif isinstance(request, messages.Refresh):
                 self._refresh()
         except Exception as error:  # noqa: BLE001 - one request must not end the others
-            self._send(msgspec.structs.replace(failure(error, "query"), last=self._is_spent()))
+            self._send(msgspec.structs.replace(messages.failure(error, "query"), last=self._is_spent()))
             return not isinstance(error, MemoryError)
         return True
 
-    def _ask(self, question: Question) -> None:
+    def _ask(self, question: messages.Question) -> None:
         began = time.perf_counter()
         terms = {name: _term(name, text) for name, text in question.parameters.items()}
         prepared = prepare(question.text, terms, question.path)
@@ -133,12 +120,14 @@ class _Reader:
         kind = evaluation.kind
         if kind not in question.formats:
             raise unfit(kind, *sorted(set(question.formats.values())))
-        head = Head(kind, question.formats[kind], snapshot.identity, evaluation.variables, prepared.repeatable)
+        head = messages.Head(kind, question.formats[kind], snapshot.identity, evaluation.variables, prepared.repeatable)
         parts = Parts(self._answers, head, question.size)
         count, more = self._write(parts, head, evaluation, question)
         parts.end(self._end(count, began, more=more))
 
-    def _write(self, parts: Parts, head: Head, evaluation: Evaluation, question: Question) -> tuple[int, bool]:
+    def _write(
+        self, parts: Parts, head: messages.Head, evaluation: Evaluation, question: messages.Question
+    ) -> tuple[int, bool]:
         """Write the response; return the number of its rows, and whether there were more."""
         if isinstance(evaluation.result, bool):
             write_boolean(head.format, parts.take, value=evaluation.result)
@@ -151,14 +140,14 @@ class _Reader:
             write_rows(head.format, evaluation.variables, cast("Iterable[Row]", window), parts.take)
         return window.count, window.more
 
-    def _call(self, call: Call) -> None:
+    def _call(self, call: messages.Call) -> None:
         functions = import_module(self._configuration.calls).CALLS if self._configuration.calls else {}
         if call.name not in functions:
             raise QueryError("KG506", f"unknown view `{call.name}`")
         began = time.perf_counter()
         snapshot = self._current()
         result = functions[call.name](snapshot, self._settings, **call.arguments)
-        parts = Parts(self._answers, Head("json", "json", snapshot.identity, repeatable=False), None)
+        parts = Parts(self._answers, messages.Head("json", "json", snapshot.identity, repeatable=False), None)
         parts.take(msgspec.json.encode(result))
         parts.end(self._end(1, began))
 
@@ -166,16 +155,15 @@ class _Reader:
     def _settings(self) -> Settings:
         return load({"store": self._configuration.address or self._configuration.root, **self._configuration.settings})
 
-    def _end(self, count: int, began: float, *, more: bool = False) -> End:
+    def _end(self, count: int, began: float, *, more: bool = False) -> messages.End:
         """Return the end of a whole response."""
-        return End(count, time.perf_counter() - began, more, self._is_spent())
+        return messages.End(count, time.perf_counter() - began, more, self._is_spent())
 
     def _is_spent(self) -> bool:
         """Return whether to replace this process, as a request left it with much memory or running threads."""
         return _resident_bytes() > _LARGE_BYTES or threading.active_count() > self._threads
 
     def _current(self) -> EmbeddedSnapshot:
-        """Return a snapshot of the current data."""
         if self._snapshot is not None and self._snapshot.identity != self._pointer.snapshot():
             self._snapshot.close()
             self._snapshot = None
@@ -192,8 +180,8 @@ class _Reader:
         except (KgError, OSError):
             return
 
-    def _send(self, message: Message) -> None:
-        self._answers.write(frame(message))
+    def _send(self, message: messages.Message) -> None:
+        self._answers.write(messages.frame(message))
         self._answers.flush()
 
 
@@ -239,9 +227,9 @@ class Parts:
     Errors before the first part is full are found before anything is sent.
     """
 
-    def __init__(self, answers: BinaryIO, head: Head, most: int | None) -> None:
+    def __init__(self, answers: BinaryIO, head: messages.Head, most: int | None) -> None:
         self._answers = answers
-        self._head: Head | None = head
+        self._head: messages.Head | None = head
         self._most = most
         self._size = 0
         self._buffered: list[bytes] = []
@@ -258,13 +246,13 @@ class Parts:
         if self._buffered_bytes >= _PART_BYTES:
             self._send()
 
-    def end(self, end: End) -> None:
+    def end(self, end: messages.End) -> None:
         """Send the buffer and the end of the response as one piece."""
-        self._send(frame(end))
+        self._send(messages.frame(end))
 
     def _send(self, end: bytes = b"") -> None:
-        head = b"" if self._head is None else frame(self._head)
-        part = frame(b"".join(self._buffered)) if self._buffered else b""
+        head = b"" if self._head is None else messages.frame(self._head)
+        part = messages.frame(b"".join(self._buffered)) if self._buffered else b""
         self._answers.write(head + part + end)
         self._answers.flush()
         self._head, self._buffered, self._buffered_bytes = None, [], 0
@@ -281,7 +269,7 @@ class Pulse:
         """Send `count` if the last message is old enough."""
         now = time.monotonic()
         if now >= self._next:
-            self._answers.write(frame(Progress(count)))
+            self._answers.write(messages.frame(messages.Progress(count)))
             self._answers.flush()
             self._next = now + _PROGRESS_SECONDS
 
@@ -366,7 +354,6 @@ class _ForkServer:
 
 
 def _lower_priority(pid: int) -> None:
-    """Lower the priority of a reader."""
     with suppress(OSError):
         # On Linux, the niceness of a process applies to its first thread; that of a group applies to all threads.
         os.setpriority(os.PRIO_PGRP, pid, _NICENESS)

@@ -264,7 +264,6 @@ class Search:
                 self._extend(waiting, path, place)
 
     def _extend(self, waiting: _Waiting, path: Chain, place: int) -> None:
-        """Extend a path by its step at an index, and queue it for the step after that."""
         self.visited += 1
         self._queue(waiting, path, place + 1)
         step = self._follow(path)[place][2]
@@ -277,7 +276,6 @@ class Search:
             self._queue(waiting, grown, 0)
 
     def _queue(self, waiting: _Waiting, path: Chain, place: int) -> None:
-        """Queue a path for its step at an index."""
         follow = self._follow(path)
         if place < len(follow):
             bound, key, _ = follow[place]

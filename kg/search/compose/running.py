@@ -66,7 +66,6 @@ def steps_of(network: Network, request: ResolvedRequest, ros: int) -> Mapping[st
 
 
 def _through(part: Part, place: int, request: ResolvedRequest) -> Iterator[Step]:
-    """Yield the steps of a node."""
     is_required = place in request.named
     costs, key = knowledge().costs, f"{part.full_name} {part.repository}"
     base = costs.node if is_required else part_cost(part)
@@ -260,12 +259,10 @@ def _split(iri: str) -> tuple[str, str, str | None]:
 
 
 def _package_of(iri: str) -> str:
-    """Return the IRI of the package of a node."""
     return iri.replace("/node/", "/package/", 1).partition("#")[0].rpartition("/")[0]
 
 
 def _names(iri: str) -> tuple[str, str, str]:
-    """Return the repository, the package and the name of a node."""
     *repository, package, name = iri.partition("/node/")[2].partition("#")[0].split("/")
     return unquote("/".join(repository)), unquote(package), unquote(name)
 

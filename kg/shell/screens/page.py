@@ -309,7 +309,6 @@ def _add(parent: TreeNode[Line], lines: Sequence[Line]) -> None:
 
 
 def _label(line: Line) -> Text:
-    """Return the text of a line; colours carry no extra meaning."""
     parts: list[Any] = [printable(line.text)]
     if line.mark:
         parts += ["  ", (f"({line.mark})", "italic")]
