@@ -13,7 +13,6 @@ from kg.errors import QueryError
 from kg.query.result import Boolean, Graph, Result, Row
 from kg.query.writing import parquet
 from kg.query.writing.rows import BOOLEANS, ROWS
-from kg.query.writing.values import display, plain
 from kg.store.serialization import FORMATS, write_serialized
 from kg.syntax.names import PREFIXES
 
@@ -22,20 +21,6 @@ if TYPE_CHECKING:
 
     from pyoxigraph import Triple
 
-
-__all__ = [
-    "ALIASES",
-    "BOOLEAN_FORMATS",
-    "GRAPH_FORMATS",
-    "SOLUTION_FORMATS",
-    "display",
-    "plain",
-    "unfit",
-    "write",
-    "write_boolean",
-    "write_graph",
-    "write_rows",
-]
 
 SOLUTION_FORMATS: Final = ROWS
 """Formats of rows."""

@@ -15,9 +15,10 @@ from textual.message import Message
 from textual.widgets import DataTable, Static
 
 from kg.errors import Place, UsageError
-from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, display, write
+from kg.query.formats import BOOLEAN_FORMATS, GRAPH_FORMATS, SOLUTION_FORMATS, write
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.writing import parquet
+from kg.query.writing.values import display
 from kg.render.text import count, printable, width
 from kg.shell.actions import bindings
 from kg.syntax.names import PREFIXES, shorten

@@ -47,12 +47,12 @@ with lazily():
     from kg.pipeline.on_demand import with_family
     from kg.query.core import ask, suggestion
     from kg.query.evaluation import prepare
-    from kg.query.formats import display, plain
     from kg.query.formats import write as written
     from kg.query.result import Boolean, Graph, Result, Solutions
     from kg.query.stored import QueryParameter, StoredQuery, TermText, discover, find, read
     from kg.query.terms import unknown_terms
     from kg.query.writing import parquet
+    from kg.query.writing.values import display, plain
     from kg.views import whole
     from kg.views.stored import query_object
 

@@ -7,6 +7,7 @@ writes the launch file.
 
 from __future__ import annotations
 
-from kg.search.compose.running import Answer, Question, compose
+from kg.search.compose.results import Answer
+from kg.search.compose.running import Question, compose
 
 __all__ = ["Answer", "Question", "compose"]

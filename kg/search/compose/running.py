@@ -276,8 +276,6 @@ def _with_families(parts: list[Part]) -> list[Part]:
     ]
 
 
-__all__ = ["Answer", "Question", "compose", "searches"]
-
 LENGTH: Final = 4
 LIMIT: Final = 5
 _VERSIONS: Final = (1, 2)

@@ -18,9 +18,9 @@ from textual.widgets import Footer, Static, TabbedContent, TextArea
 
 from kg.errors import KgError
 from kg.lazily import lazily
-from kg.query.formats import display
 from kg.query.result import Boolean, Graph, Result, Solutions
 from kg.query.statements import statement_at, statements
+from kg.query.writing.values import display
 from kg.render.text import count, printable
 from kg.shell.actions import bindings
 from kg.shell.buffers import Buffer, Buffers

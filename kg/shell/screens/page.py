@@ -11,7 +11,7 @@ from pyoxigraph import BlankNode, NamedNode
 from rich.text import Text
 from textual.widgets import Footer, Static, Tree
 
-from kg.query.formats import display
+from kg.query.writing.values import display
 from kg.render.text import count, printable
 from kg.shell.delivery import deliver
 from kg.shell.screens.base import Acting, UpperScreen
