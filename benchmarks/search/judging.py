@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import bm25s
 
 from kg.evaluate.retrieval import Ranked, ndcg, read_needs, text_of_node
-from kg.search.lexicon import lexicon
 from kg.search.searching import Hit, Search
+from kg.search.words import lexicon
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -7,12 +7,21 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from typing import Final
 
 from kg.facts import Interface, LaunchParameter, NodeInstance, NodeReference, Remap, System
-from kg.impact.files import argument_about, argument_effects, declared_subjects, file_about, file_effects, file_mentions
+from kg.impact.files import (
+    HOLDING,
+    absolute_name,
+    argument_about,
+    argument_effects,
+    declared_subjects,
+    file_about,
+    file_effects,
+    file_mentions,
+    mentions,
+)
 from kg.impact.model import CHANNELS, Area, Effect, Grade, Impact, Kind, Subject, World, launch_effect, merged
 from kg.impact.nodes import node_about, node_effects
 from kg.impact.parameters import declared_settings, parameter_about, parameter_effects
 from kg.impact.started import End, area_of, ends_of, holding_effects, partners, started_effects, string_effects
-from kg.impact.texts import HOLDING, absolute_name, mentions
 from kg.impact.types import field_mentions, type_about, type_effects, type_mentions
 
 

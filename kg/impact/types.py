@@ -6,8 +6,8 @@ import re
 from typing import TYPE_CHECKING, Final
 
 from kg.facts import FileKind, Interface, Location
+from kg.impact.files import mentions
 from kg.impact.model import Area, DefinitionRecord, Effect, FileRecord, Grade, Kind, Subject, World
-from kg.impact.texts import mentions
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Mapping, Sequence

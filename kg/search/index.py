@@ -15,8 +15,7 @@ import numpy as np
 
 from kg.holes import anonymous
 from kg.search.folding import bare_name, groups, is_main, order
-from kg.search.lexicon import lexicon
-from kg.search.words import joined, name_terms, terms
+from kg.search.words import joined, lexicon, name_terms, terms
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

@@ -6,10 +6,9 @@ from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Final
 
 from kg.errors import UsageError
-from kg.search.lexicon import lexicon
 from kg.search.needs import Wish
 from kg.search.options import FILTERS
-from kg.search.words import content_terms, phrase
+from kg.search.words import content_terms, lexicon, phrase
 from kg.similar import did_you_mean
 
 if TYPE_CHECKING:

@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Final
 
-from kg.search.lexicon import lexicon
-from kg.search.words import content_terms, is_stop, joined, phrase, stem, words
+from kg.search.words import content_terms, is_stop, joined, lexicon, phrase, stem, words
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -15,10 +15,9 @@ from kg.holes import anonymous
 from kg.lazily import lazily
 from kg.search import cache
 from kg.search.index import MARKS, TESTS, own_words
-from kg.search.lexicon import lexicon
 from kg.search.names import Names, wishes
 from kg.search.needs import Need, parse
-from kg.search.words import terms
+from kg.search.words import lexicon, terms
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence

@@ -41,10 +41,8 @@ if TYPE_CHECKING:
     from kg.store.layout import Layout
 
 with lazily():
-    from kg.shell.screens.find import FindScreen
+    from kg.shell.screens.find import FindScreen, RulesScreen, SystemsScreen
     from kg.shell.screens.listing import HelpScreen
-    from kg.shell.screens.rules import RulesScreen
-    from kg.shell.screens.systems import SystemsScreen
 
 _THEME: Final = "textual-dark"
 _MOST_FAILURES: Final = 50

@@ -21,8 +21,8 @@ _SCREENS: Final[dict[str, list[Any]]] = {
     "page": ["page.PageScreen"],
     "find": ["find.FindScreen"],
     "list": ["listing.ListScreen", "listing.ChoiceScreen", "listing.FormScreen", "listing.ExportScreen"],
-    "rules": ["rules.RulesScreen"],
-    "systems": ["systems.SystemsScreen"],
+    "rules": ["find.RulesScreen"],
+    "systems": ["find.SystemsScreen"],
 }
 
 

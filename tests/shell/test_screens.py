@@ -9,7 +9,7 @@ from shell.driving import current, ended, opened, run_query, running, typed, unt
 from textual.command import CommandPalette
 from textual.widgets import Input, Markdown, OptionList, Tree
 
-from kg.shell.screens.find import FindScreen, HitTree
+from kg.shell.screens.find import FindScreen, HitTree, RulesScreen
 from kg.shell.screens.listing import (
     ChoiceScreen,
     ExportScreen,
@@ -20,7 +20,6 @@ from kg.shell.screens.listing import (
     StoredScreen,
 )
 from kg.shell.screens.page import PageScreen, PageTree, lines_of_row
-from kg.shell.screens.rules import RulesScreen
 from kg.shell.state import State
 from kg.shell.tree import KnowledgeTree
 
