@@ -13,12 +13,11 @@ from kg.lazily import lazily
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.facts import System
     from kg.settings import Settings
 
 with lazily():
     from kg.cli.commands.build import near
-    from kg.facts import LaunchProblemKind
+    from kg.facts import LaunchProblemKind, System
     from kg.pipeline.launch_names import assignments, check_given
     from kg.pipeline.launching import chosen, unread
     from kg.pipeline.variants import united, variants

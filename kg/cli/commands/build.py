@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from kg.corpus.files import Pin
     from kg.facts import Problem
-    from kg.graph.source_states import SourceState
     from kg.pipeline.inferring import Inferred
     from kg.pipeline.report import BuildReport, SourceReport
 
@@ -33,7 +32,7 @@ with lazily():
     from kg.cli.commands.corpus import entry_object, not_as_pinned, report_unfetched
     from kg.cli.progress import for_people, for_this_stream
     from kg.corpus.fetching.lock import checkouts, read_lock, standing
-    from kg.graph.source_states import sources
+    from kg.graph.source_states import SourceState, sources
     from kg.pipeline.build import build as run
     from kg.pipeline.estimating import estimate
     from kg.pipeline.pending import pending, rules_changed

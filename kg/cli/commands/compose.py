@@ -15,14 +15,13 @@ from kg.store.opening import existing
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kg.search.compose.results import Composed, Node
 
 with lazily():
     from kg.search.compose import Question
     from kg.search.compose import compose as composed
     from kg.search.compose.launching import launch_text
     from kg.search.compose.network import grouped
-    from kg.search.compose.results import composed_object
+    from kg.search.compose.results import Composed, Node, composed_object
 
 _LONGEST: Final = 6
 _MOST: Final = 4  # maximum number of copies and required types that are listed

@@ -22,21 +22,19 @@ from kg.render.text import count, printable
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.corpus.fetching.many import Fetched
-    from kg.corpus.selection.select import Selection
     from kg.query.stats import Counted
 
 
 with lazily():
     from kg.corpus.fetching.git import Limits
     from kg.corpus.fetching.lock import Entry, Lock, Standing
+    from kg.corpus.fetching.many import Fetched, pinned
     from kg.corpus.fetching.many import fetch as fetch_all
-    from kg.corpus.fetching.many import pinned
     from kg.corpus.fetching.one import Options
     from kg.corpus.fetching.wanted import read_wanted, wanted_among
     from kg.corpus.selection.criteria import default_criteria, read_criteria
     from kg.corpus.selection.data import read_dataset
-    from kg.corpus.selection.select import paper_figures
+    from kg.corpus.selection.select import Selection, paper_figures
     from kg.corpus.selection.select import select as selected_by
 
 

@@ -18,29 +18,25 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kg.graph.reading.systems import SystemName
-    from kg.graph.source_states import SourceState
     from kg.impact.model import Impact
-    from kg.launch.comparison import Difference, Side
     from kg.store.embedded import EmbeddedStore
-    from kg.views.evidence import Places
 
 
 with lazily():
     from kg.cli.links import Links
     from kg.cli.progress import for_people
     from kg.graph.reading.nodes import node_records
-    from kg.graph.reading.systems import system_names
-    from kg.graph.source_states import sources
+    from kg.graph.reading.systems import SystemName, system_names
+    from kg.graph.source_states import SourceState, sources
     from kg.impact import writing
-    from kg.launch.comparison import Sources, compare, report
+    from kg.launch.comparison import Difference, Side, Sources, compare, report
     from kg.pipeline.launch_names import matching, several_launches, unknown_launch
     from kg.pipeline.revisions import commit_and_work_tree, merge_base, resolve, revision_store
     from kg.render.system_graph import SystemGraph, system_graph
     from kg.render.system_svg import system_svg
     from kg.render.system_views import collapsed, near_changes, overlaid
     from kg.store.opening import existing, reading
-    from kg.views.evidence import places
+    from kg.views.evidence import Places, places
     from kg.views.impact import impact_of
     from kg.views.impact_changes import broken_between, compared_sources
 

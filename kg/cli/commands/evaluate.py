@@ -1,7 +1,7 @@
 """`kg eval`: how complete and how right the graph is, and how well nodes are found, as RNKG evaluates it; exercises."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,10 +13,6 @@ from kg.lazily import lazily
 from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing, reading
-
-if TYPE_CHECKING:
-    from kg.evaluate.linking import Ground
-
 
 with lazily():
     import asyncio
@@ -31,6 +27,7 @@ with lazily():
         runs_table,
         table,
     )
+    from kg.evaluate.linking import Ground
     from kg.evaluate.linking import forget as drop
     from kg.evaluate.linking import keep as add
     from kg.evaluate.references import Choice

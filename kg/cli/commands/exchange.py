@@ -20,7 +20,6 @@ from kg.similar import did_you_mean, unknown
 from kg.store.opening import existing, mirrored, reading, writable
 
 if TYPE_CHECKING:
-    from kg.pipeline.inferring import Inferred
     from kg.store.snapshot import EmbeddedSnapshot
 
 
@@ -33,7 +32,7 @@ with lazily():
     from kg.forms import size
     from kg.graph.iris import Iris
     from kg.pipeline.forgetting import forget as drop
-    from kg.pipeline.inferring import Inference
+    from kg.pipeline.inferring import Inference, Inferred
     from kg.pipeline.snapshots import publish as write
     from kg.pipeline.snapshots import pull as fetch
     from kg.pipeline.updating.ownership import protected_graphs

@@ -32,15 +32,12 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kg.facts import NodeInstance, System
-    from kg.render.system_graph import SystemGraph
-
 
 with lazily():
-    from kg.facts import Role, StartKind
+    from kg.facts import NodeInstance, Role, StartKind, System
     from kg.graph.reading.systems import included, system_names
     from kg.graph.records import instance_object
-    from kg.render.system_graph import system_graph
+    from kg.render.system_graph import SystemGraph, system_graph
     from kg.render.system_notations import system_lines, system_object, system_rows
     from kg.render.system_views import around, collapsed
 

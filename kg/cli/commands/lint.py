@@ -36,10 +36,6 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.lint.finding import Finding
-    from kg.lint.report import Report
-    from kg.lint.running import Checked
-
 
 with lazily():
     from kg.cli.commands.build import left_out
@@ -48,11 +44,11 @@ with lazily():
     from kg.cli.progress import for_this_stream
     from kg.graph.chains import chain_of
     from kg.lint.baseline import written
-    from kg.lint.finding import Evidence
+    from kg.lint.finding import Evidence, Finding
     from kg.lint.lines import Lines
     from kg.lint.objects import as_object, remark, spelled, suite_name, xunit
-    from kg.lint.report import merged
-    from kg.lint.running import check_store, read_folders
+    from kg.lint.report import Report, merged
+    from kg.lint.running import Checked, check_store, read_folders
     from kg.render.sarif import annotation, document
     from kg.views.names import require_package
 

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from kg.facts import InstanceInterface, Location, NodeInstance, System
     from kg.graph.reading.nodes import NodeRecord
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
 
 
 with lazily():
@@ -44,7 +43,7 @@ with lazily():
     from kg.graph.records import how_to_start, instance_object, node_object
     from kg.graph.source_states import sources
     from kg.render import node_graph
-    from kg.views.evidence import places
+    from kg.views.evidence import Places, places
     from kg.views.node_graph import node_relations
     from kg.views.wording import accesses, how, how_loaded, parameter_groups, quoted
 

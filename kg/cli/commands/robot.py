@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capabilities, Capability
     from kg.robot.connection import ComputationGraph
-    from kg.robot.live import Event
-    from kg.robot.live.asking import Subject
 
 
 with lazily():
@@ -33,8 +31,8 @@ with lazily():
     from kg.graph.source_states import sources
     from kg.robot.capabilities import added
     from kg.robot.connecting import address_of, look
-    from kg.robot.live import Watching
-    from kg.robot.live.asking import launched, of_package, running
+    from kg.robot.live import Event, Watching
+    from kg.robot.live.asking import Subject, launched, of_package, running
     from kg.rules.explain.export import proof_object
     from kg.rules.explain.text import proof_lines
     from kg.store.opening import writable

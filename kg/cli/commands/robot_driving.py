@@ -26,14 +26,13 @@ if TYPE_CHECKING:
 
     from kg.robot.capability import Capability
     from kg.robot.connection import ComputationGraph, Connection, GraphProblem
-    from kg.robot.driving import Outcome, Plan
 
 
 with lazily():
     from kg.cli.interruptible import interruptible
     from kg.robot.clock import within
     from kg.robot.connecting import address_of, connected, inhabited, is_recording, not_commanded
-    from kg.robot.driving import Driver, Watchdog, find
+    from kg.robot.driving import Driver, Outcome, Plan, Watchdog, find
     from kg.robot.driving.observing import Throttle
     from kg.robot.live import infer
     from kg.robot.programs.places import at_place, offered, read_places

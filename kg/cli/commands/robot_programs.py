@@ -20,8 +20,6 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
-    from kg.robot.programs.events import Ended
-    from kg.robot.programs.places import Places as PlacesByName
 
 
 with lazily():
@@ -38,10 +36,11 @@ with lazily():
     from kg.robot.programs.check import check as problems_of
     from kg.robot.programs.check import doubts
     from kg.robot.programs.converting import convert as code_of
-    from kg.robot.programs.events import Problem
+    from kg.robot.programs.events import Ended, Problem
     from kg.robot.programs.files import Loaded, encode, load, load_tree
     from kg.robot.programs.metrics import code_metrics, foreign_types
     from kg.robot.programs.metrics import metrics as program_metrics
+    from kg.robot.programs.places import Places as PlacesByName
     from kg.robot.programs.places import placed, read_places
     from kg.robot.programs.runner import execute, limited, seen
     from kg.robot.programs.tree import statements

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kg.robot.connection import ComputationGraph, GraphProblem
-    from kg.robot.parameters import NodeParameter
 
 
 with lazily():
@@ -34,7 +33,7 @@ with lazily():
     from kg.robot.clock import within
     from kg.robot.connecting import address_of, connected, inhabited, is_recording, look, not_commanded
     from kg.robot.live.systems import is_implicit
-    from kg.robot.parameters import find, parsed, read
+    from kg.robot.parameters import NodeParameter, find, parsed, read
     from kg.robot.parameters import write as write_parameter
 
 

@@ -26,9 +26,6 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from kg.rules.authoring.coverage import RuleCoverage
-    from kg.rules.authoring.differences import Changed, Difference
-    from kg.rules.authoring.library import Entry
-    from kg.rules.authoring.manual import Manual
     from kg.rules.authoring.profiling import RuleProfile
     from kg.rules.authoring.runs import Share
     from kg.rules.authoring.testing import Result
@@ -48,9 +45,9 @@ with lazily():
     from kg.pipeline.authoring import attempt
     from kg.pipeline.reasoning import ontology_schema
     from kg.rules import printing
-    from kg.rules.authoring.differences import difference, difference_objects
-    from kg.rules.authoring.library import Library
-    from kg.rules.authoring.manual import documented, entry_object, manual, manual_object
+    from kg.rules.authoring.differences import Changed, Difference, difference, difference_objects
+    from kg.rules.authoring.library import Entry, Library
+    from kg.rules.authoring.manual import Manual, documented, entry_object, manual, manual_object
     from kg.rules.authoring.naming import choose, find_rule
     from kg.rules.authoring.spelling import spell_term, spell_triple
     from kg.rules.authoring.starting import start

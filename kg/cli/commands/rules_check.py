@@ -26,25 +26,19 @@ from kg.store.opening import reading
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kg.pipeline.watching import Glance
-    from kg.rules.authoring.library import Entry
-    from kg.rules.authoring.testing import Result
-    from kg.rules.checks.finding import Finding
-    from kg.rules.checks.run import Read
-
 
 with lazily():
     from kg.cli.commands.rules import change_lines, difference_words, result_lines
     from kg.pipeline.reasoning import check_context, rule_folders
-    from kg.pipeline.watching import glances
+    from kg.pipeline.watching import Glance, glances
     from kg.render.sarif import annotation
     from kg.resources import folder
-    from kg.rules.authoring.library import Library
+    from kg.rules.authoring.library import Entry, Library
     from kg.rules.authoring.naming import choose
-    from kg.rules.authoring.testing import parted, result_object, run_examples
-    from kg.rules.checks.finding import as_object, remark, sarif
+    from kg.rules.authoring.testing import Result, parted, result_object, run_examples
+    from kg.rules.checks.finding import Finding, as_object, remark, sarif
+    from kg.rules.checks.run import Read, read_all
     from kg.rules.checks.run import check as run
-    from kg.rules.checks.run import read_all
     from kg.rules.folders import families_in_force
     from kg.rules.reading import packs
 

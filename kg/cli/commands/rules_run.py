@@ -16,7 +16,6 @@ from kg.store.opening import layout_of
 
 if TYPE_CHECKING:
     from kg.rules.remote.running import RemoteReport
-    from kg.rules.reports import RunReport
 
 
 with lazily():
@@ -35,7 +34,7 @@ with lazily():
     from kg.rules.authoring.runs import remote_objects, remote_strata, rule_runs, run_objects, shares
     from kg.rules.engine.limits import Limits
     from kg.rules.partitions import verdicts
-    from kg.rules.reports import nothing_changed
+    from kg.rules.reports import RunReport, nothing_changed
     from kg.store.opening import reading
 
 

@@ -21,8 +21,6 @@ from kg.store.opening import existing, reading, reading_with_cache
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from kg.search.searching import Answer, Hit, Search
-
 
 with lazily():
     import click
@@ -30,7 +28,7 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.graph.source_states import sources
-    from kg.search.searching import hit_object, open_search, search_of
+    from kg.search.searching import Answer, Hit, Search, hit_object, open_search, search_of
     from kg.search.wording import Question, near, question, understood, unknown
 
 

@@ -3,7 +3,7 @@
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -16,12 +16,9 @@ from kg.render.text import count
 from kg.settings import Settings
 from kg.store.opening import existing, layout_of, writable
 
-if TYPE_CHECKING:
-    from kg.pipeline.updating.changes import Updated
-
 with lazily():
     from kg.pipeline.updating.applying import apply
-    from kg.pipeline.updating.changes import Update
+    from kg.pipeline.updating.changes import Update, Updated
     from kg.pipeline.updating.restoring import restore as put_back
     from kg.store.backups import back_up
 

@@ -22,11 +22,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from kg.rules.explain.proof import Proof
-    from kg.rules.explain.text import Line
     from kg.rules.explain.view import View
     from kg.rules.form import Rule
     from kg.store.snapshot import EmbeddedSnapshot
-    from kg.views.evidence import Places
 
 
 with lazily():
@@ -39,9 +37,9 @@ with lazily():
     from kg.rules.explain.export import mermaid, proof_object, why_not_object
     from kg.rules.explain.picture import picture
     from kg.rules.explain.rows import why_row
-    from kg.rules.explain.text import proof_lines, why_not_lines
+    from kg.rules.explain.text import Line, proof_lines, why_not_lines
     from kg.rules.explain.why import why_all
-    from kg.views.evidence import places
+    from kg.views.evidence import Places, places
     from kg.views.why import absent, explaining
     from kg.views.wording import quoted
 
