@@ -13,7 +13,6 @@ from kg.cli.output import json_lines, line_width, shortened, show, terminal, wri
 from kg.cli.systems import Launch
 from kg.errors import UsageError
 from kg.facts import NodeKind, NodeType, Parameter, PluginSlot, Role
-from kg.graph.reading.classes import Classes
 from kg.lazily import lazily
 from kg.render.text import count, printable, some, width
 from kg.settings import Settings
@@ -38,7 +37,7 @@ with lazily():
 
     from kg.cli.links import Links
     from kg.graph.pictures import node_picture
-    from kg.graph.reading.classes import Class, classes
+    from kg.graph.reading.classes import Class, Classes, classes
     from kg.graph.reading.systems import system_names, systems
     from kg.graph.records import how_to_start, instance_object, node_object
     from kg.graph.source_states import sources
@@ -335,7 +334,6 @@ def _end(end: "InstanceInterface", repository: str) -> "Row":
 
 _MOST_DESCRIPTIONS: Final = 2  # maximum number of descriptions shown by default; the best come first
 _MOST_SOURCES: Final = 4
-_NO_CLASSES: Final = Classes()
 
 
 def node_view(  # noqa: PLR0913 - what is shown, and how much of it
@@ -346,7 +344,7 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     every: bool,
     via: bool = False,
     most: int | None = None,
-    classes: Classes = _NO_CLASSES,
+    classes: "Classes | None" = None,
 ) -> "tuple[RenderableType, ...]":
     """Return the output for a node at a width in columns; `every` adds the endpoints of frameworks.
 
@@ -356,9 +354,10 @@ def node_view(  # noqa: PLR0913 - what is shown, and how much of it
     If lines are too narrow for whole paths, their beginnings are cut; the links still lead to the file.
     """
     parts: list[RenderableType] = list(_type_header(record, links))
-    parts.append(Text.assemble(_field("function", ""), _listed(classes.functions) if classes.functions else "unknown"))
-    if classes.hardware or classes.devices:
-        parts.append(Text.assemble(_field("hardware", ""), _listed((*classes.hardware, *classes.devices))))
+    found = classes or Classes()
+    parts.append(Text.assemble(_field("function", ""), _listed(found.functions) if found.functions else "unknown"))
+    if found.hardware or found.devices:
+        parts.append(Text.assemble(_field("hardware", ""), _listed((*found.hardware, *found.devices))))
     texts = record.descriptions if every else record.descriptions[:_MOST_DESCRIPTIONS]
     for one in texts:
         place = Text.assemble(("  ", "dim"), place_text(one.location, record.repository, links))

@@ -26,7 +26,6 @@ from kg.cli.output import (
 )
 from kg.errors import QueryError, UsageError
 from kg.lazily import lazily
-from kg.query.formats import ALIASES, GRAPH_FORMATS, SOLUTION_FORMATS
 from kg.render.text import count, width
 from kg.settings import DECLARED, Settings
 from kg.similar import did_you_mean
@@ -225,6 +224,8 @@ def format_for(name: str) -> str:
 
     Raises QueryError: KG504 unknown format.
     """
+    from kg.query.formats import ALIASES, GRAPH_FORMATS, SOLUTION_FORMATS  # noqa: PLC0415 - start-up time
+
     if name == "auto":
         return "table" if terminal() else "tsv"
     full = ALIASES.get(name, name)

@@ -4,7 +4,6 @@ import sys
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Annotated, Final
 
-import msgspec
 import typer
 
 from kg.cli.completion import packages
@@ -26,6 +25,8 @@ if TYPE_CHECKING:
 
 with lazily():
     import asyncio
+
+    import msgspec
 
     from kg.cli.commands.why import print_tree
     from kg.graph.source_states import sources

@@ -1,6 +1,5 @@
 """`kg robot read` and `kg robot do`: what a robot senses, and making it act."""
 
-import asyncio
 import math
 import sys
 from collections import Counter
@@ -9,8 +8,6 @@ from dataclasses import dataclass
 from time import monotonic
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-import msgspec
-
 from kg.cli.diagnostics import note, report, say
 from kg.cli.options import Exclusive, Json, argument, frequency, option, whole, with_settings
 from kg.cli.options import seconds as seconds_of
@@ -18,7 +15,6 @@ from kg.cli.output import json_lines, json_value, terminal, write
 from kg.errors import CATALOGUE, RobotError, UsageError
 from kg.lazily import lazily
 from kg.render.text import count, printable
-from kg.robot.programs.names import AT
 from kg.settings import Settings
 
 if TYPE_CHECKING:
@@ -29,6 +25,10 @@ if TYPE_CHECKING:
 
 
 with lazily():
+    import asyncio
+
+    import msgspec
+
     from kg.cli.interruptible import interruptible
     from kg.robot.clock import within
     from kg.robot.connecting import address_of, connected, inhabited, is_recording, not_commanded
@@ -254,6 +254,8 @@ async def _write_in_time(
 
 
 async def _do(settings: Settings, name: str, chosen: "Doing") -> None:
+    from kg.robot.programs.names import AT  # noqa: PLC0415 - start-up time
+
     # Without `at`, the file is not read: landing must not fail because it is missing.
     own = read_places(settings.places) if AT in chosen.arguments else {}
     options = {"exclusive": chosen.exclusive, "on_problem": lambda one: warn(one, json=chosen.json)}
