@@ -22,8 +22,6 @@ from kg.render.text import count, printable
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kg.query.stats import Counted
-
 
 with lazily():
     from kg.corpus.fetching.git import Limits
@@ -46,7 +44,6 @@ FIGURE_COLUMNS: Final = (
     *(Column(_HEADS.get(name, name), "number") for name in STATISTICS),
 )
 """The columns of Table 2."""
-RNKG_COLUMNS: Final = (Column("as RNKG counts", "name"), Column("here", "number"), Column("RNKG", "number"))
 
 
 def step_rows(selection: "Selection") -> "Iterator[tuple[object, ...]]":
@@ -101,26 +98,6 @@ def selection_object(selection: "Selection") -> dict[str, Any]:
         },
         "addresses": list(selection.addresses()),
     }
-
-
-def rnkg_rows(ours: "Counted") -> "Iterator[tuple[str, str, str]]":
-    """Yield the figures of a graph as RNKG counts them, with those printed in the paper."""
-    for name, theirs in paper_figures().graph.items():
-        yield name.replace("_", " "), _plain(getattr(ours, name)), _plain(theirs)
-    for kind, number in ours.by_kind:
-        yield f"of these {kind}", _plain(number), "-"
-
-
-def _plain(value: float | None) -> str:
-    if value is None:
-        return "-"
-    return f"{value:,}" if isinstance(value, int) else f"{value:,.2f}".removesuffix(".00")
-
-
-def compared(ours: "Counted") -> dict[str, Any]:
-    """Return these figures as plain values for JSON."""
-    plain = asdict(ours) | {"by_kind": dict(ours.by_kind)}
-    return {"here": plain, "paper": dict(paper_figures().graph)}
 
 
 _MOST_JOBS: Final = 64  # no server is asked for more at a time
