@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kg.search.documents import Document, PackageDocument, Text
+    from kg.search.index import Floats
     from kg.search.needs import Alternative, Wish, Wording
     from kg.store.embedded import EmbeddedStore
     from kg.store.snapshot import EmbeddedSnapshot
 
 
 with lazily():
-    from kg.search.index import Columns, Floats, Index, build
+    from kg.search.index import Columns, Index, build
     from kg.search.reading import read
 
 

@@ -34,6 +34,7 @@ from kg.store.opening import reading_all
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from kg.query.result import Result
     from kg.store.snapshot import EmbeddedSnapshot
 
 
@@ -47,7 +48,7 @@ with lazily():
     from kg.query.core import ask, suggestion
     from kg.query.evaluation import prepare
     from kg.query.formats import write as written
-    from kg.query.result import Boolean, Graph, Result, Solutions
+    from kg.query.result import Boolean, Graph, Solutions
     from kg.query.stored import QueryParameter, StoredQuery, TermText, discover, find, read
     from kg.query.terms import unknown_terms
     from kg.query.writing import parquet

@@ -20,6 +20,7 @@ from kg.settings import Settings
 if TYPE_CHECKING:
     from kg.robot.capability import Capabilities
     from kg.robot.connection import ComputationGraph
+    from kg.robot.programs.places import Places as PlacesByName
 
 
 with lazily():
@@ -40,7 +41,6 @@ with lazily():
     from kg.robot.programs.files import Loaded, encode, load, load_tree
     from kg.robot.programs.metrics import code_metrics, foreign_types
     from kg.robot.programs.metrics import metrics as program_metrics
-    from kg.robot.programs.places import Places as PlacesByName
     from kg.robot.programs.places import placed, read_places
     from kg.robot.programs.runner import execute, limited, seen
     from kg.robot.programs.tree import statements
